@@ -6,7 +6,7 @@ first: it names the stages in the order of the paper. Then read the files of the
 `floors`, `place_recognition`, `verification`, the subpackage `graph`, `planner`, and `merging` (of two maps). `types.py`
 defines the data that passes between the stages, `config.py` the settings of the stages. The subpackages support the stages:
 
-- `sight`: labels and rooms by what the images show (the default; `room_labels` and `room_segmentation` hold the paper's).
+- `sight`: labels and rooms by what the images show (the default; `room_labels` and `room_segmentation` are as in the paper).
 - `graph`: the pose graph and its optimisation.
 - `encoder`: the vision-language model that turns images and room names into vectors.
 - `datasets`: recorded runs as input.

@@ -1,6 +1,6 @@
-"""The console script `lexis`: maps from recorded runs, with no simulator.
+"""The console script `lexis`, which makes maps from recorded runs and works with them. It needs no simulator.
 
-Exit status: 0 on success, 2 on bad input, with one line on stderr that says what would be valid.
+The exit status is 0 on success. On bad input it is 2, and one line on stderr says what would be valid.
 """
 
 import argparse
@@ -73,7 +73,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def parser() -> Parser:
-    """The parser of all commands."""
+    """Return the parser of all commands."""
     root = Parser(
         "lexis",
         description="Indoor SLAM that understands language: rooms, floors, loops and plans from RGB and odometry.",
@@ -194,7 +194,7 @@ def _add_config(commands: Commands) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    # Late imports: torch takes seconds, and the other commands do without.
+    # Imported here, because loading torch takes seconds and the other commands do not need it.
     from rich.console import Console
     from rich.progress import track
 
@@ -235,7 +235,7 @@ def _merge(arguments: argparse.Namespace) -> int:
 
 
 def _with_features(folder: Path) -> LexisMap:
-    """Load a map to which a session can be added. Raises MapError if it has no key points, which show places again."""
+    """Load a map to which a session can be added. Raises MapError if the map has no key points to recognise places by."""
     lexis_map = load_map(folder)
     if not any(len(keyframe.features.keypoints) for keyframe in lexis_map.keyframes):
         raise MapError(f"{folder}: the map has no key points to recognise places by; valid: a map of images, with features")
@@ -278,7 +278,7 @@ def _plan(arguments: argparse.Namespace) -> int:
 
 
 def _goal(lexis_map: LexisMap, text: str, calibration: Path | None) -> str:
-    """The name of the goal: `text` itself if it names rooms of the map or is one word, else the room that it describes."""
+    """Return `text` if it is one word or names rooms of the map; otherwise, return the name of the room it describes."""
     if find_rooms(lexis_map.rooms, text) or len(text.split()) < 2:
         return text
     from lexis.query.calibration import find_calibration
@@ -345,7 +345,7 @@ def _count(number: int, noun: str) -> str:
 
 
 def _map_encoder(lexis_map: LexisMap, asked: str | None) -> "OpenClipEncoder":
-    """The requested encoder, or the encoder that made the map if none was requested."""
+    """Load the requested encoder, or the encoder that made the map if none was requested."""
     try:
         return _encoder(asked or lexis_map.encoder.name)
     except EncoderError as error:

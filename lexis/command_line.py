@@ -22,7 +22,8 @@ Command: TypeAlias = Callable[[argparse.Namespace], int]
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
 
 MAX_LINE = 400
-"""Longest message on stderr, in characters. Longer ones are shortened, because a quoted value may have megabytes."""
+"""Longest message on stderr, in characters. Longer messages are shortened, because a message may quote a value of several
+megabytes."""
 
 _BROKEN_PIPE, _INTERRUPTED = 141, 130
 """Exit statuses after a broken pipe and after an interruption, as shells define them: 128 plus the number of the signal."""
@@ -40,7 +41,8 @@ class Parser(argparse.ArgumentParser):
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
         """Refuse unknown arguments in the command's own parser, so that the message points to the command's own help.
 
-        By default, argparse refuses them in the parser of the whole program, whose help does not list the valid arguments.
+        By default, argparse refuses unknown arguments in the parser of the whole program, whose help does not list the
+        arguments of the command.
         """
         known, unknown = super().parse_known_args(args, namespace)
         if unknown:
@@ -54,7 +56,10 @@ class Parser(argparse.ArgumentParser):
 
 
 def add_command(commands: Commands, name: str, command: Command, help: str, example: str) -> Parser:
-    """Add a command that calls the function `command`, with `example` in its help. Returns its parser, to add arguments."""
+    """Add a command that calls the function `command`, and return the command's parser, to which arguments can be added.
+
+    The help of the command shows `example`.
+    """
     formatter = argparse.RawDescriptionHelpFormatter
     parser = commands.add_parser(name, help=help, description=f"{help[0].upper()}{help[1:]}.", formatter_class=formatter)
     parser.epilog = f"example:\n  {example}"
@@ -129,9 +134,10 @@ def _drop_output() -> None:
 
 
 def warn_of_replacement(out: Path, *markers: str) -> None:
-    """Before long work, check that `out` can be replaced, and print a note if it holds an earlier result.
+    """Check before long work that `out` can be replaced, and print a note if `out` holds an earlier result.
 
-    Any of the files `markers` in the folder identifies an earlier result. Raises LexisError as `check_replaceable` does.
+    A folder holds an earlier result if it contains any of the files `markers`. Raises LexisError as `check_replaceable`
+    does.
     """
     check_replaceable(out, *markers)
     if any((out / marker).is_file() for marker in markers):

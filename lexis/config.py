@@ -1,7 +1,7 @@
 """Settings of LEXIS: one frozen dataclass per stage, with defaults that work; `Config` holds them all.
 
-Valid ranges stand beside the fields. A bad value is refused when the settings are created or read, not in the middle of a
-run.
+The annotation of each field declares the valid values. A value that is not valid is refused when the settings are created or
+read, and not in the middle of a run.
 """
 
 from dataclasses import dataclass, field
@@ -51,7 +51,8 @@ class LandmarkConfig(Settings, place="landmarks", error=ConfigError):
     min_views: Annotated[int, Ge(2)] = 3
     """Least number of images, the keyframe's own included, that must agree on a landmark."""
     min_parallax_rad: Annotated[float, Interval(gt=0, lt=1)] = 0.026
-    """Smallest parallax of a landmark, the largest angle between two of its viewing rays [rad]; by default 1.5 degrees."""
+    """Least parallax of a landmark [rad], which is the largest angle between any two of its viewing rays. The default is 1.5
+    degrees."""
     max_reprojection_px: Annotated[float, Gt(0)] = 1.5
     """Largest reprojection error of a landmark in any view [px]."""
 
@@ -67,8 +68,9 @@ class LabelConfig(Settings, place="labels", error=ConfigError):
     neighbours: Annotated[int, Ge(1)] = 5
     """Number of nearest keyframes that vote on the label of a keyframe (C in the paper, there 3 to 7)."""
     every: Annotated[int, Ge(1)] = 9
-    """Largest number of new keyframes between two refinements of the labels (K in the paper, there 7 to 12). Labels are also
-    refined after every optimisation. Only if loops are searched by room are labels refined before the map is finished."""
+    """Labels are refined during the run whenever the number of keyframes is a multiple of this number (K in the paper, there
+    7 to 12), and after every optimisation. Only place recognition by room needs this; with the other methods, labels are
+    refined only when a map is made."""
     stairs_name: Annotated[str, MinLen(1)] = "stairs"
     """The room name that keyframes on stairs get. If the user's room names lack it, stairs are not detected."""
     stairs_window_m: Annotated[float, Gt(0)] = 2.0
@@ -82,8 +84,8 @@ class SegmentationConfig(Settings, place="segmentation", error=ConfigError):
     """Settings for clustering keyframes into rooms and floors (paper, Sec. III-C)."""
 
     method: Literal["distance", "sight"] = "sight"
-    """What joins keyframes of one label to a room. sight: whether they see each other's places; see `lexis.sight`. distance:
-    their distances, as in the paper."""
+    """How keyframes of one label are joined to rooms. sight: by whether they see each other's places; see `lexis.sight`.
+    distance: by their distances, as in the paper."""
     distance_m: Annotated[float, Gt(0)] = 3.0
     """A keyframe joins a cluster of its label only if the cluster's mean position is within this distance [m]."""
     adjacency_m: Annotated[float, Gt(0)] = 1.5
@@ -98,23 +100,28 @@ class SightConfig(Settings, place="sight", error=ConfigError):
     """Settings for labels and rooms from the free space that the images show (beyond the paper)."""
 
     range_m: Annotated[float, Interval(gt=0, le=100)] = 8.0
-    """Largest distance of a landmark from the camera; the space before farther landmarks does not count as seen [m]."""
+    """Largest distance of a landmark from the camera [m]. The space between the camera and farther landmarks does not count
+    as seen."""
     near_m: Annotated[float, Gt(0)] = 0.7
     """Distance from a keyframe within which visible space belongs to the place of this keyframe [m]."""
     temperature: Annotated[float, Gt(0)] = 0.063
     """The similarities of an image are divided by this before the softmax that converts them to probabilities."""
     least_probability: Annotated[float, Interval(gt=0, lt=1)] = 1e-4
-    """Is added to the probabilities of an image, so that no image can rule out a label."""
+    """Constant that is added to the label probabilities of an image, so that no image can rule out a label."""
     own_weight: Annotated[float, Ge(0)] = 0.6
-    """Weight of a keyframe's own image, in addition to the share of its visible space near the keyframe."""
+    """Additional weight of a keyframe's own image in the label of the keyframe. Each image, the own one included, already
+    has as weight the share of its visible space that lies near the keyframe."""
     neighbour_weight: Annotated[float, Ge(0)] = 4.0
-    """Weight of the beliefs of the neighbours in sight, relative to the evidence of the images."""
+    """Weight of the label probabilities of the keyframes that see a keyframe's place, relative to the evidence of the
+    images."""
     passes: Annotated[int, Ge(0)] = 3
-    """Number of passes of opinion pooling, in which neighbours in sight come to agree."""
+    """Number of passes of opinion pooling, in which keyframes come to agree with the keyframes that see their places."""
     share: Annotated[float, Interval(ge=0, lt=1)] = 0.06
-    """A keyframe sees the place of another one if more than this share of its visible space lies there."""
+    """A keyframe sees the place of another keyframe if more than this share of its visible space lies near the other
+    keyframe."""
     min_keyframes: Annotated[int, Ge(1)] = 3
-    """A room of fewer keyframes is absorbed by the room with which it shares most sight."""
+    """Least number of keyframes of a room. A smaller room is absorbed by the larger room of its floor that it sees, or is
+    seen from, most."""
 
 
 @dataclass(frozen=True)
@@ -122,9 +129,9 @@ class PlaceRecognitionConfig(Settings, place="place_recognition", error=ConfigEr
     """Settings for proposing loop candidates (paper, Sec. III-D)."""
 
     method: Literal["probability", "room", "similarity"] = "probability"
-    """Which keyframes are proposed. probability: those that the new keyframe revisits most probably, by image and estimated
-    pose. room: the most similar ones of the closest room that the image's label names, as in the paper. similarity: the most
-    similar ones of all."""
+    """How loop candidates are chosen. probability: the keyframes whose place the new keyframe shows most probably, by the
+    similarity of the images and by the estimated poses. room: as in the paper, the keyframes with the most similar images in
+    the closest room that has the label of the new image. similarity: the keyframes with the most similar images of all."""
     candidates: Annotated[int, Ge(0)] = 10
     """Largest number of loop candidates that are proposed for one query, which is a new keyframe."""
     min_gap_s: Annotated[float, Ge(0)] = 10.0
@@ -132,8 +139,8 @@ class PlaceRecognitionConfig(Settings, place="place_recognition", error=ConfigEr
     min_gap_m: Annotated[float, Ge(0)] = 5.0
     """Least length of the path between a loop candidate and the query, which is the new keyframe [m]."""
     least_probability: Annotated[float, Interval(gt=0, lt=1)] = 0.005
-    """Least probability of a revisit at which the method "probability" proposes candidates. A false candidate costs a
-    verification, which is cheap beside a loop that is not found."""
+    """Least probability of a revisit at which the method "probability" proposes candidates. It is low, because a false
+    candidate only costs a verification, but a missing candidate can cost a loop."""
     log_odds: Annotated[float, Interval(ge=-100, le=100)] = -4.19
     """Log odds of a revisit if the similarity of the images is 0 and the estimated poses are equal. This setting and the
     next one are fitted to the encoder `mini`."""
@@ -144,7 +151,8 @@ class PlaceRecognitionConfig(Settings, place="place_recognition", error=ConfigEr
     place_rad: Annotated[float, Gt(0)] = 0.24
     """Estimated angle that lowers the log odds by 1 [rad]; they fall with its square."""
     lost_log_odds: Annotated[float, Ge(0)] = 12.4
-    """Largest reduction of the log odds by distance and angle, because the estimate may be wrong altogether."""
+    """Largest amount by which the estimated distance and angle can lower the log odds of a revisit. The amount is limited,
+    because the estimated pose may be completely wrong."""
 
 
 @dataclass(frozen=True)
@@ -203,9 +211,10 @@ class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
     paper. gnc: graduated non-convexity with truncated least squares (Yang et al., 2020), which solves the graph many times:
     it starts with equal trust in all loops, and lowers the weights of those that do not fit. huber: the Huber kernel. none:
     least squares."""
-    outlier_threshold: Annotated[float, Gt(0)] = 12.6
-    """Squared whitened residual above which the kernel down-weights a loop edge. The default is the 0.95 quantile of chi²
-    with 6 degrees of freedom."""
+    outlier_threshold: Annotated[float, Gt(0)] = 60.0
+    """Squared whitened residual above which the kernel down-weights a loop edge. The default is well above the 0.95 quantile
+    of chi² with 6 degrees of freedom, 12.6, because the stated covariances leave out errors that landmarks have in common:
+    with 12.6, 1 to 5 % of the true loops are rejected (sim/pages/pose-graphs.md)."""
     every: Annotated[int, Ge(1)] = 10
     """Least number of keyframes between two optimisations of the graph."""
     window: Annotated[int, Ge(1)] = 100
@@ -215,9 +224,9 @@ class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
     map is finished. The time per keyframe thus hardly grows with the graph. With 0, every optimisation is of the whole
     graph."""
     copies: Annotated[int, Ge(1)] | None = 3
-    """A keyframe retires if this many keyframes of earlier visits show its place, within 1 m and 0.5 rad: it is no longer
-    moved by itself, and is no loop candidate. The graph thus grows with the area that is walked and not with the time. None:
-    no keyframe retires. See `lexis.graph.thinning`."""
+    """A keyframe may retire from the optimisation if this many keyframes of earlier visits show its place, within 1 m and
+    0.5 rad. Its pose relative to one of these keyframes is then fixed, and it is no loop candidate any more. The graph thus
+    grows with the area that is walked and not with the time. None: no keyframe retires. See `lexis.graph.thinning`."""
     min_rotation_sigma_rad: Annotated[float, Gt(0)] = 1e-4
     """Error that is added in quadrature to the standard deviation of an odometry step's rotation, because the odometry
     may state a deviation of 0 [rad]."""
@@ -233,13 +242,15 @@ class SessionConfig(Settings, place="sessions", error=ConfigError):
     """Settings for joining a session to the rest of the map (beyond the paper)."""
 
     candidates: Annotated[int, Ge(0)] = 10
-    """Number of keyframes of other sessions that are compared with each keyframe of a session that is not joined yet."""
+    """Number of keyframes in other components of the map that are compared with each new keyframe, as long as the map has
+    several components."""
     agreeing: Annotated[int, Ge(2)] = 3
     """Least number of keyframes whose loop edges must agree on the relative pose before two sessions are joined."""
     span_m: Annotated[float, Ge(0)] = 1.0
-    """Least length of the path between the first and the last of these keyframes [m]."""
+    """Least length of the path between the first and the last of the keyframes whose loop edges agree [m]."""
     window_m: Annotated[float, Gt(0)] = 20.0
-    """Largest length of the path from these keyframes to the current one [m]. Older loop edges are forgotten."""
+    """Largest length of the path from a keyframe with loop edges to the current keyframe [m]. Older loop edges are
+    forgotten."""
 
 
 @dataclass(frozen=True)
@@ -269,7 +280,7 @@ class Config(Settings, place="lexis", error=ConfigError):
 
     @property
     def by_sight(self) -> bool:
-        """Whether labels or rooms are found by sight."""
+        """Whether the labels, the segmentation into rooms, or both use the method "sight" (see `lexis.sight`)."""
         return "sight" in (self.labels.method, self.segmentation.method)
 
     def __post_init__(self) -> None:
@@ -290,7 +301,7 @@ PAPER = Config(
     segmentation=SegmentationConfig(method="distance"),
     place_recognition=PlaceRecognitionConfig(method="room", candidates=5),
 )
-"""LEXIS with the methods of the paper where the defaults use others."""
+"""Settings with the methods of the paper in place of the defaults that differ from the paper."""
 
 
 def read_config(path: Path) -> Config:

@@ -17,7 +17,7 @@ class FeatureExtractor:
         self._akaze = cv2.AKAZE.create(threshold=config.akaze_threshold, max_points=config.max_features)
 
     def extract(self, image: Image) -> Features:
-        """Key points and descriptors of an RGB image; a bare wall may have none."""
+        """Return key points and descriptors of an RGB image. An image without texture may have none."""
         grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
         keypoints, descriptors = self._akaze.detectAndCompute(grey, None)
         if not keypoints:
@@ -56,7 +56,10 @@ def mutual_matches(
 def _two_nearest(
     queries: UInt8[np.ndarray, "n bytes"], train: UInt8[np.ndarray, "m bytes"], allowed: Bool[np.ndarray, "n m"] | None
 ) -> tuple[Int[np.ndarray, "n 2"], Int[np.ndarray, "n 2"]]:
-    """Distances and rows of the two nearest neighbours; a missing neighbour has the largest int32 as distance and row -1."""
+    """Return distances and rows of the two nearest neighbours.
+
+    A missing neighbour has the largest int32 as distance, and row -1.
+    """
     mask = None if allowed is None else np.ascontiguousarray(allowed, dtype=np.uint8)
     if len(train) == 1:  # OpenCV needs at least as many rows as neighbours: add a masked copy
         train = np.repeat(train, 2, axis=0)

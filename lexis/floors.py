@@ -16,7 +16,7 @@ MIN_KEYFRAMES = 4
 
 
 def floor_levels(stairs: Bool[np.ndarray, "n"], height: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
-    """Number of the floor of every keyframe, 0 for the lowest and -1 on stairs.
+    """Return the number of the floor of every keyframe, 0 for the lowest floor and -1 on stairs.
 
     1. Divide the walk into level stretches between stairs.
     2. Give every stretch a height by summing the height differences over the stairs before it. Height changes within a
@@ -39,7 +39,10 @@ def floor_levels(stairs: Bool[np.ndarray, "n"], height: Float64[np.ndarray, "n"]
 
 
 def _heights_over_stairs(stretches: list[Stretch], height: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "k"]:
-    """Height of every stretch relative to the first, summed over the stairs between them [m]."""
+    """Return the height of every level stretch relative to the first stretch [m].
+
+    It is the sum of the height differences over the stairs between the two; height changes within stretches are left out.
+    """
     steps = [height[b.start] - height[a.stop - 1] for a, b in pairwise(stretches)]
     return np.concatenate([[0.0], np.cumsum(steps)])
 

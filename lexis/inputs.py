@@ -1,4 +1,7 @@
-"""Checks of everything that is passed to LEXIS, made once at its entry, so that the stages need no checks of their own."""
+"""Checks of everything that users of LEXIS pass to it.
+
+The checks are made once, where the data come in, so that the stages need no checks of their own.
+"""
 
 import math
 from collections import Counter
@@ -51,7 +54,8 @@ def check_camera(camera: Camera) -> None:
 def check_room_names(names: Sequence[str]) -> None:
     """Raise LexisError unless there are 1 to `MAX_ROOM_NAMES` unique names, all of them printable and short enough.
 
-    Room names are looked up without regard to case and outer blanks, so two names may not differ in these alone.
+    A room is looked up without regard to case and outer blanks. Names may therefore not differ in case alone, and may not
+    begin or end with a blank.
     """
     if isinstance(names, str):
         raise LexisError(f"room names are a single string {names!r}; valid: a sequence of names, such as ({names!r},)")
@@ -62,10 +66,13 @@ def check_room_names(names: Sequence[str]) -> None:
         raise LexisError(
             f"room names {unusable} are unusable; valid: names of printable characters, not blank, up to {MAX_NAME_LENGTH}"
         )
-    count = Counter(name.strip().lower() for name in names)
+    padded = [name for name in names if name != name.strip()]
+    if padded:
+        raise LexisError(f"room names {padded} begin or end with a blank; valid: names without blanks at their ends")
+    count = Counter(name.lower() for name in names)
     twice = sorted(name for name, times in count.items() if times > 1)
     if twice:
-        raise LexisError(f"room names {twice} occur more than once; valid: unique names, ignoring case and outer blanks")
+        raise LexisError(f"room names {twice} occur more than once; valid: unique names, ignoring case")
 
 
 def check_observation(
@@ -73,8 +80,8 @@ def check_observation(
 ) -> None:
     """Raise ObservationError unless image, pose and covariance are usable and the stamp is later than the previous one.
 
-    An observation that passes these checks makes no later stage fail.
-    `embedding_size` is the length of the encoder's embeddings; the embedding of a percept must have the same length.
+    No later stage fails on an observation that passes these checks. `embedding_size` is the length of the encoder's
+    embeddings; the embedding of a percept must have the same length.
     """
     where = f"observation {observation.index}"
     if isinstance(observation.image, Percept):
@@ -95,9 +102,10 @@ def check_observation(
 
 
 def with_copied_geometry(observation: Observation) -> Observation:
-    """The observation with copies of its pose, covariance and points, because the caller may reuse the original arrays.
+    """Return the observation with copies of its pose, covariance and points.
 
-    The image is not copied, because LEXIS keeps no image after the observation is processed.
+    The copies are needed because the caller may reuse the original arrays. The image is not copied, because LEXIS keeps no
+    image after the observation is processed.
     """
     image, covariance = observation.image, observation.increment_covariance.copy()
     if isinstance(image, Percept):
@@ -122,7 +130,7 @@ def usable_covariances(matrices: Float64[np.ndarray, "*batch 6 6"]) -> Bool[np.n
 
 
 def pixels(observation: Observation) -> Image:
-    """The image of an observation. Raises ObservationError if the observation holds a percept instead."""
+    """Return the image of an observation. Raises ObservationError if the observation holds a percept instead."""
     if isinstance(observation.image, Percept):
         raise ObservationError(f"observation {observation.index} has a percept but no image; valid: an image")
     return observation.image

@@ -78,7 +78,7 @@ class KeyframeWindow:
 
 
 def _with_points(triangulated: Landmarks, observation: Observation) -> Landmarks:
-    """The landmarks, and the points of the observation's percept as further landmarks without key points."""
+    """Return the landmarks, followed by the points of the observation's percept as landmarks without key points."""
     seen = observation.image
     if not isinstance(seen, Percept) or not len(seen.points):
         return triangulated

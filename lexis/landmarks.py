@@ -31,7 +31,8 @@ _ITERATIONS = 4
 _DAMPING = 1e-12
 """Damping that is added to a Hessian in Gauss-Newton, as a share of the Hessian's trace."""
 _FIRST_FIT_TOLERANCE = 3.0
-"""Factor by which the allowed reprojection error is larger after the first fit, which one wrong view can spoil."""
+"""Factor by which the largest allowed reprojection error is larger after the first fit, because one wrong view can spoil
+this fit."""
 
 Thetas = Float64[np.ndarray, "n 3"]
 
@@ -59,7 +60,7 @@ class _Tracks:
         return replace(self, pixels=self.pixels[rows], seen=self.seen[rows])
 
     def homogeneous(self, theta: Thetas) -> Float64[np.ndarray, "n views 3"]:
-        """Homogeneous position ``q`` of every point in every view: its position in that camera times ``rho``."""
+        """Return the homogeneous position ``q`` of every point in every view: its position in that camera times ``rho``."""
         ray = np.concatenate([theta[:, :2], np.ones((len(theta), 1))], axis=1)
         rotated = np.einsum("vij,nj->nvi", self.T_V_R[:, :3, :3], ray)
         return np.asarray(rotated + theta[:, None, 2:] * self.T_V_R[:, :3, 3])
@@ -89,7 +90,10 @@ def triangulate(reference: View, supports: Sequence[View], camera: Camera, confi
 
 
 def _match(reference: View, supports: Sequence[View], camera: Camera, config: LandmarkConfig) -> _Tracks:
-    """Match the reference to every support far enough away, only near the epipolar lines."""
+    """Match the key points of the reference to those of every support, only near the epipolar lines.
+
+    Supports closer to the reference than `_MIN_BASELINE_M` get no matches.
+    """
     T_O_C = np.stack([view.T_O_B @ camera.T_B_C for view in (reference, *supports)])
     T_V_R = between(T_O_C, T_O_C[0])
     keypoints, descriptors = reference.features.keypoints, reference.features.descriptors
@@ -110,10 +114,10 @@ def _match(reference: View, supports: Sequence[View], camera: Camera, config: La
 def _epipolar_distances(
     reference: Float32[np.ndarray, "n 2"], support: Float32[np.ndarray, "m 2"], T_S_R: Pose, intrinsics: Intrinsics
 ) -> Float32[np.ndarray, "n m"]:
-    """Distances of the support's key points from the epipolar lines of the reference's key points [px].
+    """Return the distances of the support's key points from the epipolar lines of the reference's key points [px].
 
-    The sum is written term by term, because a matrix product would wake the threads of BLAS. Their spinning costs more than
-    the product itself, and twenty times as much on busy cores.
+    The sum is written term by term, because a matrix product would wake the threads of BLAS. These threads keep a core busy
+    while they wait, which costs more than the product itself, and twenty times as much if all cores are busy.
     """
     essential = skew(T_S_R[:3, 3]) @ T_S_R[:3, :3]
     lines = rays(reference, intrinsics) @ essential.T @ np.linalg.inv(intrinsics.matrix)
@@ -138,7 +142,8 @@ def _fit(tracks: _Tracks) -> Thetas:
         jacobians = jacobians.reshape(len(theta), 2 * len(tracks.T_V_R), 3)
         transposed = np.swapaxes(jacobians, 1, 2)
         hessians = transposed @ jacobians
-        # Damping is relative to the trace: a false match can put a point into a camera's plane, where the Hessian explodes.
+        # Damping is relative to the trace, because the Hessian becomes huge if a false match puts a point into
+        # the plane z = 0 of a camera.
         hessians += (_DAMPING * np.trace(hessians, axis1=1, axis2=2) + 1e-6)[:, None, None] * np.eye(3)
         gradients = transposed @ residuals.reshape(len(theta), 2 * len(tracks.T_V_R), 1)
         theta = theta - np.linalg.solve(hessians, gradients)[..., 0]
@@ -175,5 +180,5 @@ def _parallax(theta: Thetas, tracks: _Tracks) -> Float64[np.ndarray, "n"]:
 
 
 def _points(theta: Thetas) -> Float64[np.ndarray, "n 3"]:
-    """Positions in the reference camera's frame [m]."""
+    """Return the positions of the points in the reference camera's frame [m]."""
     return np.asarray(np.concatenate([theta[:, :2], np.ones((len(theta), 1))], axis=1) / theta[:, 2:])

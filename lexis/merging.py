@@ -1,4 +1,7 @@
-"""Merging of two saved maps: the sessions of the second one are added to the first one, as if they were recorded again."""
+"""Merging of two saved maps.
+
+The sessions of the second map are added to the first map, as if they were recorded again.
+"""
 
 from lexis.config import Config
 from lexis.perception import Encoder
@@ -12,14 +15,14 @@ def merge(
 ) -> LexisMap:
     """Add the keyframes of the second map to the first map, and find the loops within and between both.
 
-    A part of the second map that is not recognised in the first one stays a component of its own.
+    A part of the second map that is not recognised in the first map stays a component of its own.
 
     Args:
         first: the map whose frame the result has.
         second: the map whose keyframes are added.
         encoder: the encoder that made both maps.
         config: settings; None: defaults.
-        verifier: verifies loops.
+        verifier: the function that verifies loops.
 
     Raises:
         MapError: the maps differ in their encoder, camera or room names.

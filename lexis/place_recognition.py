@@ -1,8 +1,9 @@
-"""Place recognition: earlier keyframes that may show the place of a new keyframe, the loop candidates (paper, Sec. III-D).
+"""Place recognition: the choice of loop candidates, which are earlier keyframes that may show the place of a new keyframe.
 
-The paper searches the room that the image shows, by its label (`in_labelled_room`). One wrong label hides the right room,
-and the most similar keyframe of the room is proposed even where the robot has never been before. The default is therefore a
-calibrated probability of a revisit, from the similarity of the images and the estimated poses (`by_probability`).
+The paper (Sec. III-D) searches the room that the image shows, by its label (`in_labelled_room`). With this method, one wrong
+label hides the right room, and keyframes are proposed even where the robot has never been before. By default, keyframes are
+therefore proposed by a calibrated probability of a revisit, from the similarity of the images and the estimated poses
+(`by_probability`).
 """
 
 from collections.abc import Sequence
@@ -19,18 +20,19 @@ from lexis.maths.ties import reaches, rounded
 from lexis.types import Keyframe, RoomInstance
 
 _MUCH_LESS = -4.6
-"""Candidates that only fill up have log odds at least this much above those of the least likely revisit: a hundredth."""
+"""A keyframe is not considered at all if its log odds of a revisit are certainly below those of `least_probability` plus
+this value. The value stands for a hundredth of the odds."""
 _SINGLE_PRECISION = 1e-4
-"""More than the rounding error of a cosine similarity in single precision."""
+"""Upper bound for the rounding error of a cosine similarity in single precision."""
 
 Ids = Int[np.ndarray, "k"]
 PerKeyframe = Float64[np.ndarray, "k"]
-"""For each of the first keyframes, whether it is old enough to be proposed; later keyframes are not."""
+"""One figure, such as a similarity or a distance [m], for each of k keyframes."""
 
 
 @runtime_checkable
 class PlaceRecogniser(Protocol):
-    """A function that proposes loop candidates for a new keyframe: `propose`, or another function in its place."""
+    """A function that proposes loop candidates for a new keyframe: `propose`, or a function that takes its place."""
 
     def __call__(
         self, query: Keyframe, label: str, rooms: Sequence[RoomInstance], graph: PoseGraph, config: PlaceRecognitionConfig, /
@@ -64,22 +66,22 @@ def propose(
 
 
 def _old_enough_in(graph: PoseGraph, query: Keyframe, config: PlaceRecognitionConfig) -> Ids:
-    """Ids of the active keyframes that are old enough and in the query's component, ascending.
+    """Return the ids of the active keyframes that are old enough and in the query's component, ascending.
 
     All keyframes of earlier sessions are old enough.
     """
     start = graph.session_start
     old = old_enough(query.id - start, graph.stamps[start:], graph.path_m[start:], config)
-    ids = graph.active[graph.active < start + int(old.sum())]  # those that are old enough are the first ones
+    ids = graph.active[graph.active < start + int(old.sum())]  # the first keyframes are the old enough ones
     return np.asarray(ids[graph.components[ids] == graph.components[query.id]])
 
 
 def by_probability(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRecognitionConfig) -> tuple[int, ...]:
     """Propose those of the keyframes `old` that the query revisits most probably.
 
-    The result is empty at a place that is seen for the first time: where no keyframe has `least_probability`. Otherwise,
-    less probable keyframes fill up the candidates, because two views from different places in a room may overlap enough for
-    a loop. See `revisit_log_odds` for the probability.
+    If no keyframe has at least the probability `least_probability`, as at a place that is seen for the first time, the
+    result is empty. Otherwise, less probable keyframes are proposed, too, up to the number of `candidates`, because two
+    views from different places in a room may overlap enough for a loop. See `revisit_log_odds` for the probability.
     """
     least = logit(config.least_probability)
     ids = old[_bound(query, old, graph, config) >= least + _MUCH_LESS]
@@ -93,9 +95,10 @@ def by_probability(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRec
 
 
 def _bound(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRecognitionConfig) -> PerKeyframe:
-    """Upper bounds for the log odds of a revisit of the keyframes `old`, at the least cost for a keyframe.
+    """Return upper bounds for the log odds of a revisit of the keyframes `old`, which are cheap to compute.
 
-    They leave few keyframes, of which the log odds are then computed in full: most are too far away and too different.
+    Most keyframes are too far away and too different. By the bounds, they are ruled out without computing their log odds in
+    full.
     """
     distances = np.linalg.norm(graph.T_W_B[old, :3, 3] - graph.T_W_B[query.id, :3, 3], axis=1)
     similarities = graph.embeddings[old] @ query.embedding + np.float32(_SINGLE_PRECISION)
@@ -105,10 +108,10 @@ def _bound(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRecognition
 def revisit_log_odds(
     similarities: PerKeyframe, distances_m: PerKeyframe, angles_rad: PerKeyframe, config: PlaceRecognitionConfig
 ) -> PerKeyframe:
-    """Log odds that a new keyframe is at the place of each earlier keyframe, which means within 1 m and 0.5 rad.
+    """Return the log odds that a new keyframe is at the place of each earlier keyframe, which means within 1 m and 0.5 rad.
 
-    They rise with the similarity of the images and fall with the squares of the estimated distance and angle, but not
-    without limit: a robot that is lost can be anywhere, so a very similar image far from the estimate counts too.
+    The log odds rise with the similarity of the images and fall with the squares of the estimated distance and angle. This
+    fall is limited: a robot that is lost can be anywhere, so a very similar image far from the estimate counts too.
     `lexis-sim bench places --fit` fits the settings to runs of which the truth is known.
 
     Args:
@@ -129,7 +132,7 @@ def in_labelled_room(
     graph: PoseGraph,
     config: PlaceRecognitionConfig,
 ) -> tuple[int, ...]:
-    """Propose the most similar ones of the closest room that has the query's label, as in the paper.
+    """Propose the keyframes most similar to the query in the closest room that has the query's label, as in the paper.
 
     1. Take the rooms that have the query's label and at least one old enough keyframe. Rooms with recent keyframes only are
        left out: when the robot re-enters a room, its new keyframes may at first form a cluster of their own, which would be
@@ -137,7 +140,8 @@ def in_labelled_room(
     2. Choose the room whose mean position is closest to the query at the current pose estimate.
     3. Rank the old enough keyframes of that room by the cosine similarity of their embeddings with the query's.
 
-    The keyframes `old` are old enough. The result is empty if no room has the label and an old enough keyframe.
+    The keyframes `old` are those that are old enough. The result is empty if no room has the label and an old enough
+    keyframe.
     """
     members = {room.id: np.intersect1d(room.keyframes, old).astype(int) for room in rooms if room.label == label}
     eligible = [room for room in rooms if len(members.get(room.id, ()))]
@@ -156,17 +160,18 @@ def most_similar_keyframes(query: Keyframe, ids: Ids, graph: PoseGraph, count: i
 
 
 def _similarities(query: Keyframe, ids: Ids, graph: PoseGraph) -> PerKeyframe:
-    """Cosine similarities of the query's embedding with those of other keyframes."""
+    """Return the cosine similarities of the query's embedding with the embeddings of other keyframes."""
     return np.asarray(graph.embeddings[ids].astype(np.float64) @ query.embedding)
 
 
 def old_enough(
     query: int, stamps: Float64[np.ndarray, "n"], path_m: Float64[np.ndarray, "n"], config: PlaceRecognitionConfig
 ) -> Bool[np.ndarray, "n"]:
-    """Whether each keyframe is old enough to be a loop candidate for the keyframe `query`; the first ones are.
+    """Whether each keyframe is old enough to be a loop candidate for the keyframe `query`.
 
-    It must lie at least `min_gap_s` of time and `min_gap_m` of odometry path before the query. More recent keyframes are not
-    proposed, because odometry already constrains them well.
+    A keyframe that is old enough lies at least `min_gap_s` of time and `min_gap_m` of odometry path before the query. More
+    recent keyframes are not proposed, because odometry already constrains them well. The result is True for the first
+    keyframes up to some keyframe, and False for all later ones.
 
     Args:
         query: id of a keyframe.

@@ -28,8 +28,8 @@ MAX_STEP_M = 3.0
 MIN_LOOP_WEIGHT = 0.5
 """Smallest weight, by the robust kernel of the optimisation, of a loop edge that a path may follow."""
 DOUBTFUL = 0.55
-"""A room is doubtful if its evidence (see `path_end`) is less than this share of the largest evidence of any room with the
-same label."""
+"""A room is doubtful if its evidence (see `path_end`) is not positive, or is less than this share of the largest evidence of
+any room with the same label."""
 GRID_M = 2.0**-20
 """The lengths of connections are rounded to multiples of this, about a micrometre [m]. It is a power of two, so that sums of
 lengths are exact."""
@@ -69,7 +69,7 @@ class PathEnd(NamedTuple):
 
 
 def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = None, avoid: Sequence[str] = ()) -> Plan:
-    """The shortest path between two rooms, named as instances ("office 2") or by label ("office").
+    """Return the shortest path between two rooms, named as instances ("office 2") or by label ("office").
 
     A label stands for all its instances; of these, the start and the goal with the shortest path are chosen. Instances with
     little evidence (`DOUBTFUL`) are ignored unless the label has no other: most of them are a few mislabelled keyframes in a
@@ -99,13 +99,13 @@ def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = No
 
 
 def path_end(map: LexisMap, room: RoomInstance) -> PathEnd:
-    """The keyframe where a path to a room ends. It has clear evidence of the room and is far from the room's boundary.
+    """Choose the keyframe where a path to a room ends: with clear evidence of the room, and far from the room's boundary.
 
     1. Take as candidates the room's own keyframes and the keyframes near the places that the room's images show. The latter
        are needed because a small room may only be recognised by keyframes in front of it.
     2. Compute the evidence at each candidate: how much more the images of its place resemble this room than any other.
-    3. Choose the candidate with the largest product of evidence and distance from the room's boundary; of equal
-       products, the first. If no candidate has positive evidence, choose the candidate with the most evidence.
+    3. Choose the candidate with the largest product of evidence and distance from the room's boundary; of equal products,
+       the first. If no candidate has positive evidence, choose the candidate with the most evidence.
     """
     candidates = _candidates(map, room)
     evidence = _evidence(map, room, candidates)
@@ -115,7 +115,7 @@ def path_end(map: LexisMap, room: RoomInstance) -> PathEnd:
 
 
 def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
-    """Lengths of the direct connections between keyframes that a robot can travel [m], as a symmetric sparse matrix.
+    """Return the lengths of direct connections between keyframes that a robot can travel [m], as a symmetric sparse matrix.
 
     As in the paper, consecutive keyframes and keyframes of the same room are connected; in addition, so are the two
     keyframes of each trusted loop edge. A connection that the robot did not travel itself is at most `shortcut_m` long,
@@ -131,14 +131,14 @@ def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
         _within_rooms(map, positions, config.shortcut_m),
     ])  # fmt: skip
     connections = np.unique(np.sort(connections, axis=1), axis=0)
-    # At least one unit, because a sparse graph takes a zero for no connection.
+    # A length is at least one unit, because in a sparse graph, a zero means that there is no connection.
     lengths = GRID_M * np.maximum(np.rint(_lengths(connections, positions) / GRID_M), 1.0)
     both = np.concatenate([connections, connections[:, ::-1]])
     return csr_array((np.tile(lengths, 2), (both[:, 0], both[:, 1])), shape=(len(positions), len(positions)))
 
 
 def _path(graph: csr_array, start: int, goal: int) -> tuple[int, ...]:
-    """Keyframes of a shortest path; among equally short ones, the choice is the same in both directions."""
+    """Return the keyframes of a shortest path. Of several shortest paths, the choice is the same in both directions."""
     first, last = sorted((start, goal))
     before = dijkstra(graph, indices=[first], return_predecessors=True)[1][0]
     path = [last]
@@ -148,14 +148,17 @@ def _path(graph: csr_array, start: int, goal: int) -> tuple[int, ...]:
 
 
 def _ends(map: LexisMap, name: str) -> list[PathEnd]:
-    """The ends of paths in the rooms of that name, without doubtful rooms. Raises PlanError for an unknown name."""
+    """Return the path ends of all rooms named `name` that are not doubtful. Raises PlanError for an unknown name."""
     ends = [path_end(map, room) for room in _known_rooms(map, name)]
     clear = DOUBTFUL * max(end.evidence for end in ends)
     return [end for end in ends if end.evidence > 0.0 and end.evidence >= clear] or ends
 
 
 def _open_ends(map: LexisMap, name: str, closed: Int[np.ndarray, "k"]) -> list[PathEnd]:
-    """The ends of paths in the rooms of that name that are not closed. Raises PlanError where none is left."""
+    """Return the path ends of `_ends` that are not among the closed keyframes.
+
+    Raises PlanError if no path end is left, or for an unknown name.
+    """
     ends = [end for end in _ends(map, name) if end.keyframe not in closed]
     if not ends:
         raise PlanError(
@@ -165,20 +168,20 @@ def _open_ends(map: LexisMap, name: str, closed: Int[np.ndarray, "k"]) -> list[P
 
 
 def _closed_keyframes(map: LexisMap, avoid: Sequence[str]) -> Int[np.ndarray, "k"]:
-    """Ids of all keyframes of the rooms to avoid, ascending. Raises PlanError for an unknown name."""
+    """Return the ids of all keyframes of the rooms to avoid, ascending. Raises PlanError for an unknown name."""
     rooms = [room for name in avoid for room in _known_rooms(map, name)]
     return np.unique(np.array([keyframe for room in rooms for keyframe in room.keyframes], int))
 
 
 def _without(graph: csr_array, closed: Int[np.ndarray, "k"]) -> csr_array:
-    """The graph without the connections of the closed keyframes."""
+    """Return the graph without the connections of the closed keyframes."""
     edges = graph.tocoo()
     kept = ~(np.isin(edges.row, closed) | np.isin(edges.col, closed))
     return csr_array((edges.data[kept], (edges.row[kept], edges.col[kept])), shape=graph.shape)
 
 
 def _known_rooms(map: LexisMap, name: str) -> tuple[RoomInstance, ...]:
-    """The rooms of that name. Raises PlanError for an unknown name."""
+    """Return the rooms named `name`. Raises PlanError for an unknown name."""
     rooms = find_rooms(map.rooms, name)
     if not rooms:
         raise PlanError(f"no room {name!r} in the map; valid: {', '.join(instance_names(map.rooms))}, or a label alone")
@@ -207,9 +210,9 @@ def _lengths(pairs: Int[np.ndarray, "m 2"], positions: Float64[np.ndarray, "n 3"
 
 
 def _candidates(map: LexisMap, room: RoomInstance) -> Int[np.ndarray, "k"]:
-    """Ids of a room's keyframes, and of those at the places that its images show; ascending.
+    """Return the ids of a room's keyframes, and of the keyframes near the places that the room's images show; ascending.
 
-    Keyframes of other rooms with its label are left out, because evidence cannot tell rooms of one label apart.
+    Keyframes of other rooms with the same label are left out, because evidence cannot tell rooms of one label apart.
     """
     own = list(room.keyframes)
     near = cKDTree(map.T_W_B[:, :3, 3]).query_ball_point(_shown_places(map)[own], REACH_M)
@@ -218,10 +221,10 @@ def _candidates(map: LexisMap, room: RoomInstance) -> Int[np.ndarray, "k"]:
 
 
 def _margins(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"], weak: float) -> Float64[np.ndarray, "k"]:
-    """Distances of keyframes from the boundary of the room, at most `MARGIN_M` [m].
+    """Return the distances of keyframes from the boundary of the room, at most `MARGIN_M` [m].
 
     The boundary is the nearest keyframe with evidence below `weak` or, for a room that is not stairs, the nearest keyframe
-    on stairs. Images taken on stairs say little, because they show the rooms at either end.
+    on stairs. Keyframes on stairs count whatever their evidence, because their images show the rooms at either end.
     """
     positions = map.T_W_B[:, :3, 3]
     near = cKDTree(positions).query_ball_point(positions[keyframes], MARGIN_M)
@@ -234,9 +237,9 @@ def _margins(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"],
 
 
 def _evidence(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"]) -> Float64[np.ndarray, "k"]:
-    """Rounded evidence that keyframes stand in a room; it decreases towards the room's boundary.
+    """Return the evidence that keyframes stand in a room, rounded. It decreases towards the room's boundary.
 
-    Evidence is the similarity of the keyframe's place to the room, minus the largest similarity to another room name.
+    Evidence is the similarity of the keyframe's place to the room's name, minus the largest similarity to another room name.
     """
     similarities = _similarities_at(map, map.T_W_B[keyframes, :3, 3])
     label = map.room_names.index(room.label)
@@ -245,10 +248,10 @@ def _evidence(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"]
 
 
 def _similarities_at(map: LexisMap, places: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k rooms"]:
-    """Similarity of places to every room prompt: the weighted mean over the images that show the place.
+    """Return the similarity of places to every room name: the weighted mean over the images that show the place.
 
-    In the paper, an image describes the place where it was taken. This is misleading where rooms are open to one another:
-    in front of an open boundary, the whole image shows the next room.
+    In the paper, an image describes the place where it was taken. This is misleading where rooms are open to one another: in
+    front of an open boundary, the whole image shows the next room.
     """
     shown = _shown_places(map)
     near_images = cKDTree(shown).query_ball_point(places, REACH_M, return_sorted=True)
@@ -259,12 +262,12 @@ def _similarities_at(map: LexisMap, places: Float64[np.ndarray, "k 3"]) -> Float
 
 
 def _shown_places(map: LexisMap) -> Float64[np.ndarray, "n 3"]:
-    """The place that every keyframe's image shows: ahead of the camera, at the height of the keyframe, in W [m]."""
+    """Return the place that every keyframe's image shows: ahead of the camera, at the keyframe's height, in W [m]."""
     places = map.T_W_B[:, :3, 3].copy()
     places[:, :2] += LOOK_AHEAD_M * (map.T_W_B[:, :3, :3] @ map.camera.T_B_C[:3, 2])[:, :2]
     return places
 
 
 def _distance_weights(offsets: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k"]:
-    """Weights of images by the distance of the place they show: 1 at distance 0, and 0 from `REACH_M` on."""
+    """Return weights of images by the distance of the place they show: 1 at distance 0, and 0 from `REACH_M` on."""
     return np.asarray(np.maximum(1.0 - (offsets**2).sum(axis=1) / REACH_M**2, 0.0) ** 2)

@@ -34,20 +34,20 @@ class RoomLabels:
     baseline: Labels
     """Labels before refinement: for each keyframe, the room name whose prompt is most similar to the image."""
     refined: Labels
-    """Labels after propagation between neighbours and detection of stairs by height."""
+    """Labels after refinement and detection of stairs by height; with the method "image", equal to `baseline`."""
 
 
 def similarities(
     embeddings: Float[np.ndarray, "*n d"], text: Float[np.ndarray, "rooms d"]
 ) -> Float64[np.ndarray, "*n rooms"]:
-    """Cosine similarity S_c of each image embedding with every text embedding (Eq. 1), in double precision."""
+    """Return the cosine similarity S_c of each image embedding with every text embedding (Eq. 1), in double precision."""
     images, prompts = embeddings.astype(np.float64), text.astype(np.float64)
     norms = np.linalg.norm(images, axis=-1)[..., None] * np.linalg.norm(prompts, axis=1)
     return np.asarray(images @ prompts.T / norms)
 
 
 def most_similar(similarities: Float64[np.ndarray, "rooms"]) -> int:
-    """Index of the room name that an image is most similar to: the label of its keyframe before refinement."""
+    """Return the index of the room name most similar to an image, which is the keyframe's label before refinement."""
     return int(rounded(similarities).argmax())
 
 

@@ -7,12 +7,15 @@ from lexis.types import RoomInstance
 
 
 def instance_names(rooms: Sequence[RoomInstance]) -> tuple[str, ...]:
-    """One unique name per room, in the order of the rooms; several rooms of a label are numbered from 1 in that order."""
+    """Return one unique name per room, in the order of the rooms.
+
+    If several rooms have the same label, they are numbered from 1 in this order.
+    """
     return numbered([room.label for room in rooms])
 
 
 def numbered(labels: Sequence[str]) -> tuple[str, ...]:
-    """One unique name for each entry of `labels`, in the same order; equal labels are numbered from 1."""
+    """Return one unique name for each entry of `labels`, in the same order; equal labels are numbered from 1."""
     total = Counter(labels)
     seen: Counter[str] = Counter()
     names = []
@@ -23,15 +26,15 @@ def numbered(labels: Sequence[str]) -> tuple[str, ...]:
 
 
 def unused_names(names: Sequence[str], rooms: Sequence[RoomInstance]) -> tuple[str, ...]:
-    """The entries of `names` that no room has as its label, in the same order."""
+    """Return the entries of `names` that no room has as its label, in the same order."""
     used = {room.label for room in rooms}
     return tuple(name for name in names if name not in used)
 
 
 def find_rooms(rooms: Sequence[RoomInstance], name: str) -> tuple[RoomInstance, ...]:
-    """The room with this name ("office 2"). If no room has it, all rooms with this label ("office"), which may be none.
+    """Return the room with this name ("office 2"), or if no room has it, all rooms with this label ("office").
 
-    Case and outer blanks are ignored.
+    There may be none. Case, and blanks around `name`, are ignored.
     """
     wanted = name.strip().lower()
     exact = tuple(room for room, own in zip(rooms, instance_names(rooms), strict=True) if own.lower() == wanted)

@@ -19,8 +19,8 @@ from lexis.types import RoomInstance
 Positions = Float64[np.ndarray, "n 3"]
 PerKeyframe = Int[np.ndarray, "n"]
 Clustering = Callable[[PerKeyframe, PerKeyframe, Positions], tuple[PerKeyframe, PerKeyframe]]
-"""A function that groups keyframes, given their labels, floors and positions. It returns the number of the group of every
-keyframe and the labels, which it may correct."""
+"""A function that groups keyframes, given their labels, floors and positions. It returns the number of every keyframe's
+group, and the labels of the keyframes, which it may correct."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ def _by_distance(
     labels: PerKeyframe, floors: PerKeyframe, stairs: Bool[np.ndarray, "n"], positions: Positions, config: SegmentationConfig
 ) -> PerKeyframe:
     kinds = np.unique(np.stack([labels, floors], axis=1), axis=0, return_inverse=True)[1].reshape(-1)
-    # The flights of a staircase lie above one another: without their heights they form one cluster.
+    # The flights of a staircase lie above one another. They form one cluster because their heights are left out.
     stairs_flattened = np.where(stairs[:, None], positions * [1.0, 1.0, 0.0], positions)
     clusters = _cluster(kinds, stairs_flattened, config.distance_m)
     return _merge(clusters, kinds, positions, config.adjacency_m)
@@ -81,7 +81,7 @@ def _by_distance(
 
 @dataclass
 class _Cluster:
-    """A cluster that has been found so far: its id, its running mean [m], and the number of its keyframes."""
+    """A cluster while keyframes are added to it: its id, its running mean [m], and the number of its keyframes."""
 
     id: int
     mean: tuple[float, ...]
@@ -94,9 +94,10 @@ class _Cluster:
 
 
 def _cluster(kinds: PerKeyframe, positions: Positions, distance_m: float) -> PerKeyframe:
-    """Id of the cluster of every keyframe, found in one pass over the walk. A kind is a pair of label and floor.
+    """Return the id of the cluster of every keyframe, found in one pass over the walk. A kind is a pair of label and floor.
 
-    Each kind has few clusters, so plain numbers are several times faster than arrays here.
+    Each kind has few clusters; therefore, the distances are computed with Python floats, which is several times faster than
+    with arrays.
     """
     growing: defaultdict[int, list[_Cluster]] = defaultdict(list)
     ids = []
@@ -128,14 +129,14 @@ def _merge(clusters: PerKeyframe, kinds: PerKeyframe, positions: Positions, adja
 
 
 def _consecutive(n: int) -> Int[np.ndarray, "m 2"]:
-    """Pairs of consecutive keyframes; no room lies between them, because the robot went from one to the other."""
+    """Return pairs of consecutive keyframes. No room lies between them, because the robot went from one to the other."""
     return np.stack([np.arange(n - 1), np.arange(1, n)], axis=1)
 
 
 def _adjacent(clusters: PerKeyframe, kinds: PerKeyframe, positions: Positions, adjacency_m: float) -> Int[np.ndarray, "m 2"]:
-    """Pairs of keyframes of one kind but two clusters, within `adjacency_m` and with no keyframe of another kind between.
+    """Return pairs of keyframes of one kind but two clusters, within `adjacency_m`, if no other kind lies between them.
 
-    A keyframe lies between two others if it is inside the ball that has the two as a diameter.
+    A kind lies between two keyframes if one of its keyframes is inside the ball that has the two as a diameter.
     """
     tree = cKDTree(positions)
     pairs = tree.query_pairs(adjacency_m, output_type="ndarray")
@@ -149,7 +150,7 @@ def _adjacent(clusters: PerKeyframe, kinds: PerKeyframe, positions: Positions, a
 
 
 def _by_first_appearance(ids: PerKeyframe) -> PerKeyframe:
-    """The same partition, with ids from 0 in the order of their first members."""
+    """Return the same partition, with ids from 0 in the order of their first members."""
     _, first, inverse = np.unique(ids, return_index=True, return_inverse=True)
     return np.asarray(np.argsort(np.argsort(first))[inverse])
 

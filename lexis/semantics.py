@@ -44,12 +44,13 @@ class Semantics:
 
 @dataclass(frozen=True, eq=False)
 class Views:
-    """What the cameras of all keyframes saw, and from where."""
+    """What the cameras of all keyframes saw, and the poses from which they saw it."""
 
     similarities: Float64[np.ndarray, "n rooms"]
     """Cosine similarity of every keyframe's image with every room name (paper, Eq. 1)."""
     spaces: Sequence[VisibleSpace]
-    """The free space that each keyframe's image shows. Only methods by sight need it; it may be empty for others."""
+    """The free space that each keyframe's image shows. Only the methods by sight need it; for other methods, it may be
+    empty."""
     T_W_B: Poses
     """Current poses."""
     T_B_C: Pose
@@ -63,9 +64,9 @@ def derive_by_component(
     config: Config,
     given: Labels | None = None,
 ) -> Semantics:
-    """Derive labels, rooms and floors for each component of the map alone, because components share no frame.
+    """Derive labels, rooms and floors for each component of the map by itself, because components share no frame.
 
-    See `derive` for the other arguments. Floors are counted in each component from its lowest floor.
+    See `derive` for the other arguments. In each component, floors are counted from its lowest floor.
     """
     groups = [np.flatnonzero(components == name) for name in np.unique(components)]
     if len(groups) == 1:
@@ -87,7 +88,7 @@ def derive_by_component(
 
 
 def _part(views: Views, ids: Int[np.ndarray, "k"]) -> Views:
-    """The views of some keyframes."""
+    """Return the views of some keyframes."""
     spaces = [views.spaces[i] for i in ids.tolist()] if views.spaces else ()
     return Views(views.similarities[ids], spaces, views.T_W_B[ids], views.T_B_C)
 
@@ -99,6 +100,8 @@ def derive(
     given: Labels | None = None,
 ) -> Semantics:
     """Label, refine and cluster all keyframes at their current poses (paper, Sec. III-B and III-C).
+
+    Small rooms are absorbed by sight only if labels may be corrected: not with `given` labels or the label method "image".
 
     Args:
         views: what the keyframes saw.
@@ -117,7 +120,10 @@ def derive(
 
 
 def _by_sight(views: Views, config: Config) -> tuple[Refinement | None, Clustering | None]:
-    """How labels are refined and rooms are clustered by sight; None in place of either where the paper's method is set."""
+    """Return the functions that refine labels and cluster rooms by sight.
+
+    A function is None if the setting `method` of its stage is not "sight".
+    """
     if not config.by_sight:
         return None, None
     sees = sight(views.spaces, views.T_W_B, views.T_B_C, config.sight.near_m)

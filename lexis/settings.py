@@ -1,4 +1,7 @@
-"""Settings that check themselves: each field declares its valid values, and the error for another value names the field."""
+"""Settings that check themselves.
+
+Each field declares its valid values, and the error for another value names the field.
+"""
 
 import math
 from collections.abc import Mapping
@@ -14,7 +17,7 @@ _UNITS = {
     "m_s2": "m/s²", "m_s": "m/s", "rad_s": "rad/s", "rad_m": "rad/m",
     "m": "m", "s": "s", "rad": "rad", "deg": "degrees", "px": "px", "hz": "Hz",
 }  # fmt: skip
-"""Unit for each ending of a field's name; the first ending that fits decides."""
+"""Unit for each ending of a field's name. The first ending in this order that fits decides."""
 _KINDS = {int: "a whole number", float: "a finite number", bool: "true or false", str: "a text that is not empty"}
 _SIGNS = {Gt: ("gt", ">"), Ge: ("ge", ">="), Lt: ("lt", "<"), Le: ("le", "<=")}
 _Settings = TypeVar("_Settings", bound="Settings")
@@ -38,7 +41,10 @@ class Settings:
     error: ClassVar[type[Exception]]
 
     def __init_subclass__(cls, *, place: str = "", error: type[Exception] = ValueError) -> None:
-        """Store `place`, with which error messages begin, and the type of errors; without `place`, a class inherits both."""
+        """Store the arguments `place`, with which error messages begin, and `error`, the type of the errors.
+
+        A class without `place` inherits both from its base class.
+        """
         if place:
             cls.place, cls.error = place, error
 
@@ -54,14 +60,14 @@ class Settings:
 
 
 def settings_data(settings: Settings) -> dict[str, Any]:
-    """All settings as nested plain data, for JSON or YAML; `settings_of` is the inverse."""
+    """Return all settings as nested plain data, for JSON or YAML; `settings_of` is the inverse."""
     return asdict(settings)  # type: ignore[call-overload, no-any-return]
 
 
 def settings_of(kind: type[_Settings], data: object, place: str = "") -> _Settings:
     """Build settings from nested plain data; fields that `data` leaves out keep their defaults.
 
-    `place` is where the data came from, for error messages. Raises the class's error for unknown names, for data that is no
+    `place` says in error messages where the data came from. Raises the class's error for unknown names, for data that is no
     mapping, and for values that are not valid.
     """
     at = f"{place}: " if place else ""
@@ -77,7 +83,11 @@ def settings_of(kind: type[_Settings], data: object, place: str = "") -> _Settin
 
 
 def _value(annotation: Any, value: object) -> object:
-    """Convert a value of JSON data to the type of its field: settings for a mapping, a tuple for a list, or a float."""
+    """Convert a value of JSON data to the type of its field.
+
+    A mapping becomes settings if the field holds settings, a list becomes a tuple, and a whole number becomes a float if the
+    field holds floats.
+    """
     nested = isinstance(annotation, type) and issubclass(annotation, Settings) and is_dataclass(annotation)
     if nested:
         return settings_of(annotation, value)
@@ -103,7 +113,7 @@ def _unit(name: str) -> str:
 
 
 def _what_is_valid(value: object, annotation: Any, unit: str) -> str | None:
-    """The valid values in words if `value` is not valid; None if it is valid, or if the annotation sets no limits."""
+    """Describe the valid values if `value` is not valid; return None if it is valid or the annotation sets no limits."""
     origin = get_origin(annotation)
     if origin in (Union, UnionType):
         declared = next(option for option in get_args(annotation) if option is not NoneType)

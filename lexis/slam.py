@@ -69,11 +69,12 @@ class Slam:
         """Set up all stages and encode the room prompts.
 
         The arguments `verifier`, `place_recogniser` and `labeller` each replace a stage: verification, place recognition, or
-        the labelling before keyframes are clustered into rooms. A test can thus put the truth in the place of one stage.
-        With `map`, the observations are a new session of this map; the result contains all sessions.
+        the labelling before keyframes are clustered into rooms. A test can thus replace one stage by the truth. With `map`,
+        the observations are a new session of this map; the result contains all sessions.
 
         Raises:
-            LexisError: the camera or the room names are unusable, or differ from those of `map`.
+            LexisError: the camera or the room names are unusable, or the camera, the room names or the encoder differ from
+                those of `map`.
         """
         check_camera(camera)
         check_room_names(room_names)
@@ -101,7 +102,7 @@ class Slam:
         self._window = KeyframeWindow(self._camera, self._config, first, session)
 
     def process(self, observation: Observation) -> None:
-        """Process the next observation. If it is a keyframe, it enters the graph once the frames after it have arrived.
+        """Process the next observation. A keyframe enters the graph only once the frames after it have arrived.
 
         The caller may reuse the arrays of the observation, because they are not read after this method returns.
 
@@ -124,7 +125,10 @@ class Slam:
             self._add(keyframe)
 
     def replay(self, keyframe: Keyframe) -> None:
-        """Add a keyframe of another map, in place of an observation. Its session is appended to those of this map."""
+        """Add a keyframe of another map, in place of an observation.
+
+        The sessions of the other map are numbered after the sessions of this map.
+        """
         keyframes, own = self._graph.keyframes, self._window.session
         self._add(replace(keyframe, id=len(keyframes), session=own + keyframe.session))
 
@@ -175,9 +179,9 @@ class Slam:
     def _add(self, keyframe: Keyframe) -> None:
         """Add a keyframe to the graph, and close its loops.
 
-        Rooms are needed before the map is finished only if loops are searched by room, as in the paper. They are then
-        derived after every `labels.every` keyframes and after every optimisation. Deriving them for every keyframe would be
-        slow, because it labels all keyframes.
+        Before the map is finished, rooms are needed only if loops are searched by room, as in the paper. They are then
+        derived after every `labels.every` keyframes and after every optimisation. Deriving them after every keyframe would
+        be slow, because all keyframes are labelled each time.
         """
         self._graph.add_keyframe(keyframe)
         self._similarities.append(similarities(keyframe.embedding, self._text))
@@ -194,7 +198,7 @@ class Slam:
         return space_in_view(keyframe, self._camera.T_B_C, self._config.sight)
 
     def _derive_semantics(self, T_W_B: Poses) -> Semantics:
-        """Labels, rooms and floors of all keyframes at the given poses."""
+        """Derive labels, rooms and floors of all keyframes at the given poses."""
         with self._timed("rooms"):
             given = self._labeller(self._graph.keyframes) if self._labeller else None
             views = Views(self._similarities.rows, self._spaces, T_W_B, self._camera.T_B_C)

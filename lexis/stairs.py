@@ -7,9 +7,9 @@ from lexis.config import LabelConfig
 from lexis.maths.stretches import Stretch, stretches_of
 
 LANDING_M = 2.5
-"""Longest path between the first and the last keyframe on a half landing between two flights [m]."""
+"""Longest path between the first and the last keyframe of a half landing between two flights [m]."""
 FLOOR_PATH_M = 4.0
-"""A level stretch of the walk that is at least this long certainly lies on a floor and not on a landing [m]."""
+"""Least length of a level stretch of the walk that certainly lies on a floor and not on a landing [m]."""
 FLOOR_TOLERANCE_M = 0.4
 """Smallest height difference between a half landing and the nearest floor [m]."""
 
@@ -38,9 +38,10 @@ def on_stairs(positions: Float64[np.ndarray, "n 3"], config: LabelConfig) -> Boo
 
 
 def _landings(climbs: PerKeyframe, path: PerKeyframe, height: PerKeyframe) -> list[slice]:
-    """Slices of the keyframes on half landings.
+    """Return slices of the keyframes on half landings.
 
-    A half landing is a short level stretch between two flights that both go up or both go down, at no floor's height.
+    A half landing is a short level stretch between two flights that both go up or both go down. Its height is not the height
+    of a floor.
     """
     level = [run for run in stretches_of(climbs) if climbs[run.start] == 0]
     floors = [float(np.median(height[run.slice])) for run in level if path[run.stop - 1] - path[run.start] >= FLOOR_PATH_M]
@@ -54,6 +55,6 @@ def _joins_flights(run: Stretch, climbs: PerKeyframe, path: PerKeyframe) -> bool
 
 
 def _path(positions: Float64[np.ndarray, "n 3"]) -> PerKeyframe:
-    """Path length up to every keyframe [m]; it always increases slightly, because interpolation needs distinct values."""
+    """Return the path length up to every keyframe [m]. It always increases, because interpolation needs distinct values."""
     steps = np.linalg.norm(np.diff(positions, axis=0), axis=1)
     return np.concatenate([[0.0], np.cumsum(np.maximum(steps, 1e-9))])

@@ -87,7 +87,8 @@ class Landmarks:
     points: Float64[np.ndarray, "m 3"]
     """Positions in the keyframe's body frame B [m]."""
     feature_ids: Int[np.ndarray, "m"]
-    """For each point, the row of its key point in the keyframe's features; -1 for a point of a percept, which has none."""
+    """For each point, the row of its key point in the keyframe's features. It is -1 if the point comes from a `Percept`,
+    whose points have no key points."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +154,8 @@ class Verdict:
     misfit_m: float | None = None
     """Distance between the measured position of the new keyframe and its position in the estimate at that time [m]."""
     misfit_rad: float | None = None
-    """Angle between the measured rotation and the rotation in the estimate at that time [rad]."""
+    """Angle between the measured rotation of the new keyframe and its rotation in the estimate when the candidate was
+    verified [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,7 +242,7 @@ class LexisMap:
     candidates: tuple[tuple[int, tuple[int, ...]], ...]
     """Pairs of a new keyframe's id and the ids of the earlier keyframes proposed as its loop candidates, best first."""
     verdicts: tuple[Verdict, ...] = ()
-    """What became of the candidates, in the order of `candidates`. There are none from a verifier that does not tell."""
+    """What became of the candidates, in the order of `candidates`. A verifier may leave the verdicts out."""
     stage_seconds: dict[str, float] = field(default_factory=dict)
     """Wall time spent in each stage of the pipeline [s], by the stage's name."""
 
@@ -253,5 +255,5 @@ class LexisMap:
         return room_of
 
     def label_of(self, keyframe: int) -> str:
-        """The room name of a keyframe."""
+        """Return the room name of a keyframe."""
         return self.room_names[int(self.labels[keyframe])]

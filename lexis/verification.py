@@ -30,7 +30,8 @@ from lexis.types import Camera, Covariance, Intrinsics, Keyframe, LoopEdge, Pose
 _GRID = 6
 """Number of cells along each side of the image, for measuring the spread of inliers."""
 _RANSAC = {"min_iterations": 100, "max_iterations": 5000}
-"""Limits of RANSAC, which bound the time for a hopeless candidate. 5000 samples suffice if one match in eight is right."""
+"""Numbers of samples that RANSAC draws; the upper limit bounds the time for a false candidate. 5000 samples suffice if one
+match in eight is right."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,12 +51,12 @@ class Verification:
     edges: tuple[LoopEdge, ...]
     """The confirmed loop edges, those with the most inliers first."""
     verdicts: tuple[Verdict, ...] = ()
-    """One for every candidate, in their order. A verifier may leave them out."""
+    """One verdict for every candidate, in the order of the candidates. A verifier may leave the verdicts out."""
 
 
 @runtime_checkable
 class Verifier(Protocol):
-    """A function that confirms or rejects the loop candidates of a new keyframe: `verify`, or another in its place."""
+    """A function that confirms or rejects the loop candidates of a new keyframe: `verify`, or one in its place."""
 
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig, /
@@ -90,7 +91,7 @@ def plausible(
     At most `max_edges` are kept, those with the most inliers first.
 
     Args:
-        located: the verdict on every candidate so far, with the edge of each that is accepted.
+        located: for every candidate, the verdict so far, and the loop edge if the candidate has been accepted.
         graph: the current estimate of the poses.
         config: the tolerances, and the largest number of edges.
     """
@@ -103,7 +104,10 @@ def plausible(
 
 
 def _compared(verdict: Verdict, edge: LoopEdge, graph: PoseGraph, config: VerificationConfig) -> Verdict:
-    """Refuse a loop that is far from the current estimate; the tolerance grows with the path in between, as drift does."""
+    """Refuse a loop that is far from the current estimate.
+
+    The tolerance grows with the path between the two keyframes, as drift does.
+    """
     estimated = between(graph.T_W_B[edge.match], graph.T_W_B[edge.query])
     path_m = graph.path_between(edge.match, edge.query)
     distance = float(np.linalg.norm(edge.T_match_query[:3, 3] - estimated[:3, 3]))
@@ -130,8 +134,8 @@ class Locator:
     def from_match(self, match: int) -> tuple[Verdict, LoopEdge | None]:
         """Judge the candidate with the id `match`, by PnP with the landmarks of the candidate and its neighbours.
 
-        The loop edge is None if too few landmarks agree, if they cover too little of the image, or if the position is too
-        uncertain.
+        The loop edge is None if too few key points match, too few of them are inliers, the inliers cover too little of the
+        image, or the position is too uncertain.
         """
         config, intrinsics = self._config, self._camera.intrinsics
         seen = self._correspondences(match)
@@ -157,10 +161,11 @@ class Locator:
         return replace(verdict, outcome="accepted"), edge
 
     def _correspondences(self, match: int) -> _Correspondences:
-        """Matches to the landmarks of the candidate and its neighbours, brought into the candidate's frame by odometry.
+        """Match the query to the landmarks of the candidate and its neighbours.
 
-        Each keyframe is matched by itself. If all were matched together, two landmarks of the same physical point would have
-        similar descriptors and fail the ratio test.
+        Odometry gives the positions of the neighbours' landmarks in the candidate's frame. The query is matched to each
+        keyframe separately. If it were matched to all landmarks together, two landmarks of the same physical point would
+        have similar descriptors and fail the ratio test.
         """
         pool = range(max(match - self._config.pool, 0), min(match + self._config.pool + 1, self._query.id))
         ids, points = [], []
@@ -171,7 +176,7 @@ class Locator:
             pairs = self._match(keyframe)
             ids.append(pairs[:, 0])
             points.append(transform(T_match_neighbour, keyframe.landmarks.points[pairs[:, 1]]))
-        # Rounded, because the last digits depend on the processor, and RANSAC may find another pose when they change.
+        # The points are rounded, because their last digits depend on the processor and may change the result of RANSAC.
         return _Correspondences(np.concatenate(ids), rounded(np.concatenate(points)))
 
     def _match(self, keyframe: Keyframe) -> Int[np.ndarray, "k 2"]:
@@ -189,7 +194,7 @@ def _solve_pnp(
     intrinsics: Intrinsics,
     config: VerificationConfig,
 ) -> Pose:
-    """The camera pose ``T_C_match`` that most correspondences agree with, by LO-RANSAC."""
+    """Return the camera pose ``T_C_match`` that most correspondences agree with, by LO-RANSAC."""
     camera = {
         "model": "PINHOLE",
         "width": intrinsics.width,
@@ -206,7 +211,7 @@ def _solve_pnp(
 def _inliers(
     points_C: Float64[np.ndarray, "k 3"], pixels: Float64[np.ndarray, "k 2"], intrinsics: Intrinsics, limit_px: float
 ) -> Int[np.ndarray, "i"]:
-    """Rows of the correspondences that agree with the pose.
+    """Return the rows of the correspondences that agree with the pose.
 
     The solver's own inliers are not used, because they may belong to an earlier pose than the returned pose.
     """
@@ -217,13 +222,16 @@ def _inliers(
 
 
 def _occupied_cells(pixels: Float64[np.ndarray, "i 2"], intrinsics: Intrinsics) -> int:
-    """Number of cells of the image grid that hold an inlier."""
+    """Return the number of cells of the image grid that contain an inlier."""
     cells = np.floor((pixels + 0.5) / [intrinsics.width, intrinsics.height] * _GRID)
     return len(np.unique(np.clip(cells, 0, _GRID - 1), axis=0))
 
 
 def _covariance(points_C: Float64[np.ndarray, "i 3"], camera: Camera, config: VerificationConfig) -> Covariance:
-    """Covariance of ``T_match_query``, from the reprojections and a constant for the landmarks' common error."""
+    """Return the covariance of ``T_match_query`` [rad², m²].
+
+    It follows from the reprojections of the inliers, with a constant added for the error that all landmarks share.
+    """
     points_B = transform(camera.T_B_C, points_C)
     rotation = camera.T_B_C[:3, :3].T
     # Derivative of the points in C by a perturbation of T_match_query on the right, rotation first.

@@ -73,7 +73,10 @@ def _package_versions() -> dict[str, str]:
 
 
 def _openblas_kernels() -> str | None:
-    """Name the processor family whose kernels numpy's OpenBLAS runs, e.g. "Haswell"; None if numpy uses another library."""
+    """Return the processor family for which numpy's OpenBLAS has chosen its kernels, such as "Haswell".
+
+    The result is None if numpy uses another library.
+    """
     for library in threadpool_info():
         folders = Path(library["filepath"]).parent.parts
         if library["internal_api"] == "openblas" and not any(folder.startswith(_OTHERS) for folder in folders):

@@ -32,7 +32,8 @@ _FROM_CORNER_M = 0.45
 _NEAR_M = 0.9
 """Surfaces that are nearer to the camera than this reduce the score of a view [m]."""
 _MOST_SHARE = 0.06
-"""Largest share of the image that one object adds to a view's score: several objects tell more than one large object."""
+"""Largest share of the image that one object adds to a view's score: several objects show more of a room than one large
+object."""
 _PITCH_RAD = math.radians(12.0)
 _ROOMS_PER_HOUSE = 2
 
@@ -53,7 +54,7 @@ def plans_page(specs: Sequence[HouseSpec]) -> Picture:
 
 
 def rooms_page(views: Sequence[RoomView], *, labelled: bool = True) -> Picture:
-    """Arrange views in rows of five. Their captions are their labels or, if not `labelled`, numbers from 1."""
+    """Arrange views in rows of five. Each caption is the label of the view or, if not `labelled`, a number from 1."""
     return _page([_captioned(v.image, v.label if labelled else str(i)) for i, v in enumerate(views, 1)])
 
 

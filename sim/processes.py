@@ -8,22 +8,22 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-_ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "OMP_WAIT_POLICY": "PASSIVE", "GOMP_SPINCOUNT": "0"}
+ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "OMP_WAIT_POLICY": "PASSIVE", "GOMP_SPINCOUNT": "0"}
 
 
 def process_pool(
     workers: int, start: Callable[..., Any] | None = None, arguments: tuple[Any, ...] = ()
 ) -> ProcessPoolExecutor:
-    """Return a pool of new processes, in each of which BLAS and OpenMP use one thread; the processes use the cores instead.
+    """Return a pool of new processes. In each process, BLAS and OpenMP use one thread, so that every process needs one core.
 
-    Each process calls `start(*arguments)` first. Both have to be picklable.
+    Each process calls `start(*arguments)` first. `start` and `arguments` have to be picklable.
     """
     context = multiprocessing.get_context("spawn")  # a forked torch or OpenCV may hang
     return ProcessPoolExecutor(workers, context, initializer=_begin, initargs=(start, arguments))
 
 
 def _begin(start: Callable[..., Any] | None, arguments: tuple[Any, ...]) -> None:
-    os.environ.update(_ONE_THREAD)  # for libraries that are not loaded yet
+    os.environ.update(ONE_THREAD)  # for libraries that are not loaded yet
     threadpool_limits(1)  # for libraries that are loaded already
     if start is not None:
         start(*arguments)

@@ -87,9 +87,10 @@ class Session:
                 yield Observation(i, stamp, image, T_O_B[i], covariance), self.truths[i]
 
     def picture(self, frame: int) -> Image:
-        """Render the image of a frame of the tour, without faults of the image, also in sessions with a `sensor`.
+        """Render the image of one frame of the tour, without the faults that a run applies to images.
 
-        Raises `GraphicsError` if there is no off-screen OpenGL.
+        This also works in a session with a `sensor`, which itself renders no images. Raises `GraphicsError` if there is no
+        off-screen OpenGL.
         """
         with closing(FrameRenderer(self._world_states, self.camera, self._distortion)) as renderer:
             return renderer.rgb(frame, self.tour.T_W_B[frame])
@@ -97,13 +98,13 @@ class Session:
     def verifier(self) -> Verifier:
         """Return the function that verifies LEXIS's loop candidates.
 
-        With images it is LEXIS's own verifier; with a `sensor`, the sensor's model of this verifier.
+        In a session with images, this is LEXIS's own verifier; with a `sensor`, it is the sensor's model of this verifier.
         """
         return verify if self._sensed is None else self._sensed.verifier()
 
     def _images(self) -> Generator[Image | Percept, None, None]:
         if self._sensed is not None:
-            return self._percepts(self._sensed)  # not in a thread, from which numpy alone gains nothing
+            return self._percepts(self._sensed)  # not in a thread, because work in numpy alone gains nothing from it
         return prefetched(self._rendered, _AHEAD)
 
     def _percepts(self, sensed: SensedTour) -> Generator[Percept, None, None]:

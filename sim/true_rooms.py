@@ -11,12 +11,12 @@ from worlds.house import House, Room
 
 
 def true_room_boxes(house: House) -> RoomBoxes:
-    """The boxes of every room in W, by the index of the room in `House.rooms`; together they fill the room exactly."""
+    """Return boxes in W for every room, by the index of the room in `House.rooms`; the boxes fill the room exactly."""
     return {i: list(_boxes(room)) for i, room in enumerate(house.rooms)}
 
 
 def _boxes(room: Room) -> Iterator[Box]:
-    """Cut a room at the x coordinates of all corners. The pieces are rectangles, because walls run along x or y."""
+    """Cut a room at the x coordinates of all corners. The pieces are boxes, because walls run along x or y."""
     cuts = np.unique(shapely.get_coordinates(room.polygon)[:, 0]).tolist()
     _, low_y, _, high_y = room.polygon.bounds
     for left, right in pairwise(cuts):

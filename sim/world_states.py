@@ -72,7 +72,7 @@ class WorldStates:
 
     @property
     def houses(self) -> list[House]:
-        """The house at each frame. Frames with equal houses share one object."""
+        """The house at each frame. Frames at which the same faults of the world are active share one `House` object."""
         return [self._sets[active].compiled.house for active in self.active]
 
     def compile(self) -> None:

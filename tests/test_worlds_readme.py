@@ -2,10 +2,12 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 from helpers.documentation import blocks
 
 from sim.cli import main
+from worlds.labels import ROOM_LABELS
 
 
 def test_everything_in_the_documentation_works(tmp_path, monkeypatch, capsys):
@@ -23,3 +25,8 @@ def test_everything_in_the_documentation_works(tmp_path, monkeypatch, capsys):
     done = subprocess.run([sys.executable, "-c", "\n".join(programs)], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert len(programs) == 3 and all(path.stat().st_size for path in tmp_path.iterdir())
+
+
+def test_the_documentation_lists_all_labels():
+    text = " ".join(Path("worlds/README.md").read_text().split())
+    assert f"Labels: {', '.join(ROOM_LABELS[:-1])}" in text and ROOM_LABELS[-1] in text

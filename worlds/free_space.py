@@ -58,7 +58,7 @@ class Obstacles:
         return Obstacles(*(np.concatenate([getattr(self, name), getattr(others, name)]) for name in columns))
 
     def within(self, point: Float64[np.ndarray, "2"], distance_m: float) -> "Obstacles":
-        """All boxes within `distance_m` [m] of a point of the plan; some boxes a little farther away may be included."""
+        """Return all boxes within `distance_m` [m] of a point of the plan, and possibly some boxes a little farther away."""
         reach = np.linalg.norm(self.size, axis=1) / 2 + distance_m
         near = (np.abs(self.centre - point) <= reach[:, None]).all(axis=1)
         return Obstacles(self.centre[near], self.size[near], self.yaw[near], self.span[near])
@@ -66,7 +66,7 @@ class Obstacles:
     def clear(
         self, start: Float64[np.ndarray, "m 3"], end: Float64[np.ndarray, "m 3"], radius_m: float
     ) -> Bool[np.ndarray, "m"]:
-        """Whether an upright cylindrical body can make each of `m` straight steps on the walked surface without a collision.
+        """Return for each of `m` straight steps on the walked surface whether a body makes the step without a collision.
 
         Step i leads from `start[i]` to `end[i]`, which are points in W [m]; `radius_m` is the body's radius [m]. On a slope,
         the body counts as tall enough to be at both ends of the step at once. A free step may therefore be reported as
@@ -83,7 +83,7 @@ class Obstacles:
 
 
 def solid_obstacles(house: House, leaves: bool = True) -> Obstacles:
-    """Solid objects of a house as boxes: walls, fences, solid furniture and, with `leaves`, door leaves at their angles."""
+    """Return the solid objects of a house as boxes: walls, fences, solid furniture and, if `leaves`, the door leaves."""
     rows = [(*_box(wall.bounds), 0.0, wall.bottom_m, wall.top_m) for wall in house.walls]
     for thing in (*(piece for piece in house.furniture if piece.solid), *(house.leaves if leaves else ())):
         (x, y, z), (width, depth, height) = thing.position, thing.size
@@ -92,12 +92,12 @@ def solid_obstacles(house: House, leaves: bool = True) -> Obstacles:
 
 
 def stair_wells(house: House) -> Obstacles:
-    """Each stairwell as a box, from its lowest floor to its highest ceiling; storeys have no floor to walk on there."""
+    """Return each stairwell as a box, from its lowest floor to its highest ceiling; there is no floor to walk on inside."""
     return _obstacles([(*_box(r.polygon.bounds), 0.0, r.floor_m, r.ceiling_m) for r in house.rooms if r.label == STAIRS])
 
 
 def _box(bounds: Sequence[float]) -> tuple[float, float, float, float]:
-    """A rectangle (x0, y0, x1, y1) as (x of the centre, y of the centre, width, depth)."""
+    """Convert a rectangle (x0, y0, x1, y1) to (x of the centre, y of the centre, width, depth)."""
     x0, y0, x1, y1 = bounds
     return (x0 + x1) / 2, (y0 + y1) / 2, x1 - x0, y1 - y0
 
@@ -124,7 +124,7 @@ class FreeSpace:
 
 
 def survey(house: House, resolution_m: float) -> FreeSpace:
-    """The free space of a house on a grid with points `resolution_m` [m] apart."""
+    """Return the free space of a house on a grid whose points are `resolution_m` [m] apart."""
     x, y = lattice(house, resolution_m)
     solids, wells = solid_obstacles(house), stair_wells(house)
     floors = np.array([storey.floor_m for storey in house.storeys])
@@ -133,7 +133,7 @@ def survey(house: House, resolution_m: float) -> FreeSpace:
 
 
 def lattice(house: House, resolution_m: float) -> tuple[Float64[np.ndarray, "nx"], Float64[np.ndarray, "ny"]]:
-    """Coordinates x and y in W of a grid that covers the plan of a house, with points `resolution_m` apart [m]."""
+    """Return the coordinates x and y in W of a grid with points `resolution_m` apart that covers the plan of a house [m]."""
     x0, y0, x1, y1 = shapely.total_bounds([room.polygon for room in house.rooms])
     x = np.arange(x0 - _PADDING_M, x1 + _PADDING_M, resolution_m)
     return x, np.arange(y0 - _PADDING_M, y1 + _PADDING_M, resolution_m)
@@ -145,7 +145,7 @@ def clearance_on(
     groups: Sequence[Obstacles],
     cap_m: float = CLEARANCE_CAP_M,
 ) -> Float64[np.ndarray, "nx ny"]:
-    """Distance from every grid point (`x`, `y`) to the nearest obstacle of all `groups`, at most `cap_m` [m].
+    """Return the distance from every grid point (`x`, `y`) to the nearest obstacle of all `groups`, at most `cap_m` [m].
 
     Each box only changes the points within `cap_m` of its bounding rectangle. Boxes parallel to the axes are the common case
     and take a faster path, in which x and y are treated separately.

@@ -105,7 +105,10 @@ class House:
         return by_id | {cell: by_id[lowest] for cell, lowest in lowest_cells(self.spec).items()}
 
     def wall_height(self, level: int, boundary: Boundary) -> float:
-        """Height of the wall on a boundary of `storeys[level]` [m]; a wall without an indoor room beside it is a fence."""
+        """Return the height of the wall on a boundary of `storeys[level]` [m].
+
+        A wall without an indoor room beside it is a fence.
+        """
         storey = self.storeys[level]
         return wall_height(boundary, storey.ceiling_m - storey.floor_m, self._indoors)
 

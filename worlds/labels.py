@@ -36,3 +36,6 @@ ROOM_LABELS = (
 
 OUTDOOR_LABELS = ("garden", "balcony")
 """Labels of outdoor rooms, which have no ceiling, and fences instead of outer walls."""
+
+CIRCULATION_LABELS = ("corridor", "entrance hall", "lobby")
+"""Labels of rooms that people walk along to reach other rooms."""

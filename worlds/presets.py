@@ -13,15 +13,13 @@ from worlds.floor_plans.building_kinds import KINDS, BuildingKind
 from worlds.floor_plans.floor_plan import SLAB_M, PlanStyle, lay_out
 from worlds.floor_plans.programmes import LayoutShares, StoreyProgramme
 from worlds.floor_plans.room_lists import by_storey, draw_programmes, programmes_of
-from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS, STAIRS
+from worlds.labels import CIRCULATION_LABELS, OUTDOOR_LABELS, ROOM_LABELS, STAIRS
 from worlds.openings.openness import with_openness
 from worlds.openings.placement import place_openings
 from worlds.preset_names import MAX_ROOMS_ASKED, MAX_STOREYS_ASKED, MIN_ROOMS_ASKED
 from worlds.preset_names import PRESETS as PRESETS
 from worlds.spec import HouseSpec, StoreySpec
 from worlds.valid_names import did_you_mean
-
-_CIRCULATION = ("corridor", "entrance hall", "lobby")
 
 
 def sample_house(
@@ -65,9 +63,9 @@ def sample_from_rooms(
 ) -> HouseSpec:
     """Generate a house with a room for each of `labels`; the same arguments always give the same house.
 
-    The rooms stand along the first corridor, entrance hall or lobby in the list. A corridor is added if the list has none,
-    and stairs are added if there are several storeys. Raises `WorldsError` for labels or numbers that are not valid. See
-    `sample_house` for the other arguments.
+    The rooms stand along the first corridor, entrance hall or lobby in the list. If the list has none of these, a corridor
+    is added. Stairs are added if there are several storeys. Raises `WorldsError` for labels or numbers that are not valid.
+    See `sample_house` for the other arguments.
     """
     possible = [label for label in ROOM_LABELS if label != STAIRS]
     if unknown := [label for label in labels if label not in possible]:
@@ -76,7 +74,7 @@ def sample_from_rooms(
         )
     if not 1 <= len(labels) <= MAX_ROOMS_ASKED:
         raise WorldsError(f"{len(labels)} rooms were asked for; valid: 1 to {MAX_ROOMS_ASKED}")
-    spine = next((label for label in labels if label in _CIRCULATION), None)
+    spine = next((label for label in labels if label in CIRCULATION_LABELS), None)
     others = list(labels)
     if spine is not None:
         others.remove(spine)
@@ -93,28 +91,28 @@ def sample_from_rooms(
 
 
 def _generators(seed: int) -> tuple[np.random.Generator, ...]:
-    """Three independent generators: for the list of rooms, for their positions, and for the openings between them."""
+    """Return three random generators: for the list of rooms, for their positions, and for the openings between the rooms."""
     if not 0 <= seed < 2**63:
         raise WorldsError(f"house seed {seed} is not in 0 ... 2**63 - 1")
     return tuple(np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3))
 
 
 def _random_kind(rng: np.random.Generator) -> BuildingKind:
-    """The kind of building of the preset "random": one of five kinds, or a mixture of all indoor rooms."""
+    """Draw the kind of building for the preset "random": one of five kinds, or a mixture of rooms with any label."""
     names = ("home", "apartment", "office", "clinic", "school", None, None)
     name = names[int(rng.integers(len(names)))]
-    indoors = [label for label in ROOM_LABELS if label not in (*OUTDOOR_LABELS, *_CIRCULATION, STAIRS)]
+    indoors = [label for label in ROOM_LABELS if label not in (*OUTDOOR_LABELS, *CIRCULATION_LABELS, STAIRS)]
     order = [indoors[i] for i in rng.permutation(len(indoors))]
-    kind = KINDS[name] if name else replace(KINDS["office"], first=(), more=(*order, "garden", "balcony"), repeats=0.2)
+    kind = KINDS[name] if name else replace(KINDS["office"], first=(), more=(*order, *OUTDOOR_LABELS), repeats=0.2)
     most = 2 + round(38 * float(rng.random()) ** 3)
     storeys = (1, 1, 1, 2, 2, 2, 3, 4) if most >= 5 else (1,)
     return replace(kind, rooms=(most, most), storeys=storeys, halls=(*kind.halls, None))
 
 
 def _counts(kind: BuildingKind, rooms: int | None, storeys: int | None, rng: np.random.Generator) -> tuple[int, int]:
-    """Numbers of rooms and storeys of a building: the requested numbers, or drawn numbers if None is given.
+    """Return the numbers of rooms and storeys of a building: the requested numbers, or drawn numbers if None is given.
 
-    A drawn number of storeys is limited so that there are enough rooms for all of them. Raises `WorldsError` for numbers
+    A drawn number of storeys is limited so that there are enough rooms for all storeys. Raises `WorldsError` for numbers
     that are not valid.
     """
     usual, levels = int(rng.integers(kind.rooms[0], kind.rooms[1] + 1)), int(rng.choice(kind.storeys))

@@ -9,7 +9,7 @@ from worlds.spec_errors import MAX_JSON_BYTES
 
 
 def read_text(path: Path) -> str:
-    """The text of a UTF-8 file of at most 16 MB.
+    """Return the text of a UTF-8 file of at most 16 MB.
 
     Pipes and devices are refused, because reading them may never end. Raises `SpecError` for a file that cannot be read; the
     message does not name the file, so that callers can put the name in front.

@@ -10,7 +10,7 @@ from worlds.spec import HouseSpec
 
 
 def room_polygons(spec: HouseSpec) -> dict[str, Polygon]:
-    """The polygon of each room along the wall centre lines [m], by room id, in the order of the spec.
+    """Return the polygon of each room along the wall centre lines [m], by room id, in the order of the spec.
 
     Raises `HouseError` for polygons that cross or touch themselves or are clockwise, and for stairs that are no rectangle.
     All polygons are checked together, because one call of shapely for all rooms is faster than one call for each room.

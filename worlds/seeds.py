@@ -12,7 +12,7 @@ _PURPOSES: dict[Purpose, int] = {"windows": 0, "furniture": 1, "finish": 2}
 
 
 def room_rng(spec: HouseSpec, room: RoomSpec, purpose: Purpose) -> np.random.Generator:
-    """The generator for one purpose in one room.
+    """Return the random generator for one purpose in one room.
 
     The generator is seeded with the house's seed and the room's id, so that a change to one room changes no other room. If
     the room has a seed of its own, only that seed is used, so that rooms with the same seed (twins) get the same random
@@ -24,7 +24,7 @@ def room_rng(spec: HouseSpec, room: RoomSpec, purpose: Purpose) -> np.random.Gen
 
 
 def house_rng(spec: HouseSpec, *key: int) -> np.random.Generator:
-    """The generator for the appearance of a thing that belongs to no room; `key` identifies the thing."""
+    """Return the random generator for the appearance of a thing that belongs to no room; `key` identifies the thing."""
     return np.random.default_rng([spec.seed, *_repaint(spec), _PURPOSES["finish"], *key])
 
 

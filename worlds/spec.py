@@ -36,7 +36,13 @@ _SHORT = re.compile(r"""\[\s+(?: [-+.\deE,\s[\]]+ | (?: "[^"\n]*" ,? \s+ )+ )\]"
 Metres = Annotated[float, Field(ge=-1000.0, le=1000.0, description="coordinate [m]")]
 Length = Annotated[float, Field(gt=0.0, le=1000.0, description="length [m]")]
 Point = tuple[Metres, Metres]
-Identifier = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9][A-Za-z0-9 _.'-]*$")]
+MAX_ID_LENGTH = 64
+"""Largest number of characters of an identifier."""
+ID_PATTERN = r"[A-Za-z0-9][A-Za-z0-9 _.'-]*"
+"""Regular expression of an identifier."""
+Identifier = Annotated[str, Field(min_length=1, max_length=MAX_ID_LENGTH, pattern=f"^{ID_PATTERN}$")]
+MAX_STOREYS = 8
+"""Largest number of storeys of a house."""
 Seed = Annotated[int, Field(ge=0, lt=2**63, description="a seed")]
 OpeningKind = Literal["door", "cased", "arch", "half wall", "counter", "open"]
 PASSABLE: tuple[OpeningKind, ...] = ("door", "cased", "arch", "open")
@@ -132,7 +138,7 @@ class OpeningSpec(_Data):
         return math.dist(self.start_m, self.end_m)
 
     def gap_m(self, ceiling_m: float) -> tuple[float, float]:
-        """Heights of the gap's lower and upper end above the floor, if the ceiling is `ceiling_m` above the floor [m]."""
+        """Return the heights above the floor of the gap's lower and upper end; `ceiling_m` is the ceiling's height [m]."""
         match self.kind:
             case "open":
                 return 0.0, ceiling_m
@@ -202,7 +208,7 @@ class HouseSpec(_Data):
         default=1.0, ge=0.0, le=4.0, description="how much furniture is filled in [1]; 0: none, 1: usual, 4: a hoarder's"
     )
     appearance: AppearanceSpec = AppearanceSpec()
-    storeys: tuple[StoreySpec, ...] = Field(min_length=1, max_length=8)
+    storeys: tuple[StoreySpec, ...] = Field(min_length=1, max_length=MAX_STOREYS)
 
     @model_validator(mode="after")
     def _names_resolve(self) -> "HouseSpec":
@@ -233,12 +239,12 @@ class HouseSpec(_Data):
         return tuple(label for label in ROOM_LABELS if label in present)
 
     def to_json(self) -> str:
-        """The spec as JSON; equal specs give equal texts."""
+        """Return the spec as JSON; equal specs give equal texts."""
         # Points, polygons and pairs of names are each put on one line, because people read these files too.
         return _SHORT.sub(_on_one_line, json.dumps(self.data(), indent=1)) + "\n"
 
     def data(self) -> dict[str, Any]:
-        """The spec as plain data, as `to_json` writes it; fields with their default values are left out."""
+        """Return the spec as plain data, as `to_json` writes it; fields with their default values are left out."""
         return {"schema": self.schema_version, **self.model_dump(mode="json", by_alias=True, exclude_defaults=True)}
 
     @classmethod
@@ -271,14 +277,14 @@ def _on_one_line(match: re.Match[str]) -> str:
 
 
 def _room_names(storey: StoreySpec) -> Iterator[tuple[str, int, tuple[str, ...]]]:
-    """Every item of a storey that refers to rooms, as (name of the list, index in the list, ids of the rooms)."""
+    """Yield every item of a storey that refers to rooms, as (name of the list, index in the list, ids of the rooms)."""
     yield from (("openings", i, opening.rooms) for i, opening in enumerate(storey.openings))
     yield from (("windows", i, (window.room,)) for i, window in enumerate(storey.windows or ()))
     yield from (("furniture", i, (piece.room,)) for i, piece in enumerate(storey.furniture or ()))
 
 
 def _unknown_rooms(level: int, storey: StoreySpec) -> Iterator[str]:
-    """A message for each reference to a room that the storey does not have; there are at most `MAX_MISTAKES` + 1."""
+    """Yield a message for each reference to a room that the storey does not have, at most `MAX_MISTAKES` + 1 messages."""
     known = {room.id for room in storey.rooms}
     rooms = sorted(known)
     unknown = ((place, i, missing) for place, i, named in _room_names(storey) for missing in sorted({*named} - known))
@@ -296,7 +302,7 @@ def _repeated(what: str, ids: list[str]) -> Iterator[str]:
 
 @cache
 def json_schema() -> dict[str, Any]:
-    """The format of a house as JSON Schema (draft 2020-12). `worlds/house.schema.json` is a copy of this schema."""
+    """Return the format of a house as JSON Schema (draft 2020-12). `worlds/house.schema.json` is a copy of this schema."""
     schema = HouseSpec.model_json_schema(by_alias=True)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 

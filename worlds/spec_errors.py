@@ -58,7 +58,7 @@ def read_json(text: str, schema: dict[str, Any]) -> object:
 
 
 def _check_fields(pairs: list[tuple[str, object]]) -> dict[str, object]:
-    """The fields of a JSON object as a dict. Raises `SpecError` for a repeated field, although JSON permits it."""
+    """Return the fields of a JSON object as a dict. Raises `SpecError` for a repeated field, which JSON itself permits."""
     fields = dict(pairs)
     if len(fields) < len(pairs):
         key, times = Counter(key for key, _ in pairs).most_common(1)[0]
@@ -68,7 +68,7 @@ def _check_fields(pairs: list[tuple[str, object]]) -> dict[str, object]:
 
 
 def _check_sizes(data: object, path: _PATH, node: dict[str, Any], schema: dict[str, Any]) -> None:
-    """Raise `SpecError` for lists and objects that are too long, so that validation does not look at every item of them."""
+    """Raise `SpecError` for lists and objects that are too long, so that validation does not look at all their items."""
     node = _resolved(node, schema)
     if isinstance(data, list) and "items" in node:
         if len(data) > node["maxItems"]:
@@ -83,7 +83,7 @@ def _check_sizes(data: object, path: _PATH, node: dict[str, Any], schema: dict[s
 
 
 def explain(error: ValidationError, data: object, schema: dict[str, Any]) -> list[str]:
-    """One line for each malformed field: its place, its value and the valid values.
+    """Return one line for each malformed field: its place, its value and the valid values.
 
     After `MAX_MISTAKES` lines, a last line says how many malformed fields are left.
     """
@@ -97,7 +97,7 @@ def explain(error: ValidationError, data: object, schema: dict[str, Any]) -> lis
         if len(lines) >= MAX_MISTAKES:
             return [*lines, f"and {len(problems) - i} more malformed fields"]
         *parent, field = problem["loc"] or ("",)
-        # A misspelt field is reported twice: as an unknown field and as a missing one. The first message says more.
+        # A misspelt field is reported twice: as an unknown field and as a missing field. The first message says more.
         if problem["type"] != "missing" or not any(
             did_you_mean(str(wrong), [str(field)]) for wrong in misspelt[tuple(parent)]
         ):
@@ -106,7 +106,7 @@ def explain(error: ValidationError, data: object, schema: dict[str, Any]) -> lis
 
 
 def _is_consequence(problem: ErrorDetails) -> bool:
-    """Whether pydantic reports a list as too short only because it does not count the list's malformed items."""
+    """Return whether pydantic reports a list as too short only because it does not count the list's malformed items."""
     return problem["type"] == "too_short" and len(problem["input"]) >= problem["ctx"]["min_length"]
 
 
@@ -133,7 +133,7 @@ def _explained(problem: ErrorDetails, data: object, schema: dict[str, Any]) -> l
 
 
 def mistakes_error(source: str, mistakes: Sequence[str]) -> SpecError:
-    """The error for a file with mistakes: its message is the first mistake, its notes are the others; long lines are cut."""
+    """Return an error whose message is the first mistake in a file and whose notes are the others; long lines are cut."""
     room = max(_MAX_LINE - len(source), _MAX_LINE // 2)
     first, *others = (f"{source}: {textwrap.shorten(mistake, room, placeholder=' ...')}" for mistake in mistakes)
     error = SpecError(first)
@@ -143,7 +143,7 @@ def mistakes_error(source: str, mistakes: Sequence[str]) -> SpecError:
 
 
 def _place(path: _PATH, data: object) -> str:
-    """The place of a mistake: its path in the data, and the name of the last room, piece or opening along the path."""
+    """Return the place of a mistake: its path in the data, and the name of the last room, piece or opening on this path."""
     names = []
     for i, part in enumerate(path):
         thing = _at(data, path[: i + 1])
@@ -178,7 +178,7 @@ def _at(data: Any, path: _PATH) -> Any:
 
 
 def _node(path: _PATH, schema: dict[str, Any]) -> dict[str, Any]:
-    """The part of the schema that belongs to a path; empty for a path that the schema does not have."""
+    """Return the part of the schema that belongs to a path; it is empty for a path that the schema does not have."""
     node = _resolved(schema, schema)
     for part in path:
         if isinstance(part, int):
@@ -191,7 +191,7 @@ def _node(path: _PATH, schema: dict[str, Any]) -> dict[str, Any]:
 
 
 def _resolved(node: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
-    """A part of the schema, with references followed. For a part that allows a value or null, the part for the value."""
+    """Return a part of the schema with references followed; if it allows a value or null, return the part for the value."""
     if "anyOf" in node:
         chosen = next(choice for choice in node["anyOf"] if choice.get("type") != "null")
         node = {**chosen, "description": node.get("description", "")}
@@ -201,7 +201,7 @@ def _resolved(node: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
 
 
 def _described(node: dict[str, Any], schema: dict[str, Any]) -> str:
-    """The values that a part of the schema allows, in words."""
+    """Describe in words which values a part of the schema allows."""
     node = _resolved(node, schema)
     if "enum" in node:
         return ", ".join(node["enum"])
@@ -238,7 +238,7 @@ def _array(node: dict[str, Any], schema: dict[str, Any]) -> str:
 
 
 def _shown(value: object) -> str:
-    """A value from a file, shortened to one line."""
+    """Return a value from a file as a short text of one line."""
     match value:
         case None:
             return "null"

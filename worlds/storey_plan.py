@@ -60,7 +60,7 @@ class StoreyPlan:
         return StoreyPlan(house, level, floor_m, ceiling_m, pieces, outer, windows)
 
     def standing_walls(self) -> Iterator[Wall]:
-        """The pieces of wall that remain after the openings are cut out, including the corners above arches."""
+        """Yield the pieces of wall that remain after the openings are cut out, including the corners above arches."""
         meeting, indoors = corners([boundary for boundary, _ in self.pieces]), indoor_rooms(self.house)
         for boundary, opening in self.pieces:
             height = wall_height(boundary, self.ceiling_m - self.floor_m, indoors)
@@ -71,26 +71,26 @@ class StoreyPlan:
                 yield from self._spandrels(boundary, opening, height)
 
     def _spandrels(self, boundary: Boundary, opening: OpeningSpec, height_m: float) -> Iterator[Wall]:
-        """The wall above the curve of an arch, as narrow boxes; each box reaches down to the lowest point of its curve."""
+        """Yield the wall above an arch as narrow boxes; each box reaches down to the lowest point of the curve below it."""
         floor, top = self.floor_m, min(opening.height_m, height_m)
         for (a0, z0), (a1, z1) in itertools.pairwise(arch_curve(boundary, opening, top)):
             if min(z0, z1) < top:
                 yield Wall(self.level, boundary, a0, a1, floor + min(z0, z1), floor + top, spandrel=True)
 
     def hung_windows(self) -> Iterator[Window]:
-        """The windows of the storey as objects in their walls.
+        """Yield the windows of the storey as objects in their walls.
 
         Raises `HouseError` for a window that lies in no outer wall of its room, or whose sill is not below its upper edge.
         """
         return hang_windows(self.house, self.level, self.windows, self.outer, self.floor_m)
 
     def hung_leaves(self) -> Iterator[DoorLeaf]:
-        """The door leaves of the storey as objects, as far open as the spec says."""
+        """Yield the door leaves of the storey as objects, as far open as the spec says."""
         seed = self.house.seed if self.house.appearance.seed is None else self.house.appearance.seed
         return hang_leaves(self.level, self.pieces, self.house.storeys[self.level].openings, self.floor_m, seed)
 
     def furniture(self) -> tuple[FurnitureSpec, ...]:
-        """The furniture in the spec, or furniture filled in from the catalogue if the spec has None instead of a list."""
+        """Return the furniture in the spec, or furniture from the catalogue if the spec has None instead of a list."""
         storey = self.house.storeys[self.level]
         if storey.furniture is not None:
             return storey.furniture
@@ -99,12 +99,15 @@ class StoreyPlan:
 
 
 def indoor_rooms(house: HouseSpec) -> frozenset[str]:
-    """Ids of the rooms that are not outdoors."""
+    """Return the ids of the rooms that are not outdoors."""
     return frozenset(room.id for storey in house.storeys for room in storey.rooms if room.label not in OUTDOOR_LABELS)
 
 
 def wall_height(boundary: Boundary, ceiling_height_m: float, indoors: frozenset[str]) -> float:
-    """Height of the wall on a boundary [m]: `ceiling_height_m`, or `FENCE_HEIGHT_M` if no room beside it is in `indoors`."""
+    """Return the height of the wall on a boundary [m].
+
+    The height is `ceiling_height_m`, or `FENCE_HEIGHT_M` if no room beside the wall is in `indoors`.
+    """
     return FENCE_HEIGHT_M if indoors.isdisjoint(boundary.rooms) else ceiling_height_m
 
 

@@ -54,8 +54,8 @@ def houses(
     Args:
         min_rooms: at least 1.
         max_rooms: at most 40.
-        max_storeys: at most 4; houses of several storeys have one staircase through all of them.
-        furnished: whether `build_house` fills in furniture; the amount is drawn.
+        max_storeys: at most 4; houses of several storeys have one staircase, which joins all storeys.
+        furnished: whether `build_house` fills in furniture; the amount of furniture is drawn, too.
         labels: labels that rooms can have, the simplest first; gardens and balconies are valid in one-storey houses only.
         kinds: kinds of openings, the simplest first. Half walls and counters, which cannot be walked through, get a door
             beside them where the room has no other entrance.

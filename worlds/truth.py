@@ -83,7 +83,7 @@ class ObjectInstance:
 
 
 def room_at(house: House, points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "n"]:
-    """Index into `house.rooms` of the room that contains each point in W [m]; `NOWHERE` outside of all rooms.
+    """Return the index into `house.rooms` of the room that contains each point in W [m]; `NOWHERE` outside of all rooms.
 
     Rooms end at the centre lines of walls; a point exactly on a centre line belongs to the room that comes later in
     `house.rooms`. A room extends from its floor to the top of the slab above its ceiling. Both ends are lowered by
@@ -98,19 +98,25 @@ def room_at(house: House, points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "
 
 
 def floor_at(house: House, points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "n"]:
-    """Index of the storey of each point in W [m]: the highest one whose floor is not above the point; 0 below all floors."""
+    """Return the index of the storey of each point in W [m].
+
+    This is the highest storey whose floor is not above the point, and storey 0 for points below all floors.
+    """
     return storey_of(points[:, 2], [storey.floor_m for storey in house.storeys])
 
 
 def storey_of(heights: Float[np.ndarray, "n"], floors_m: Sequence[float]) -> Int[np.ndarray, "n"]:
-    """Index of the highest floor that is not above each height [m], within `FLOOR_TOLERANCE_M`; 0 below all floors."""
+    """Return the index of the highest floor that is not above each height [m]; 0 for heights below all floors.
+
+    A floor that is at most `FLOOR_TOLERANCE_M` above a height counts as not above it.
+    """
     return np.clip(np.searchsorted(floors_m, heights + FLOOR_TOLERANCE_M, side="right") - 1, 0, None)
 
 
 def ambiguity_at(
     house: House, points: Float[np.ndarray, "n 3"], band_m: float = AMBIGUITY_BAND_M
 ) -> Bool[np.ndarray, "n rooms"]:
-    """Whether the label of each room counts as right at each point in W [m].
+    """Return whether the label of each room counts as right at each point in W [m].
 
     The label of the room that contains the point always counts. Where the boundary between two rooms is open, an image does
     not show where a room ends. So the labels of both rooms count at points of these rooms that are straight in front of the
@@ -131,10 +137,10 @@ def ambiguity_at(
 
 
 def is_ambiguous(opening: OpeningSpec) -> bool:
-    """Whether a boundary with this opening is so open that an image does not show where a room ends.
+    """Return whether a boundary with this opening is so open that an image does not show where a room ends.
 
-    This is so for removed walls, half walls and counters, and for arches and cased openings of at least 1.2 m, but never for
-    doors.
+    This is the case for removed walls, half walls and counters, and for arches and cased openings at least 1.2 m wide. It is
+    never the case for doors.
     """
     if opening.kind in ("cased", "arch"):
         return opening.width_m >= AMBIGUOUS_FRAME_M - 1e-9
@@ -142,7 +148,7 @@ def is_ambiguous(opening: OpeningSpec) -> bool:
 
 
 def boundary_openness(house: House) -> dict[tuple[str, str], float]:
-    """Openness of the boundary between each pair of neighbouring indoor rooms, by the pair of their ids in sorted order.
+    """Return the openness of the boundary between each pair of neighbouring indoor rooms, by the sorted pair of their ids.
 
     The openness is the share of the boundary's area, from floor to ceiling, that is permanently open; doors count as wall.
     Stairs are not included.
@@ -151,7 +157,7 @@ def boundary_openness(house: House) -> dict[tuple[str, str], float]:
 
 
 def openness(house: House) -> float:
-    """Openness of a house: the mean of `boundary_openness` over all boundaries, weighted by area, in [0, 1].
+    """Return the openness of a house: the mean of `boundary_openness` over all boundaries, weighted by area, in [0, 1].
 
     0: all openings are doors, or there are no boundaries between rooms; 1: there is no wall between any two rooms.
     """
@@ -161,14 +167,17 @@ def openness(house: House) -> float:
 
 
 def _gap_and_area(house: House) -> dict[tuple[str, str], tuple[float, float]]:
-    """For each pair of neighbouring indoor rooms except stairs, the open area and the whole area of their boundary [m²]."""
+    """Return the open area and the whole area of the boundary between each pair of neighbouring indoor rooms [m²].
+
+    Stairs are not included.
+    """
     sums: dict[tuple[str, str], tuple[float, float]] = defaultdict(lambda: (0.0, 0.0))
     inner = {room.id for room in house.rooms if room.label != STAIRS and not room.outdoor}
     for level, boundary, opening in _pieces(house):
         a, b = boundary.rooms
         if a in inner and b in inner and a is not None and b is not None:
             height = house.spec.storeys[level].height_m
-            # An opening may extend over two stretches of boundary; each gets its share of the area.
+            # An opening may extend over two stretches of boundary; each stretch gets its share of the area.
             taken = 0.0 if opening is None else gap_area(opening, height) * boundary.length / opening.width_m
             gap, area = sums[min(a, b), max(a, b)]
             sums[min(a, b), max(a, b)] = gap + taken, area + boundary.length * height
@@ -176,7 +185,7 @@ def _gap_and_area(house: House) -> dict[tuple[str, str], tuple[float, float]]:
 
 
 def boundary_lines(house: House) -> tuple[BoundaryLine, ...]:
-    """All room boundaries of a house, as straight stretches."""
+    """Return all room boundaries of a house, as straight stretches."""
     return tuple(
         BoundaryLine(
             level,
@@ -189,7 +198,7 @@ def boundary_lines(house: House) -> tuple[BoundaryLine, ...]:
 
 
 def room_graph(house: House) -> RoomGraph:
-    """The graph of rooms and passages. A staircase is one room, with passages to rooms on all storeys that it joins."""
+    """Return the graph of rooms and passages; a staircase is one room, with passages on all storeys that it joins."""
     passages = []
     for level, storey in enumerate(house.spec.storeys):
         for opening in storey.openings:
@@ -201,7 +210,7 @@ def room_graph(house: House) -> RoomGraph:
 
 
 def objects(house: House) -> tuple[ObjectInstance, ...]:
-    """All objects of a house: furniture, then door leaves, then windows."""
+    """Return all objects of a house: furniture, then door leaves, then windows."""
     placed = chain(
         ((piece, piece.kind, piece.room) for piece in house.furniture),
         ((leaf, "door", leaf.into) for leaf in house.leaves),
@@ -221,7 +230,7 @@ def objects(house: House) -> tuple[ObjectInstance, ...]:
 
 
 def floor_area(house: House) -> float:
-    """Indoor area of all storeys, measured to the centre lines of the walls [m²]; stairs count once for each storey."""
+    """Return the indoor area of all storeys, measured to the centre lines of the walls [m²]; stairs count on each storey."""
     storeys = house.spec.storeys
     return float(
         sum(house.room_by_id[r.id].polygon.area for s in storeys for r in s.rooms if not house.room_by_id[r.id].outdoor)
@@ -229,12 +238,12 @@ def floor_area(house: House) -> float:
 
 
 def _pieces(house: House) -> Iterator[tuple[int, Boundary, OpeningSpec | None]]:
-    """Every stretch of room boundary, as (index of the storey, stretch, opening that fills the stretch or None)."""
+    """Yield every stretch of room boundary, as (index of the storey, stretch, opening that fills the stretch or None)."""
     for level, pieces in enumerate(house.boundaries):
         for boundary, opening in pieces:
             yield level, boundary, opening
 
 
 def _room(house: House, cell: str | None) -> str | None:
-    """The id that `house.rooms` has for a room id of the spec; the two ids differ for stairs. None stays None."""
+    """Return the id in `house.rooms` for a room id of the spec; the two ids can differ for stairs only. None stays None."""
     return None if cell is None else house.room_by_id[cell].id

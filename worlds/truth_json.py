@@ -9,13 +9,13 @@ TRUTH_SCHEMA = 1
 
 
 def truth_json(house: House) -> dict[str, Any]:
-    """The ground truth of a house as data for `json.dumps`; lengths in metres, angles in radians, all in W (z up).
+    """Return the ground truth of a house as data for `json.dumps`; lengths in metres, angles in radians, all in W (z up).
 
     - `storeys`: heights of floor and ceiling.
     - `rooms`: id, label, storey, floor polygon (along the wall centre lines, counter-clockwise, first corner not repeated),
       heights of floor and ceiling, and whether the room is outdoors.
     - `boundaries`: straight stretches of room boundary, with the rooms on both sides (null: outside), the kind of opening
-      (or "wall"), and whether the labels of both rooms count as right near it (see `worlds.truth.ambiguity_at`).
+      (or "wall"), and whether the labels of both rooms count as right near the stretch (see `worlds.truth.ambiguity_at`).
     - `openness`: openness of the house, and of the boundary between every two neighbouring rooms.
     - `passages`: the edges of the room graph.
     - `stairs`: the walking line of every flight, upwards.

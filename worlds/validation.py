@@ -15,7 +15,10 @@ BODY_RADIUS_M = 0.25
 
 
 def built_and_checked(spec: HouseSpec) -> House:
-    """Build the house of a spec and check it. Raises `HouseError` if it cannot be built or breaks a rule of `problems`."""
+    """Build the house of a spec and check it.
+
+    Raises `HouseError` if the house cannot be built, or if it breaks a rule of `problems`.
+    """
     try:
         house = build_house(spec)
     except HouseError as error:
@@ -31,15 +34,15 @@ def validate(house: House) -> None:
 
 
 def problems(house: House) -> Iterator[str]:
-    """A message for every rule that a house breaks; it names the rooms or objects. The next rule is checked only on demand.
+    """Yield a message for every rule that a house breaks; the message names the rooms or objects.
 
-    The rules:
+    The next rule is checked only when the caller asks for the next message. The rules:
 
     - Rooms of a storey do not overlap or nearly touch, and rooms of upper storeys stand on indoor rooms.
-    - Stairs join storeys. (`worlds.stairs.build` has further rules of stairs: a house that breaks them cannot be built.)
+    - Stairs join storeys. (`worlds.stairs.build` has further rules for stairs: a house that breaks them cannot be built.)
     - Openings and windows lie in the walls of their rooms and do not overlap. Doors and other passages let a body through.
     - Furniture stays in its room, collides with nothing, and does not stand in the swing area of a door leaf.
-    - Every room can be reached on foot from every other, with all doors opened.
+    - Every room can be reached on foot from every other room, with all doors opened.
     """
     grid = PlanGrid.of(house.spec)
     yield from plan_problems(house, grid)
@@ -49,9 +52,10 @@ def problems(house: House) -> Iterator[str]:
 
 
 def spec_problems(spec: HouseSpec) -> Iterator[str]:
-    """A message for every rule that the house of a spec breaks.
+    """Yield a message for every rule that the house of a spec breaks.
 
-    For a house that cannot be built, the messages name all pairs of rooms that overlap or, if none do, the reason.
+    For a house that cannot be built, the messages name all pairs of rooms that overlap. If no rooms overlap, the message
+    gives the reason why the house cannot be built.
     """
     try:
         house = build_house(spec)
@@ -62,6 +66,6 @@ def spec_problems(spec: HouseSpec) -> Iterator[str]:
 
 
 def _why_not_built(spec: HouseSpec, error: HouseError) -> Iterator[str]:
-    """Why a house cannot be built: the overlaps of rooms, which often cause other errors, or `error` if none overlap."""
+    """Yield why a house cannot be built: the overlaps of rooms, which often cause other errors, or else `error`."""
     overlaps = list(overlap_problems(PlanGrid.of(spec)))
     yield from overlaps or [str(error)]

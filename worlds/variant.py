@@ -22,7 +22,7 @@ def variant(
     repaint: int | None = None,
     add_storey: bool = False,
 ) -> HouseSpec:
-    """A house that differs from `spec` in the properties given as arguments, and in nothing else.
+    """Return a house that differs from `spec` in the properties given as arguments, and in nothing else.
 
     Args:
         spec: the house to start from.
@@ -61,12 +61,17 @@ def variant(
 
 
 def in_light(spec: HouseSpec, light: Literal["day", "evening", "dim"]) -> HouseSpec:
-    """The house in another light; nothing else changes."""
+    """Return the house in another light; nothing else changes."""
     return spec.model_copy(update={"appearance": spec.appearance.model_copy(update={"light": light})})
 
 
+def in_texture(spec: HouseSpec, texture: Literal["rich", "poor", "repeating"]) -> HouseSpec:
+    """Return the house with other textures; nothing else changes."""
+    return spec.model_copy(update={"appearance": spec.appearance.model_copy(update={"texture": texture})})
+
+
 def explicit(spec: HouseSpec) -> HouseSpec:
-    """The spec of the same house, in which all windows and furniture that `build_house` fills in are listed explicitly.
+    """Return the spec of the same house with all windows and furniture listed that `build_house` would fill in.
 
     Raises `HouseError` for a house that cannot be built.
     """

@@ -2,11 +2,12 @@
 
 1. On every storey, the points of a grid are free where the body has space. Free points are a little farther from obstacles
    than the body's radius, so that the straight step between two neighbouring free points is free as well.
-2. The walking line of every flight of stairs is divided into points. Its ends are joined to the free grid points near them.
+2. The walking line of every flight of stairs is divided into points. Both ends of the line are joined to the free grid
+   points near them.
 3. All these points are the nodes of one sparse graph, whose edges are the steps between neighbours. Dijkstra's algorithm
-   finds the shortest path in it.
-4. Paths on a grid have needless corners. `path` removes them: from each corner it goes straight to the last node of the path
-   that can be reached in a straight line.
+   finds the shortest path in this graph.
+4. Paths on a grid have needless corners. `path` removes these corners: from each corner of the path, it goes straight to the
+   last node of the path that can be reached in a straight line.
 """
 
 import math
@@ -78,7 +79,7 @@ class Walkable:
 
     @cached_property
     def _free(self) -> Bool[np.ndarray, "storeys nx ny"]:
-        # If two diagonal neighbours are at least this far from an obstacle, the line between them keeps the radius from it.
+        # At this distance from an obstacle, even the line between two diagonal neighbours keeps the body's radius from it.
         margin = math.hypot(self.radius_m, self.resolution_m / math.sqrt(2.0))
         return (self.free_space.room >= 0) & (self.free_space.clearance >= margin)
 
@@ -128,7 +129,10 @@ class Walkable:
         return csr_array(coo_array((np.tile(length, 2), (np.concatenate([a, b]), np.concatenate([b, a]))), shape=(n, n)))
 
     def _stairs_steps(self) -> Int[np.ndarray, "2 m"]:
-        """Pairs of numbers of nodes: neighbours along each flight, and the end of a flight with a grid point near it."""
+        """Return the steps on and to stairs, each as the numbers of the two nodes that it joins.
+
+        These are the neighbours along each flight, and each end of a flight with the free grid points near it.
+        """
         steps, first = [np.zeros((2, 0), dtype=np.int64)], len(self._level)
         for line in self._flights:
             last = first + len(line) - 1
@@ -146,7 +150,10 @@ class Walkable:
         return cKDTree(self.nodes, balanced_tree=False, compact_nodes=False)
 
     def snap(self, point: Float64[np.ndarray, "3"], within_m: float = 0.5) -> int:
-        """Number of the node nearest to a point in W [m]. Raises `UnreachableError` if none is within `within_m` [m]."""
+        """Return the number of the node nearest to a point in W [m].
+
+        Raises `UnreachableError` if no node is within `within_m` [m] of the point.
+        """
         if not np.isfinite(point).all():
             raise UnreachableError(f"the point {point.tolist()} has no free place near it; valid: finite coordinates")
         distance, node = self._tree.query(point)
@@ -158,18 +165,21 @@ class Walkable:
         return int(node)
 
     def nodes_near(self, point: Float64[np.ndarray, "3"], within_m: float) -> Int[np.ndarray, "_"]:
-        """Numbers of all nodes within a distance of a point in W [m], ascending."""
+        """Return the numbers of all nodes within `within_m` [m] of a point in W, in ascending order."""
         return np.array(sorted(self._tree.query_ball_point(point, within_m)), dtype=np.int64)
 
     def nodes_in(self, room: str) -> Int[np.ndarray, "_"]:
-        """Numbers of the nodes in the room with this id. Raises `WorldsError` for a room that the house does not have."""
+        """Return the numbers of the nodes in the room with this id. Raises `WorldsError` if no room has this id."""
         by_id = self.house.room_by_id
         if room not in by_id:
             raise WorldsError(f"no room {room!r}; valid: {', '.join(by_id)}")
         return np.flatnonzero(np.equal(self.node_room, self.house.rooms.index(by_id[room])))
 
     def reachable_rooms(self) -> tuple[str, ...]:
-        """Ids of the rooms in which the largest connected part of the graph has nodes, in the order of `house.rooms`."""
+        """Return the ids of the rooms that can be reached on foot, in the order of `house.rooms`.
+
+        These are the rooms in which the largest connected part of the graph has nodes.
+        """
         return tuple(self.house.rooms[k].id for k in np.unique(self.node_room[self.connected]))
 
     @cached_property
@@ -179,28 +189,29 @@ class Walkable:
         return np.equal(part, np.argmax(np.bincount(part, minlength=1)))
 
     def distances_from(self, start: Float64[np.ndarray, "3"] | int, limit_m: float = np.inf) -> Float64[np.ndarray, "n"]:
-        """Length of the shortest path along the graph from `start` to every node [m]; `start` is a point in W or a node.
+        """Return the length of the shortest path along the graph from `start` to every node [m].
 
-        The length is infinite for nodes to which there is no path, and for nodes farther away than `limit_m` [m].
+        `start` is a point in W [m] or the number of a node. The length is infinite for nodes to which there is no path, and
+        for nodes farther away than `limit_m` [m].
         """
         node = start if isinstance(start, int) else self.snap(start)
         return np.ravel(dijkstra(self.graph, indices=[node], limit=limit_m))
 
     def distance(self, start: Float64[np.ndarray, "3"], goal: Float64[np.ndarray, "3"]) -> float:
-        """Length of the `path` between two points in W [m]. Raises `UnreachableError`."""
+        """Return the length of the `path` between two points in W [m]. Raises `UnreachableError` where `path` does."""
         return polyline_length(self.path(start, goal))
 
     def path(
         self, start: Float64[np.ndarray, "3"] | int, goal: Float64[np.ndarray, "3"] | int, prefer_clearance_m: float = 0.0
     ) -> Float64[np.ndarray, "k 3"]:
-        """The shortest path between two points or nodes, as its corners on the walked surface in W [m].
+        """Return the shortest path between two points or nodes, as its corners on the walked surface in W [m].
 
         Points are replaced by the nearest nodes. With `prefer_clearance_m` > 0, the path keeps about this distance from
         obstacles [m] if there is enough space. The path from `goal` to `start` is the same path reversed. Raises
         `UnreachableError` if there is no path, or a point is not walkable.
         """
         a, b = (place if isinstance(place, int) else self.snap(place) for place in (start, goal))
-        if a > b:  # straightening depends on the end from which it starts, so it always starts from the smaller node
+        if a > b:  # straightening depends on the end from which it starts, so it always starts from the smaller number
             return self.path(b, a, prefer_clearance_m)[::-1].copy()
         predecessors = dijkstra(self._costs(prefer_clearance_m), indices=[a], return_predecessors=True)[1][0]
         nodes = _trace(predecessors, a, b)
@@ -210,7 +221,11 @@ class Walkable:
         return self._shorten(np.array(nodes), prefer_clearance_m)
 
     def _costs(self, prefer_clearance_m: float) -> "csr_array[np.float64, tuple[int, int]]":
-        """The graph with longer steps near obstacles: a factor grows linearly with the clearance that a step's ends lack."""
+        """Return the graph with the length of each step multiplied by a factor that is larger near obstacles.
+
+        The factor is 1 if both ends of the step have a clearance of at least `prefer_clearance_m` [m]. It grows linearly
+        with the clearance that the ends lack.
+        """
         if prefer_clearance_m <= 0.0:
             return self.graph
         if prefer_clearance_m not in self._known_costs:
@@ -226,8 +241,8 @@ class Walkable:
     def _shorten(self, nodes: Int[np.ndarray, "k"], prefer_clearance_m: float) -> Float64[np.ndarray, "j 3"]:
         """Straighten a path: from each corner, go to the last node that can be reached in a straight line.
 
-        Bisection finds this node quickly. It assumes that all nodes before a certain node of the path can be reached, and no
-        node after it.
+        Bisection finds this node quickly. The bisection assumes that there is one last node: all nodes of the path before it
+        can be reached in a straight line, and no node after it.
         """
         kept, here = [0], 0
         while here < len(nodes) - 1:
@@ -240,10 +255,11 @@ class Walkable:
         return np.take(self.nodes, nodes[kept], axis=0)
 
     def _sees(self, nodes: Int[np.ndarray, "k"], prefer_clearance_m: float) -> bool:
-        """Whether the straight line from the first to the last of `nodes`, a piece of a path, can replace the piece.
+        """Return whether the straight line from the first to the last of `nodes`, a piece of a path, can replace the piece.
 
         If the piece has nodes on stairs, it must be straight already. Otherwise the line must keep `prefer_clearance_m` [m]
-        from obstacles, or only about as much as the piece does if that is less, but always at least the body's radius.
+        from obstacles. If the piece itself comes nearer to an obstacle, the line may come about as near as the piece, but
+        never nearer than the body's radius.
         """
         line = self.nodes[nodes[[0, -1]]]
         if nodes.max() >= len(self._level):
@@ -254,12 +270,12 @@ class Walkable:
 
 
 def polyline_length(points: Float64[np.ndarray, "k 3"]) -> float:
-    """Length of a polyline [m]."""
+    """Return the length of a polyline [m]."""
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
 
 def _resample(line: Float64[np.ndarray, "k 3"], step_m: float) -> Float64[np.ndarray, "_ 3"]:
-    """The points of a polyline with further points in between, so that neighbours are at most `step_m` apart."""
+    """Return the points of a polyline with further points in between, so that neighbours are at most `step_m` apart [m]."""
     pieces = [
         np.linspace(a, b, max(1, math.ceil(float(np.linalg.norm(b - a)) / step_m)), endpoint=False)
         for a, b in pairwise(line)
@@ -268,7 +284,7 @@ def _resample(line: Float64[np.ndarray, "k 3"], step_m: float) -> Float64[np.nda
 
 
 def _trace(predecessors: Int[np.ndarray, "n"], start: int, goal: int) -> list[int]:
-    """The nodes from start to goal, given each node's predecessor on the path from start; empty if there is no path."""
+    """Return the nodes from start to goal, given each node's predecessor on the path from start; empty without a path."""
     nodes = [goal]
     while nodes[-1] != start:
         nodes.append(int(predecessors[nodes[-1]]))

@@ -37,7 +37,8 @@ class Boundary:
     high: float
     """Upper end of the boundary along its axis [m]."""
     rooms: tuple[str | None, str | None]
-    """Ids of the rooms on both sides (None: outside). The first room is at smaller y, or x if the boundary runs along y."""
+    """Ids of the rooms on both sides (None: outside). The first room is on the side of smaller y, or of smaller x if the
+    boundary runs along y."""
 
     @property
     def length(self) -> float:
@@ -45,7 +46,7 @@ class Boundary:
         return self.high - self.low
 
     def point(self, along: float) -> tuple[float, float]:
-        """The point (x, y) of the boundary at the coordinate `along` on its axis [m]."""
+        """Return the point (x, y) of the boundary at the coordinate `along` on its axis [m]."""
         return (along, self.at) if self.axis == 0 else (self.at, along)
 
 
@@ -93,10 +94,10 @@ class Wall:
 
 
 def boundaries(storey: StoreySpec) -> list[Boundary]:
-    """All stretches of room boundary of a storey.
+    """Return all stretches of room boundary of a storey.
 
     The edges of all room polygons are collected by the line on which they lie, and each line is cut wherever an edge ends.
-    Raises `HouseError` where two rooms lie on the same side of a stretch, which means that they overlap.
+    Raises `HouseError` where two rooms lie on the same side of a stretch, which means that the rooms overlap.
     """
     lines: dict[tuple[int, float], list[tuple[float, float, int, str]]] = defaultdict(list)
     for room in storey.rooms:
@@ -128,7 +129,7 @@ def _place(axis: int, at: float, low: float, high: float) -> str:
 
 
 def segment_span(start: tuple[float, float], end: tuple[float, float]) -> tuple[int, float, float, float] | None:
-    """The fields (axis, at, low, high) of `Boundary` for a segment along x or y; None for other segments."""
+    """Return the fields (axis, at, low, high) of `Boundary` for a segment along x or y; None for other segments."""
     (x0, y0), (x1, y1) = start, end
     if abs(y0 - y1) <= _TOLERANCE_M < abs(x0 - x1):
         return 0, round(y0, 6), min(x0, x1), max(x0, x1)
@@ -138,7 +139,10 @@ def segment_span(start: tuple[float, float], end: tuple[float, float]) -> tuple[
 
 
 def opening_span(opening: OpeningSpec) -> tuple[int, float, float, float]:
-    """The fields (axis, at, low, high) of `Boundary` for an opening. Raises `HouseError` unless it runs along x or y."""
+    """Return the fields (axis, at, low, high) of `Boundary` for an opening.
+
+    Raises `HouseError` for an opening that does not run along x or y.
+    """
     span = segment_span(opening.start_m, opening.end_m)
     if span is None:
         raise HouseError(
@@ -149,7 +153,7 @@ def opening_span(opening: OpeningSpec) -> tuple[int, float, float, float]:
 
 
 def split_at_openings(boundary: Boundary, openings: Sequence[OpeningSpec]) -> Iterator[tuple[Boundary, OpeningSpec | None]]:
-    """Cut a boundary at the ends of the openings. Yields the pieces in order, each with its opening, or None for wall."""
+    """Cut a boundary at the ends of the openings. Yield the pieces in order, each with its opening, or None for wall."""
     position = boundary.low
     spans = sorted((opening_span(opening), i) for i, opening in enumerate(openings))
     for (axis, at, low, high), i in spans:
@@ -169,7 +173,7 @@ def _cut(boundary: Boundary, low: float, high: float) -> Boundary:
 
 
 def corners(stretches: Sequence[Boundary]) -> set[tuple[float, float]]:
-    """The points (x, y) at which walls along x and along y meet; a wall that ends there is lengthened to fill the corner."""
+    """Return the points (x, y) where walls along x and y meet; walls that end there are lengthened to fill the corner."""
     ends: tuple[set[tuple[float, float]], set[tuple[float, float]]] = set(), set()
     for stretch in stretches:
         ends[stretch.axis].update((stretch.point(stretch.low), stretch.point(stretch.high)))
@@ -177,7 +181,7 @@ def corners(stretches: Sequence[Boundary]) -> set[tuple[float, float]]:
 
 
 def wall_extent(piece: Boundary, meeting: set[tuple[float, float]]) -> tuple[float, float]:
-    """Lower and upper end of a wall along a piece of boundary [m].
+    """Return the lower and the upper end of a wall along a piece of boundary [m].
 
     The wall is half a thickness longer than the piece at each end that lies in `meeting`, the result of `corners`.
     """
@@ -187,7 +191,7 @@ def wall_extent(piece: Boundary, meeting: set[tuple[float, float]]) -> tuple[flo
 
 
 def wall_spans(opening: OpeningSpec | None, height_m: float) -> list[tuple[float, float]]:
-    """Heights above the floor of the parts of a wall below and above an opening, each as (lower end, upper end) [m].
+    """Return the heights above the floor of the parts of a wall below and above an opening, as (lower, upper end) [m].
 
     The wall is `height_m` [m] high. Without an opening, the only part is the whole wall.
     """
@@ -198,7 +202,7 @@ def wall_spans(opening: OpeningSpec | None, height_m: float) -> list[tuple[float
 
 
 def arch_curve(boundary: Boundary, opening: OpeningSpec, top_m: float) -> list[tuple[float, float]]:
-    """Points of an arch's curve, as (coordinate along the boundary, height above the floor, at most `top_m`) [m]."""
+    """Return points of an arch's curve, as (coordinate along the boundary, height above the floor, at most `top_m`) [m]."""
     _, _, low, high = opening_span(opening)
     half = (high - low) / 2
     turns = [math.pi * i / ARCH_STRIPS for i in range(ARCH_STRIPS + 1)]

@@ -29,7 +29,7 @@ TURNING_M = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
-    """A recorded run. Iterating over it gives observations and reads one image at a time."""
+    """A recorded run. Iteration over the run yields observations; each image is read only when its observation is due."""
 
     directory: Path
     recorded: Recorded = field(repr=False)
@@ -92,9 +92,10 @@ def _check_contents(directory: Path, config: DatasetConfig) -> None:
 
 
 def assumed_covariances(T_O_B: Poses, config: DatasetConfig) -> Float64[np.ndarray, "n 6 6"]:
-    """Covariances to assume for the odometry's increments between images, if the dataset has none; 0 for the first image.
+    """Return covariances to assume for the odometry's increments between images, if the dataset has none.
 
-    Drift is taken for a random walk, so the covariances grow in proportion to the path length and the rotation.
+    The drift of the odometry is modelled as a random walk, so the covariances grow in proportion to the path length and the
+    rotation. The covariance of the first image is 0.
     """
     increments = between(T_O_B[:-1], T_O_B[1:])
     path = np.linalg.norm(increments[:, :3, 3], axis=1) + rotation_angle(increments) * TURNING_M

@@ -6,7 +6,7 @@
                                               rotation first [rad², m²]; T_BS is optional
 
 Any sensor that reports poses in these columns can be used as the odometry, for example `vicon0` or even
-`state_groundtruth_estimate0`.
+`state_groundtruth_estimate0`. The covariances are used only if the odometry has the same stamps as the images.
 """
 
 import math
@@ -67,13 +67,14 @@ def read_euroc(directory: Path, config: DatasetConfig) -> Recorded:
         return (rectified(read_image(path, camera)) for path in paths)
 
     track, covariances = _read_odometry(directory / SENSORS / (config.odometry or ODOMETRY))
-    # The covariances are of the increments between odometry poses, which are those between images only at equal stamps.
+    # The covariances belong to the increments between odometry poses. Only if the odometry has the same stamps as the images
+    # are these the increments between images.
     at_images = covariances is not None and np.array_equal(track.stamps, stamps)
     return Recorded(camera, stamps, images, track, covariances if at_images else None)
 
 
 def _read_camera(path: Path) -> tuple[Camera, Float64[np.ndarray, "k"]]:
-    """The camera and its distortion coefficients."""
+    """Return the camera and its distortion coefficients."""
     data = read_yaml(path, _CAMERA_FILE)
     if data.get("camera_model") != "pinhole" or data.get("distortion_model", "") not in _DISTORTION_MODELS:
         raise DatasetError(f"{path}: valid: camera_model pinhole, distortion_model radial-tangential")
@@ -107,7 +108,7 @@ def _read_odometry(folder: Path) -> tuple[OdometryTrack, Float64[np.ndarray, "n 
 
 
 def _sensor_pose(folder: Path) -> Pose:
-    """T_B_S of a sensor that reports poses; without a calibration file, the sensor frame is the body frame."""
+    """Return T_B_S of a sensor that reports poses; without a calibration file, the sensor frame is the body frame."""
     path = folder / "sensor.yaml"
     if not path.exists():
         return np.eye(4)

@@ -9,7 +9,7 @@ _FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
 
 
 def image_size(content: bytes) -> tuple[int, int] | None:
-    """Width and height [px]; None if the content is neither PNG nor JPEG, or is a PNG with wrong checksums."""
+    """Return width and height [px]; None unless the content is a complete, undamaged PNG or a JPEG with a frame header."""
     if content.startswith(_PNG):
         return (int.from_bytes(content[16:20]), int.from_bytes(content[20:24])) if _is_whole(content) else None
     return _jpeg_size(content) if content.startswith(_JPEG) else None
@@ -32,7 +32,7 @@ def _is_whole(content: bytes) -> bool:
 
 
 def _jpeg_size(content: bytes) -> tuple[int, int] | None:
-    """The size in the first frame header; the segments before it are skipped by their stated lengths."""
+    """Return the size that the first frame header states; None if there is no frame header."""
     at = len(_JPEG)
     while at + 9 <= len(content) and content[at] == 0xFF:
         marker = content[at + 1]

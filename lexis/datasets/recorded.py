@@ -1,4 +1,4 @@
-"""Code shared by the readers of recorded runs: their result, decoding of images, and interpolation of the odometry."""
+"""Code shared by the readers of recorded runs: their result type, decoding of images, and interpolation of the odometry."""
 
 import os
 from collections.abc import Callable, Iterator
@@ -19,7 +19,7 @@ from lexis.types import Camera, Image, Poses
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg")
 _IMAGE_FILE = FileKind("a PNG or JPEG", 200_000_000, DatasetError)
 _COEFFICIENTS = (0, 4, 5, 8, 12, 14)
-"""Numbers of coefficients of OpenCV's distortion models."""
+"""Numbers of coefficients that a distortion model of OpenCV can have."""
 _MAX_COEFFICIENT = 1e4
 
 
@@ -60,11 +60,12 @@ class Recorded:
     stamps: Float64[np.ndarray, "n"]
     """Stamps of the images, ascending [s]."""
     images: Callable[[], Iterator[Image]]
-    """Function that starts an iteration over the images, in order. The iteration raises DatasetError if an image is
+    """Function that returns a new iterator over the images, in order. The iterator raises DatasetError if an image is
     unreadable or does not have the camera's size."""
     odometry: OdometryTrack
     increment_covariances: Float64[np.ndarray, "n 6 6"] | None
-    """Covariances of the odometry's increments from image to image [rad², m²]; None if the dataset does not state them."""
+    """Covariances of the odometry's increments from image to image [rad², m²]. None if the dataset states no covariances, or
+    states them for other increments, because the odometry has other stamps than the images."""
 
 
 def odometry_at(track: OdometryTrack, at: Float64[np.ndarray, "n"], max_gap_s: float) -> Poses:
@@ -143,7 +144,7 @@ def decode_image(content: UInt8[np.ndarray, "n"], where: str, camera: Camera) ->
     size = image_size(content.tobytes())
     if size is None:
         raise DatasetError(f"{where}: is not a readable PNG or JPEG")
-    # Sorted, because an image may state that it is rotated by 90 degrees; decoding then turns it.
+    # Width and height are sorted, because an image may state that it is rotated by 90 degrees; decoding then turns it.
     if sorted(size) != sorted((camera.intrinsics.width, camera.intrinsics.height)):
         raise DatasetError(_size_message(where, size, camera))
     try:
@@ -169,7 +170,7 @@ def _size_message(where: str, size: tuple[int, int], camera: Camera) -> str:
 
 
 def check_distortion(where: str, distortion: Float64[np.ndarray, "k"]) -> None:
-    """Raise DatasetError unless the coefficients are finite, of plausible size, and as many as an OpenCV model has."""
+    """Raise DatasetError unless the coefficients are finite, of plausible size, and as many as a model of OpenCV has."""
     if len(distortion) not in _COEFFICIENTS or not (np.abs(distortion) <= _MAX_COEFFICIENT).all():
         raise DatasetError(
             f"{where}: distortion {one_line(distortion.tolist(), 80)}; "
@@ -178,7 +179,7 @@ def check_distortion(where: str, distortion: Float64[np.ndarray, "k"]) -> None:
 
 
 def rectifier(camera: Camera, distortion: Float64[np.ndarray, "k"]) -> Callable[[Image], Image]:
-    """A function that removes the radial-tangential distortion of images; without distortion, it changes no image."""
+    """Return a function that removes the distortion of images; without distortion, the function changes no image."""
     if not distortion.any():
         return lambda image: image
     size = camera.intrinsics.width, camera.intrinsics.height

@@ -9,8 +9,9 @@
                                  first [rad², m²]
     /tf_static                   tf2_msgs/TFMessage: from the odometry's child frame to the camera's frame
 
-The stamps are read from the message headers. The covariances in the odometry messages are not read: they are covariances of
-the pose, and the difference of two such matrices need not be a covariance.
+The stamps are read from the message headers. Covariances of increments are used only if the odometry has the same stamps as
+the images. The covariances in the odometry messages are not read: they are covariances of the pose, and the difference of
+two covariance matrices need not be a covariance matrix.
 """
 
 from collections.abc import Callable, Iterator
@@ -82,13 +83,14 @@ def read_bag(directory: Path, config: DatasetConfig) -> Recorded:
     stamps = np.array([_stamp(message) for message in bag.messages(topic, kind)])
     check_ascending(f"{bag.path}: {topic}", stamps)
     covariances = _read_covariances(bag, f"{config.odometry or ODOMETRY}/increment_covariance", len(track.stamps))
-    # The covariances are of the increments between odometry poses, which are those between images only at equal stamps.
+    # The covariances belong to the increments between odometry poses. Only if the odometry has the same stamps as the images
+    # are these the increments between images.
     at_images = covariances is not None and np.array_equal(track.stamps, stamps)
     return Recorded(camera, stamps, images, track, covariances if at_images else None)
 
 
 class _Bag:
-    """A bag, whose messages are read by topic."""
+    """A bag of which one topic after the other can be read."""
 
     def __init__(self, path: Path) -> None:
         try:
@@ -163,7 +165,7 @@ class _Bag:
 
 
 def _read_odometry(bag: _Bag, topic: str) -> tuple[OdometryTrack, str]:
-    """The odometry and the name of its child frame, the body."""
+    """Return the odometry and the name of its child frame, which is the body frame."""
     messages = list(bag.messages(bag.first_of(topic), _ODOMETRY))
     where = f"{bag.path}: {topic}"
     stamps = np.array([_stamp(message) for message in messages])
@@ -186,7 +188,7 @@ def _read_covariances(bag: _Bag, topic: str, expected: int) -> Float64[np.ndarra
 
 
 def _read_camera(bag: _Bag, topic: str, body: str) -> tuple[Camera, Float64[np.ndarray, "k"]]:
-    """The camera, posed in the frame `body`, and its distortion coefficients."""
+    """Return the camera, with its pose in the frame `body`, and its distortion coefficients."""
     info = next(bag.messages(bag.first_of(topic), _INFO), None)
     if info is None or info.distortion_model not in ("", "plumb_bob"):
         raise DatasetError(f"{bag.path}: {topic}: valid: a CameraInfo with the distortion model plumb_bob")
@@ -203,7 +205,7 @@ def _read_camera(bag: _Bag, topic: str, body: str) -> tuple[Camera, Float64[np.n
 
 
 def _static_transform(bag: _Bag, body: str, frame: str) -> Pose:
-    """T_body_frame, composed from the static transforms."""
+    """Return the pose of `frame` in the frame `body`, composed from the static transforms."""
     parents: dict[str, tuple[str, Pose]] = {}
     for message in bag.messages("/tf_static", _TRANSFORMS):
         for link in message.transforms:

@@ -45,7 +45,7 @@ def read_tum_dataset(directory: Path, config: DatasetConfig) -> Recorded:
         return (rectified(read_image(path, camera)) for path in paths)
 
     track = OdometryTrack(str(odometry), *read_tum(odometry))
-    # The file of covariances belongs to the default odometry and does not describe another one.
+    # The file of covariances belongs to the default odometry and describes no other odometry.
     covariances = _read_covariances(directory / COVARIANCE, stamps) if config.odometry in (None, ODOMETRY) else None
     return Recorded(camera, stamps, images, track, covariances)
 
@@ -71,7 +71,7 @@ def write_dataset(directory: Path, camera: Camera, observations: Iterable[Observ
 
 
 class _LensCameraData(CameraData):
-    """A camera with distorted images."""
+    """The content of a camera file: a camera, and the distortion of its images."""
 
     distortion: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     """Radial-tangential coefficients k1, k2, p1, p2."""
@@ -86,12 +86,12 @@ def write_camera(path: Path, camera: Camera, distortion: Sequence[float] = ()) -
 
 
 def odometry_line(stamp: str, observation: Observation) -> str:
-    """The observation's line in the odometry file, with all digits of the numbers; `stamp` is its time as written [s]."""
+    """Return the observation's line in the odometry file, with all digits of the numbers; it begins with `stamp` [s]."""
     return f"{stamp} {' '.join(map(repr, pose_rows(observation.T_O_B[None])[0].tolist()))}\n"
 
 
 def covariance_line(stamp: str, observation: Observation) -> str:
-    """The observation's line in the covariance file, with all digits of the numbers; `stamp` is its time as written [s]."""
+    """Return the observation's line in the covariance file, with all digits of the numbers; it begins with `stamp` [s]."""
     return f"{stamp} {' '.join(map(repr, observation.increment_covariance.ravel().tolist()))}\n"
 
 

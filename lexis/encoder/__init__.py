@@ -1,7 +1,7 @@
 """The vision-language model: images and room names become unit vectors in one space (paper, Sec. III-A).
 
-`open_clip_encoder` is the encoder; `options` holds the settings of its computation. `model_source` and `hub` find the
-weights, `model_loading` loads them, `preprocessing` prepares images, `prompts` turns room names into sentences, and
+`open_clip_encoder` is the encoder; `options` holds its settings, such as device and batch size. `model_source` and `hub`
+find the weights, `model_loading` loads them, `preprocessing` prepares images, `prompts` turns room names into sentences, and
 `image_cache` keeps embeddings on disk.
 """
 

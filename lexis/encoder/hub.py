@@ -1,4 +1,4 @@
-"""Files of the Hugging Face hub, taken from the local cache if they are there, and downloaded otherwise."""
+"""Files of the Hugging Face hub: they are taken from the local cache if they are there, and downloaded otherwise."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -13,8 +13,8 @@ from lexis.errors import EncoderError, one_line
 def fetch(repo: str, names: Sequence[str]) -> Path:
     """Return the local path of one file of a repository: the first of `names` that is cached, else the first that exists.
 
-    A cached file needs no network access; any other is downloaded. Raises EncoderError. If the hub does not answer, the
-    error comes at once, whereas the hub's own client would retry for most of a minute.
+    A cached file needs no network access; any other file is downloaded. Raises EncoderError if that fails. If the hub does
+    not answer, the error comes at once, whereas the hub's own client would retry for most of a minute.
     """
     try:
         for name in names:

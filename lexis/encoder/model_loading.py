@@ -1,6 +1,7 @@
 """Loading of open_clip networks, with checks that weights, tokenizer and preprocessing belong together.
 
-open_clip itself only logs some mismatches, and passes on errors of many libraries. Here, all of these raise EncoderError.
+open_clip itself only logs some mismatches, and passes on the errors of many libraries. Here, each of these mismatches and
+errors raises EncoderError.
 """
 
 import logging
@@ -25,7 +26,7 @@ _POSITIONS = ("visual.positional_embedding", "positional_embedding", "text.posit
 def load_network(model: str, source: ModelSource) -> tuple[Any, Any, Preprocessing]:
     """Load a model; return its network, tokenizer and preprocessing.
 
-    Raises EncoderError; its message calls the model `model`.
+    `model` is the name of the model for error messages. Raises EncoderError if the model cannot be loaded.
     """
     with open_clip_quiet():
         try:
@@ -53,9 +54,9 @@ def load_network(model: str, source: ModelSource) -> tuple[Any, Any, Preprocessi
 
 
 def _preprocessing(source: ModelSource, network: Any) -> Preprocessing:
-    """The preprocessing that is stated for the weights, with the image size of the network.
+    """Return the preprocessing that is stated for the weights, with the image size of the network.
 
-    Raises ValueError if a different size is stated.
+    Raises ValueError if the image size that is stated for the weights differs from the network's.
     """
     height, width = _pair(network.visual.image_size)
     if source.config is not None:
@@ -93,7 +94,10 @@ def _pair(size: Any) -> tuple[int, int]:
 
 @contextmanager
 def open_clip_quiet() -> Iterator[None]:
-    """Suppress the log lines of open_clip and the hub (retries, fallbacks); anything important is raised as an error."""
+    """Suppress all log lines, such as those of open_clip and the hub about retries and fallbacks.
+
+    No important message is lost, because anything important is raised as an error.
+    """
     before = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:

@@ -96,7 +96,7 @@ def parse_model(model: str) -> ModelSource:
 
 
 def _folder(path: Path, model: str) -> ModelSource:
-    """The source of a local folder, with the checkpoint that open_clip chooses in it."""
+    """Return the source of a local folder, with the checkpoint that open_clip chooses in it."""
     stated = _read_config(path / CONFIG_FILE)
     found = _find_checkpoint_in_dir(path)
     return ModelSource(model, "the folder", stated["preprocess_cfg"], checkpoint=Path(found) if found else None)
@@ -118,7 +118,7 @@ def _published(architecture: str, tag: str) -> ModelSource:
 
 
 def _mini(path: Path, model: str) -> ModelSource:
-    """The source of a `mini` model; its architecture is in the JSON file beside the weights, else the package's."""
+    """Return the source of a `mini` model, with the JSON file beside the weights as architecture, else the package's own."""
     _check_exists(path, model)
     beside = path.with_suffix(".json")
     config = beside if os.path.isfile(beside) else MINI_CONFIG
@@ -144,9 +144,11 @@ def _checkpoint(architecture: str, path: Path, model: str) -> ModelSource:
 
 
 def _quick_gelu(architecture: str, stated: Mapping[str, Any], path: Path) -> bool:
-    """Whether the weights need OpenAI's activation (QuickGELU).
+    """Whether the network has to be forced to OpenAI's activation (QuickGELU).
 
-    The configuration beside the weights decides, else the architecture, else the published weights if they all agree.
+    The configuration beside the weights decides. Without a configuration, the activation of the architecture is kept if it
+    is QuickGELU, or if no weights are published for the architecture. Otherwise, the published weights decide; EncoderError
+    is raised if they disagree.
     """
     if "model_cfg" in stated:
         return bool(stated["model_cfg"].get("quick_gelu"))
@@ -190,7 +192,7 @@ def _common_preprocessing(architecture: str) -> dict[str, Any] | None:
 
 
 def _similar(architecture: str) -> str:
-    """The models with the most similar names, for messages."""
+    """Return the names of models that are most similar to a wrong name, for messages."""
     names = open_clip.list_models()
     return ", ".join(difflib.get_close_matches(architecture, names, n=3, cutoff=0.4) or ("RN50x16", "ViT-B-32", "ViT-L-14"))
 

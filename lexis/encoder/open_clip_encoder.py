@@ -111,7 +111,7 @@ class OpenClipEncoder:
         return self._texts(tuple(texts)).copy()
 
     def _compile(self) -> None:
-        """Trigger compilation by a first use, so that it fails here if at all. Raises EncoderError."""
+        """Use both towers once, so that an error in their compilation appears here and not later. Raises EncoderError."""
         try:
             self._embed_images([np.zeros((64, 64, 3), np.uint8)])
             self._embed_texts(("room",))
@@ -146,7 +146,7 @@ def load_encoder(model: str = MINI, options: EncoderOptions | None = None) -> Op
 
     Raises:
         EncoderError: the model is unknown, cannot be downloaded, or its checkpoint is damaged or of another architecture; or
-            the device is absent.
+            the device is absent or does not support the precision; or the cache is unusable; or compilation fails.
     """
     options = options or EncoderOptions()
     _device(options)
@@ -155,7 +155,7 @@ def load_encoder(model: str = MINI, options: EncoderOptions | None = None) -> Op
 
 
 def _device(options: EncoderOptions) -> torch.device:
-    """The device of the options. Raises EncoderError if it is absent or does not support the precision."""
+    """Return the device of the options. Raises EncoderError if it is absent or does not support the precision."""
     device = torch.device(options.device)
     if device.type == "cuda" and (device.index or 0) >= torch.cuda.device_count():
         raise EncoderError(
@@ -179,7 +179,7 @@ def _inference(options: EncoderOptions, device: torch.device) -> Iterator[None]:
 
 
 def _normalised(rows: Float[Tensor, "n d"]) -> Float32[np.ndarray, "n d"]:
-    """Rows scaled to unit norm. Raises EncoderError if a row is not finite."""
+    """Scale the rows to unit norm. Raises EncoderError if a row is not finite."""
     units = torch.nn.functional.normalize(rows.float(), dim=-1).cpu().numpy()
     if not np.isfinite(units).all():
         raise EncoderError("the encoder's output is not finite: its weights are damaged; valid: another checkpoint, or fp32")

@@ -28,7 +28,8 @@ class EncoderOptions(Settings, place="encoder", error=EncoderError):
     precision: Precision = "fp32"
     """Precision of the arithmetic; the weights stay as they are. fp16 needs a GPU."""
     compiled: bool = False
-    """Whether torch compiles the network first. That takes half a minute or more, so it pays in long runs only."""
+    """Whether torch compiles the network first. Compilation takes half a minute or more, so it is worthwhile in long runs
+    only."""
     threads: Annotated[int, Ge(1)] = 1
     """Number of CPU threads that torch uses while it encodes; the process's own setting is restored afterwards."""
     batch: Annotated[int, Ge(1)] = 32

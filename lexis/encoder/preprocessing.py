@@ -1,4 +1,4 @@
-"""Preprocessing of RGB images of any size for the image network of a model, with the settings that it was trained with."""
+"""Preprocessing of RGB images of any size for the image network of a model, as in the training of the model."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -31,14 +31,14 @@ class Preprocessing:
 
 
 def squashing(height: int, width: int) -> Preprocessing:
-    """The preprocessing of `lexis-mini`, which resizes every image to height x width [px] (see `squash`)."""
+    """Return the preprocessing of `lexis-mini`, which resizes every image to height x width [px] (see `squash`)."""
     return Preprocessing(
         json.dumps(["area", height, width, MINI_MEAN, MINI_STD]), lambda image: squash(image, height, width)
     )
 
 
 def as_open_clip(settings: Mapping[str, Any]) -> Preprocessing:
-    """The preprocessing of open_clip with given settings, which are the values of all fields of its `PreprocessCfg`.
+    """Return the preprocessing of open_clip with the given settings: a value for each field of open_clip's `PreprocessCfg`.
 
     Raises ValueError for unusable values.
     """

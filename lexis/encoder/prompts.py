@@ -13,7 +13,7 @@ _VOWEL_SOUND = ("hour", "honour", "honor")
 
 
 def prompts(name: str, templates: Sequence[str] = TEMPLATES) -> tuple[str, ...]:
-    """The prompts for a room name: the first for "office" is "a photo of an office"."""
+    """Return the prompts for a room name. The first prompt for "office" is "a photo of an office"."""
     return tuple(template.format(with_article(name)) for template in templates)
 
 
@@ -25,7 +25,7 @@ def check_template(template: str) -> None:
 
 
 def with_article(name: str) -> str:
-    """The name with its article: "a kitchen", "an office", "a utility room", and plain "stairs"."""
+    """Return the name with its article: "a kitchen", "an office", "a utility room", and plain "stairs"."""
     name = name.strip()
     lowered = name.lower()
     if lowered.endswith("s") and not lowered.endswith(("ss", "'s", "us")):

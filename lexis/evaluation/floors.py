@@ -7,9 +7,10 @@ Floors = Int[np.ndarray, "n"]
 
 
 def floor_accuracy(predicted: Floors, truth: Floors, on_stairs: Bool[np.ndarray, "n"]) -> float | None:
-    """Among keyframes that are truly not on stairs, the share with the right floor; None without such keyframes.
+    """Return the share of keyframes with the right floor, among the keyframes that are truly not on stairs.
 
-    Predicted and true floors are numbered from 0 for the lowest. A keyframe wrongly predicted on stairs (-1) is an error.
+    The result is None if there are no such keyframes. Predicted and true floors are numbered from 0 for the lowest. A
+    keyframe wrongly predicted on stairs (-1) is an error.
     """
     return float(np.mean(predicted[~on_stairs] == truth[~on_stairs])) if np.any(~on_stairs) else None
 

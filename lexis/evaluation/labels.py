@@ -18,7 +18,7 @@ def graded_accuracy(predicted: Labels, allowed: Bool[np.ndarray, "n rooms"]) -> 
 
     In a strip on either side of an open boundary between two rooms, the labels of both rooms are allowed.
     """
-    right = allowed[np.arange(len(predicted)), predicted] & (predicted >= 0)  # numpy would take -1 for the last label
+    right = allowed[np.arange(len(predicted)), predicted] & (predicted >= 0)  # as an index, -1 is the last label
     return float(np.mean(right)) if len(predicted) else None
 
 

@@ -5,7 +5,10 @@ from jaxtyping import Float64, Int
 
 
 def overlap(predicted: Int[np.ndarray, "n"], truth: Int[np.ndarray, "n"]) -> Int[np.ndarray, "p t"]:
-    """Number of keyframes that each predicted instance (row) shares with each true one (column), by ascending ids."""
+    """Count the keyframes that each predicted instance (row) shares with each true instance (column).
+
+    Rows and columns are in ascending order of the ids of the instances.
+    """
     _, rows = np.unique(predicted, return_inverse=True)
     _, columns = np.unique(truth, return_inverse=True)
     table = np.zeros((rows.max(initial=-1) + 1, columns.max(initial=-1) + 1), int)

@@ -22,7 +22,8 @@ class Counts:
     fp: int
     """Number of false positives: all other queries for which a match was proposed."""
     possible: int
-    """Number of queries that could be true positives, because at least N of the eligible keyframes are right matches."""
+    """Number of queries that could be true positives, because at least N of the keyframes that are old enough are right
+    matches."""
 
     @property
     def precision(self) -> float | None:

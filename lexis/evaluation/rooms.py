@@ -18,14 +18,15 @@ Instances = Int[np.ndarray, "n"]
 MATCH_IOU = 0.5
 """IoU above which a predicted and a true instance match; at 0.5, each instance has at most one match."""
 SHARE = 0.5
-"""An instance lies mostly in an instance of the other partition if that contains more than this share of its keyframes."""
+"""An instance lies mostly in an instance of the other partition if more than this share of its keyframes are in the
+latter."""
 
 
 @dataclass(frozen=True)
 class RoomScores:
     """Metrics of room instances; the field `rooms` of result.json.
 
-    All are None for fewer than 2 keyframes, which cannot be grouped wrongly.
+    All metrics are None if there are fewer than 2 keyframes, because these cannot be grouped wrongly.
     """
 
     pq: float | None
@@ -36,17 +37,21 @@ class RoomScores:
     recall: float | None
     """Share of true instances with a match (IoU > 0.5)."""
     hydra_precision: float | None
-    """Precision as defined by Hydra: the largest share of a predicted instance covered by one true instance, averaged."""
+    """Precision as defined by Hydra: for each predicted instance, the largest share of its keyframes that are in one true
+    instance; the mean over the predicted instances."""
     hydra_recall: float | None
-    """Recall as defined by Hydra: the largest share of a true instance covered by one predicted instance, averaged."""
+    """Recall as defined by Hydra: for each true instance, the largest share of its keyframes that are in one predicted
+    instance; the mean over the true instances."""
     ari: float | None
     """Adjusted Rand index: agreement on pairs of keyframes, 0 for chance and 1 for equal partitions."""
     v_measure: float | None
     """V-measure: the harmonic mean of the homogeneity and the completeness of the predicted instances."""
     splits: int | None
-    """Number of surplus predicted instances: where k of them lie mostly (> half) in one true instance, k - 1 are surplus."""
+    """Number of surplus predicted instances: if several predicted instances lie mostly (more than half) in the same true
+    instance, all but one of the several are surplus."""
     merges: int | None
-    """Number of surplus true instances: where k of them lie mostly (> half) in one predicted instance, k - 1 are surplus."""
+    """Number of surplus true instances: if several true instances lie mostly (more than half) in the same predicted
+    instance, all but one of the several are surplus."""
     count_error: int | None
     """Predicted minus true number of instances with keyframes."""
 
@@ -101,7 +106,7 @@ def _count_beyond_first(belongs: Bool[np.ndarray, "p t"], axis: int) -> int:
 
 
 def _pairs(counts: Int[np.ndarray, "..."]) -> float:
-    """Number of pairs of keyframes within groups of the given sizes."""
+    """Return the number of pairs of keyframes within groups of the given sizes."""
     return float((counts * (counts - 1) / 2.0).sum())
 
 

@@ -10,14 +10,15 @@ from lexis.types import Pose, Poses
 Points = Float64[np.ndarray, "n 3"]
 
 LEAST_POSES = 3
-"""Smallest number of poses for which an error is computed. With fewer, the alignment is ambiguous or removes the error."""
+"""Least number of poses for which the absolute trajectory error is computed. With fewer poses, the alignment is ambiguous or
+removes the error."""
 
 
 def align(estimate: Points, truth: Points) -> Pose:
-    """T_truth_estimate, the rigid motion without scale that best aligns the estimate with the truth (Umeyama, 1991)."""
+    """Return T_truth_estimate, the rigid motion that best aligns estimate and truth (Umeyama, 1991, without scale)."""
     centre, true_centre = estimate.mean(axis=0), truth.mean(axis=0)
     u, _, vt = np.linalg.svd((truth - true_centre).T @ (estimate - centre))
-    # Keeps the rotation right-handed where the SVD would give a reflection.
+    # This matrix keeps the rotation right-handed where the SVD would give a reflection.
     handed = np.diag([1.0, 1.0, np.sign(np.linalg.det(u) * np.linalg.det(vt))])
     result = np.eye(4)
     result[:3, :3] = u @ handed @ vt
@@ -45,7 +46,7 @@ def ate_rmse(estimate: Points, truth: Points) -> float | None:
 
 
 def rpe_translation(estimate: Poses, truth: Poses, delta_m: float) -> float | None:
-    """Relative pose error: RMSE of the translation error over stretches of `delta_m` of true path [m].
+    """Return the relative pose error: the RMSE of the translation error over stretches of `delta_m` of true path [m].
 
     Every pose begins a stretch, which ends at the first pose at least `delta_m` of path later, so stretches may overlap. The
     result is None if the path is shorter than `delta_m`.

@@ -53,8 +53,8 @@ def read_arrays(
         except _UnusableError as error:
             raise kind.refusal(path, error) from None
         except Exception as error:
-            # For damaged archives, zipfile and its codecs raise many undocumented types of errors: at the last count
-            # RuntimeError, NotImplementedError, EOFError, OSError and the error classes of zlib, lzma and struct.
+            # For damaged archives, zipfile and its codecs raise many undocumented types of errors: at least RuntimeError,
+            # NotImplementedError, EOFError, OSError and the error classes of zlib, lzma and struct.
             raise kind.refusal(path, f"{type(error).__name__}: {one_line(error, 100)}") from None
 
 
@@ -64,10 +64,10 @@ class _UnusableError(Exception):
 
 @dataclass(frozen=True)
 class _Header:
-    """The header of an array in an archive: its type and its shape."""
+    """The header of an array in an archive, which states the type and the shape of the array."""
 
     start: int
-    """Offset of the array's data in the file [bytes]."""
+    """Offset of the array's data in its .npy file inside the archive [bytes]."""
     dtype: np.dtype[Any]
     shape: tuple[int, ...]
     fortran: bool
@@ -78,7 +78,7 @@ class _Header:
 
 
 def _members(archive: zipfile.ZipFile, wanted: set[str] | None) -> dict[str, zipfile.ZipInfo]:
-    """The members of the archive to read, by the names of their arrays."""
+    """Return the members of the archive that have to be read, by the names of their arrays."""
     named = [(info.filename.removesuffix(".npy"), info) for info in archive.infolist() if info.filename.endswith(".npy")]
     members = dict(named)
     if len(members) < len(named):
@@ -89,7 +89,7 @@ def _members(archive: zipfile.ZipFile, wanted: set[str] | None) -> dict[str, zip
 
 
 def _header(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> _Header:
-    """Parse a header in version 1.0 of numpy's format by a regular expression, without evaluating it."""
+    """Parse a header of numpy's format 1.0 by a regular expression, without evaluating the header."""
     with archive.open(member) as stream:
         start = stream.read(10)
         length = int.from_bytes(start[8:10], "little")

@@ -9,7 +9,7 @@ Row = tuple[float, float, float, float]
 
 
 class CameraData(BaseModel):
-    """Intrinsics of a pinhole camera [px], and its pose on the body, T_B_C, row by row [m]."""
+    """Intrinsics of a pinhole camera [px], and the rows of its pose on the body, T_B_C, with the translation in metres."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 

@@ -16,7 +16,8 @@ TRANSLATION_FIRST = np.array([3, 4, 5, 0, 1, 2])
 """Order of rows and columns that turns a 6x6 matrix with rotation first into one with translation first, as g2o has it."""
 _FILE = FileKind("a g2o file with lines VERTEX_SE3:QUAT and EDGE_SE3:QUAT", 500_000_000)
 _NUMBERS = {"VERTEX_SE3:QUAT": 8, "EDGE_SE3:QUAT": 30}
-"""Numbers of a line by its first word: ids, seven numbers of a pose, and the upper triangle of an information matrix."""
+"""How many numbers follow the first word of a line: the ids, seven numbers of a pose, and, for an edge, the 21 numbers of
+the upper triangle of an information matrix."""
 _IGNORED = ("FIX",)
 
 
@@ -32,8 +33,8 @@ class G2oGraph:
 def read_g2o(path: Path) -> G2oGraph:
     """Read a pose graph in three dimensions.
 
-    Raises LexisError if the file cannot be read, a line is malformed, an id is missing or given twice, or an information
-    matrix is not positive definite.
+    Raises LexisError if the file cannot be read, a line is malformed, an id is given twice, an edge does not connect two
+    different poses of the file, or an information matrix is not positive definite.
     """
     vertices: list[list[float]] = []
     edges: list[list[float]] = []
@@ -56,7 +57,10 @@ def read_g2o(path: Path) -> G2oGraph:
 
 
 def _numbers(path: Path, number: int, kind: str, words: Sequence[str]) -> list[float]:
-    """The numbers after the first word of a line. Raises LexisError unless they are as many as `kind` has, and finite."""
+    """Return the numbers after the first word of a line.
+
+    Raises LexisError unless they are finite, as many as `kind` has, and contain a unit quaternion.
+    """
     try:
         values = [float(word) for word in words]
     except ValueError:
@@ -92,7 +96,7 @@ def _edges(
 
 
 def _edge(a: int, b: int, T_a_b: Pose, covariance: Float64[np.ndarray, "6 6"]) -> LoopEdge:
-    """An edge from the later to the earlier pose. The inverse of an edge has exactly the same whitened residuals."""
+    """Return an edge from the later to the earlier pose. Inversion does not change the norm of the whitened residual."""
     if a < b:
         return LoopEdge(b, a, T_a_b, covariance, 0)
     Ad = adjoint(T_a_b)

@@ -117,7 +117,7 @@ def _os_errors_as_lexis_errors(path: Path, valid: str) -> Iterator[None]:
 
 
 def _install(path: Path, new: Path, target: Path, replace: Callable[[], object]) -> None:
-    """Sync `new` to the disk, then replace `target` by it; if that fails, keep `new` under a similar name."""
+    """Sync `new` to the disk, then replace `target` by `new`; if that fails, keep `new` under a similar name."""
     sync(new)
     try:
         with _os_errors_as_lexis_errors(path, "a name that no other process writes to"):
@@ -153,7 +153,7 @@ def _replace_folder(path: Path, new: Path, target: Path, old: Path, markers: tup
 
 
 def _swap_checked(path: Path, new: Path, target: Path, old: Path, markers: tuple[str, ...]) -> None:
-    """Swap two folders; if the old one turns out not to be replaceable, swap them back and raise LexisError."""
+    """Exchange two folders. If the old folder turns out not to be replaceable, exchange them again and raise LexisError."""
     replaced = swap(new, target, old)
     try:
         _check_may_replace(path, replaced, markers)

@@ -34,7 +34,7 @@ def temporary_folder(place: Path) -> Iterator[Path]:
             # If locking does not work here, other processes cannot lock the file either and leave the folder alone.
             with suppress(OSError):
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            # Renamed only now, so that a file `lock` is never seen before it is locked.
+            # The file is renamed only now, so that no other process sees a file `lock` before it is locked.
             (folder / "unlocked").rename(folder / "lock")
             yield folder
     finally:
@@ -44,8 +44,8 @@ def temporary_folder(place: Path) -> Iterator[Path]:
 def remove_abandoned(place: Path) -> None:
     """Remove the temporary folders that killed processes left in `place`.
 
-    A process that replaces a file first moves the old content into its temporary folder. If it was killed before the new
-    content was in place, the old content is moved back.
+    If the system cannot exchange names, a process that replaces a folder first moves the old content into its temporary
+    folder. If the process was killed before the new content was in place, the old content is moved back.
     """
     with suppress(OSError):
         for folder in place.iterdir():
@@ -68,7 +68,7 @@ def _remove(folder: Path) -> None:
             for kept in old.iterdir():
                 if not os.path.lexists(folder.parent / kept.name):
                     kept.rename(folder.parent / kept.name)
-            # Renamed before deletion, because otherwise a half-deleted folder might be moved back later.
+            # The folder is renamed before deletion; otherwise, a half-deleted folder might be moved back later.
             old.rename(folder / "replaced")
         shutil.rmtree(folder, ignore_errors=True)
 

@@ -1,4 +1,4 @@
-"""The components of a map: sessions that loop edges connect share a frame; others lie beside them."""
+"""The components of a map. Sessions that loop edges connect share a frame; other sessions lie beside them."""
 
 from collections.abc import Sequence
 

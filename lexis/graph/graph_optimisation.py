@@ -22,10 +22,10 @@ equations solvable while no loop edge connects them."""
 
 
 class GraphOptimiser:
-    """Optimisation of a growing pose graph by Levenberg-Marquardt, with the first pose fixed, or all but the last poses.
+    """Optimisation of a growing pose graph by Levenberg-Marquardt: all poses but the first move, or only the last poses.
 
-    Residuals of odometry edges are simply squared. Those of loop edges pass through a robust kernel, by default DCS, so that
-    a wrong loop counts little. Edges and poses are reused from one optimisation to the next.
+    Residuals of odometry edges are simply squared. Residuals of loop edges pass through a robust kernel, by default DCS, so
+    that a wrong loop has little influence. Edges and poses are reused from one optimisation to the next.
     """
 
     def __init__(self, first: Pose, config: PoseGraphConfig) -> None:
@@ -38,7 +38,8 @@ class GraphOptimiser:
         self._odometry.add(gtsam.PriorFactorPose3(0, gtsam.Pose3(first), prior))
         self._poses.insert(0, gtsam.Pose3(first))
         self.iterations: int | None = None
-        """Number of iterations of the last optimisation; None before the first one, and for graduated non-convexity."""
+        """Number of iterations of the last optimisation; None before the first optimisation, and after an optimisation by
+        graduated non-convexity."""
         self._min_covariance = _min_covariance(config)
         self._kernel = _kernel(config)
 
@@ -83,16 +84,22 @@ class GraphOptimiser:
 
     @property
     def cost(self) -> float:
-        """Half of the sum of the squared whitened residuals at the current poses; those of loops pass through the kernel."""
+        """Half of the sum of the squared whitened residuals at the current poses.
+
+        The residuals of loop edges pass through the robust kernel.
+        """
         return self._odometry.error(self._poses) + self._loops.error(self._poses)
 
     def start_chordally(self) -> None:
-        """Replace the current poses by a start that needs no estimate: the chordal relaxation of Carlone et al. (2015).
+        """Replace the current poses by a start that needs no initial poses: the chordal relaxation of Carlone et al. (2015).
 
-        The relaxation finds all rotations at once by linear least squares, and then the positions. Odometry that ends in the
-        basin of a wrong minimum thus does no harm. Wrong loops do, because the relaxation has no robust kernel.
+        The relaxation finds all rotations at once by linear least squares, and then the positions. Initial poses near a
+        wrong minimum, for example from drifting odometry, thus do no harm. Wrong loops do, because the relaxation has no
+        robust kernel. A graph without loops keeps its poses: odometry alone has no wrong minimum, and GTSAM's relaxation
+        cannot solve it.
         """
-        self._poses = gtsam.InitializePose3.initialize(_joined(self._odometry, self._loops))
+        if self._loops.size():
+            self._poses = gtsam.InitializePose3.initialize(_joined(self._odometry, self._loops))
 
     def optimise(self) -> Poses:
         """Optimise all poses, starting at the last result; return ``T_W_B`` of all keyframes in their order."""
@@ -121,7 +128,7 @@ class GraphOptimiser:
         return _matrices(found)
 
     def _with_earlier_fixed(self, edge: gtsam.NonlinearFactor, first: int) -> gtsam.NonlinearFactor:
-        """The edge itself, or a prior on its later pose if its earlier pose lies before the pose `first`."""
+        """Return the edge, or a prior on its later pose if its earlier pose lies before the pose `first`."""
         assert isinstance(edge, gtsam.BetweenFactorPose3)
         earlier, later = edge.keys()
         if earlier >= first:
@@ -131,7 +138,7 @@ class GraphOptimiser:
     def _solved(
         self, odometry: gtsam.NonlinearFactorGraph, loops: gtsam.NonlinearFactorGraph, start: gtsam.Values
     ) -> gtsam.Values:
-        """The poses that minimise the residuals of odometry and loops."""
+        """Return the poses that minimise the residuals of odometry and loops."""
         graph = _joined(odometry, loops)
         parameters = gtsam.LevenbergMarquardtParams()
         parameters.setMaxIterations(self._config.max_iterations)
@@ -157,7 +164,7 @@ def _joined(odometry: gtsam.NonlinearFactorGraph, loops: gtsam.NonlinearFactorGr
 
 
 def _matrices(poses: gtsam.Values) -> Poses:
-    """The poses in the order of their keys."""
+    """Return the poses as 4x4 matrices, in the order of their keys."""
     rows = gtsam.utilities.extractPose3(poses)  # nine elements of the rotation, row by row, and the translation
     matrices = np.tile(np.eye(4), (len(rows), 1, 1))
     matrices[:, :3, :3], matrices[:, :3, 3] = rows[:, :9].reshape(-1, 3, 3), rows[:, 9:]
@@ -165,9 +172,10 @@ def _matrices(poses: gtsam.Values) -> Poses:
 
 
 def loop_weights(T_W_B: Poses, loops: Sequence[LoopEdge], config: PoseGraphConfig) -> Float64[np.ndarray, "loops"]:
-    """Weights of loop edges under the kernel at given poses, in [0, 1]; below 0.5, a loop counts as rejected.
+    """Return the weights of loop edges under the kernel at given poses, in [0, 1].
 
-    Without a kernel, all weights are 1. Under graduated non-convexity they are 1 or 0.
+    A loop with a weight below 0.5 counts as rejected. Without a kernel, all weights are 1. Under graduated non-convexity,
+    each weight is 1 or 0.
     """
     squared = np.array([squared_residual(T_W_B, loop) for loop in loops], dtype=np.float64)
     if config.kernel == "gnc":
@@ -177,7 +185,7 @@ def loop_weights(T_W_B: Poses, loops: Sequence[LoopEdge], config: PoseGraphConfi
 
 
 def _kernel(config: PoseGraphConfig) -> _Kernel:
-    """The robust kernel of loop edges; the null kernel, whose weights are 1, if the optimiser needs none."""
+    """Return the robust kernel of loop edges. For the settings gnc and none, it is the null kernel, with weights of 1."""
     match config.kernel:
         case "dcs":
             return gtsam.noiseModel.mEstimator.DCS.Create(config.outlier_threshold)
@@ -188,7 +196,7 @@ def _kernel(config: PoseGraphConfig) -> _Kernel:
 
 
 def squared_residual(T_W_B: Poses, loop: LoopEdge) -> float:
-    """Squared Mahalanobis distance between a loop edge's relative pose and the one that follows from `T_W_B`.
+    """Return the squared Mahalanobis distance between a loop edge's relative pose and the relative pose in `T_W_B`.
 
     For a correct edge, this distance follows a chi² distribution with 6 degrees of freedom.
     """

@@ -18,12 +18,12 @@ from lexis.maths.se3 import between, compose_covariance, inverse
 from lexis.types import Covariance, Keyframe, LoopEdge, Pose, Poses
 
 _SESSION_M = 1e6
-"""Assumed path between two sessions, so that all their keyframes count as of different visits [m]."""
+"""Length of path that is assumed between consecutive sessions [m], so that keyframes of two sessions count as two visits."""
 
 
 @dataclass(frozen=True)
 class _Extent:
-    """Size of the graph at an optimisation."""
+    """Numbers of keyframes and loop edges in the graph at an optimisation."""
 
     keyframes: int = 0
     loops: int = 0
@@ -32,7 +32,7 @@ class _Extent:
 class PoseGraph:
     """Keyframes, loop edges and the current pose estimate. For the first keyframe, T_W_B equals T_O_B.
 
-    Active keyframes are those in the optimisation. Each is joined by odometry to the active keyframe before it.
+    Active keyframes take part in the optimisation. Odometry connects each active keyframe to the active keyframe before it.
     """
 
     def __init__(self, config: PoseGraphConfig) -> None:
@@ -48,7 +48,7 @@ class PoseGraph:
         self._optimiser: GraphOptimiser | None = None
         self._last_optimised, self._last_whole = _Extent(), _Extent()
         self._sessions = GrowingArray((), np.int64)
-        self._component_of = np.zeros(0, int)  # by session
+        self._component_of = np.zeros(0, int)  # one entry for each session
         self.session_start = 0
         """Id of the first keyframe of the last session."""
         self.keyframes: list[Keyframe] = []
@@ -56,7 +56,10 @@ class PoseGraph:
 
     @property
     def T_W_B(self) -> Poses:
-        """The current estimate: poses from the last optimisation; those of later keyframes continue them by odometry."""
+        """The current pose estimate.
+
+        Odometry predicts the poses of the keyframes that were added since the last optimisation.
+        """
         return self._T_W_B.rows
 
     @property
@@ -90,9 +93,9 @@ class PoseGraph:
         return bool(self._component_of.any())
 
     def path_between(self, first: int, second: int) -> float:
-        """Length of the odometry path between two keyframes, over which their estimated relative pose drifts [m].
+        """Return the length of the odometry path between two keyframes, over which their estimated relative pose drifts [m].
 
-        For keyframes of two sessions, it is the path of the second keyframe's session.
+        For keyframes of two sessions, this is the path from the first keyframe of the second keyframe's session.
         """
         same = self.keyframes[first].session == self.keyframes[second].session
         return float(self.path_m[second] - (self.path_m[first] if same else 0.0))
@@ -101,7 +104,7 @@ class PoseGraph:
     def loop_weights(self) -> Float64[np.ndarray, "loops"]:
         """Weights of the loop edges under the robust kernel at the current estimate, in [0, 1].
 
-        The edges of retired keyframes have weights, too, though they no longer take part in the optimisation.
+        The edges of retired keyframes have weights, too, although these edges no longer take part in the optimisation.
         """
         return loop_weights(self.T_W_B, self.loops, self._config)
 
@@ -142,7 +145,7 @@ class PoseGraph:
         loops: Sequence[LoopEdge],
         component_of: Int[np.ndarray, "sessions"],
     ) -> None:
-        """Fill an empty graph with the keyframes, poses and loops of an earlier one, and the component of every session."""
+        """Fill an empty graph with keyframes, poses, loops, and the component of every session, from an earlier graph."""
         for keyframe in keyframes:
             self.add_keyframe(keyframe)
         self._move_to(T_W_B)
@@ -151,10 +154,10 @@ class PoseGraph:
         self._last_optimised = self._last_whole = _Extent(len(self.keyframes), len(self.loops))
 
     def join(self, loops: Sequence[LoopEdge], shift: Pose) -> None:
-        """Join two components by loop edges that all lead from one of them to the other.
+        """Join two components by loop edges that all lead from one component to the other.
 
-        `shift` moves the poses of the component of the loops' queries to where they belong beside their matches. The poses
-        of the component with the earlier session stay as they are; the other one is moved.
+        `shift` is the rigid motion that moves the component with the queries of the loops into the frame of the other
+        component. The component with the earlier session stays as it is; the other one is moved.
         """
         components = self.components
         moved, kept = int(components[loops[0].query]), int(components[loops[0].match])
@@ -189,9 +192,9 @@ class PoseGraph:
     def optimise_if_due(self, final: bool = False) -> bool:
         """Optimise if there are new loop edges and enough new keyframes (setting `every`) since the last optimisation.
 
-        Most optimisations move the last keyframes only (`window`), and some the whole graph (`growth`). After those,
-        keyframes that are no longer needed retire (`copies`). With `final`, new loop edges alone suffice, and the whole
-        graph is optimised. Returns whether the graph was optimised.
+        Most optimisations move only the last keyframes (`window`), but some move the whole graph (`growth`). After an
+        optimisation of the whole graph, keyframes that are no longer needed retire (`copies`). With `final`, new loop edges
+        alone suffice, and the whole graph is optimised. Returns whether the graph was optimised.
         """
         now = _Extent(len(self.keyframes), len(self.loops))
         grown = now.keyframes - self._last_whole.keyframes >= self._config.growth * len(self.active)
@@ -210,16 +213,20 @@ class PoseGraph:
         return True
 
     def _move(self, last: Poses) -> None:
-        """Set the poses of the last active keyframes; retired keyframes follow their anchors."""
+        """Set the poses of the newest active keyframes to `last`, and let retired keyframes follow their anchors.
+
+        A retired keyframe takes no part in the optimisation. It has a fixed pose relative to its anchor, an active keyframe.
+        """
         moved = self.active[len(self.active) - len(last) :]
         self._T_W_B.replace(moved, last)
         self._T_W_B.replace(*self._retired.following(int(moved[0]), self.T_W_B))
 
     def _retire(self) -> None:
-        """Let active keyframes before the last `window` ones retire if enough earlier ones show their places.
+        """Let active keyframes before the last `window` ones retire if enough earlier keyframes show their places.
 
-        None retires while there are several components, whose poses cannot be compared. The first and last keyframes of a
-        session stay, because the loops that lead from the first one do not count.
+        No keyframe retires while there are several components, because poses of two components cannot be compared. The first
+        keyframe of a session stays, because loop edges from it are ignored here; therefore, the last keyframe before it
+        stays, too.
         """
         if self._config.copies is None or self.is_split:
             return
@@ -236,7 +243,10 @@ class PoseGraph:
             self._restart()
 
     def _leave_out(self, rows: Int[np.ndarray, "k"]) -> None:
-        """Remove rows of `active`, and add the covariances of their odometry steps to those of the steps after them."""
+        """Remove rows of `active`. The odometry steps before and after a removed keyframe become one step.
+
+        The covariance of the new step is composed of the covariances of both.
+        """
         for row in rows.tolist():
             step = between(self.keyframes[self.active[row]].T_O_B, self.keyframes[self.active[row + 1]].T_O_B)
             self._covariances[row + 1] = compose_covariance(self._covariances[row], step, self._covariances[row + 1])
@@ -247,7 +257,7 @@ class PoseGraph:
             self._active.append(id)
 
     def _restart(self) -> None:
-        """Begin the optimiser anew with the active keyframes at their current poses, and the loop edges between them."""
+        """Begin a new optimiser with the active keyframes at their current poses and the loop edges between them."""
         T_O_B = np.stack([self.keyframes[id].T_O_B for id in self.active.tolist()])
         steps, begins = between(T_O_B[:-1], T_O_B[1:]), np.diff(self._sessions.rows[self.active]) > 0
         self._optimiser = GraphOptimiser(T_O_B[0], self._config)
@@ -260,12 +270,12 @@ class PoseGraph:
         self._optimiser.add_loops(self._by_rows(self._acting))
 
     def _between_active(self, loops: Sequence[LoopEdge]) -> list[LoopEdge]:
-        """The loop edges both of whose keyframes are active."""
+        """Return the loop edges both of whose keyframes are active."""
         ids = np.array([(loop.query, loop.match) for loop in loops], int).reshape(-1, 2)
         rows = np.flatnonzero(np.isin(ids, self.active).all(axis=1))
         return [loops[row] for row in rows.tolist()]
 
     def _by_rows(self, loops: Sequence[LoopEdge]) -> list[LoopEdge]:
-        """The loop edges with rows of `active` in place of ids, as the optimiser numbers keyframes."""
+        """Return the loop edges with rows of `active` in place of ids, as the optimiser numbers keyframes."""
         rows = np.searchsorted(self.active, [(loop.query, loop.match) for loop in loops]).reshape(-1, 2).tolist()
         return [replace(loop, query=query, match=match) for loop, (query, match) in zip(loops, rows, strict=True)]

@@ -17,13 +17,14 @@ from lexis.maths.ties import reaches, rounded
 from lexis.types import Poses
 
 STAYS = -1
-"""In place of an anchor: the keyframe stays in the optimisation."""
+"""Value in place of an anchor, for a keyframe that stays in the optimisation."""
 PLACE_M = 1.0
 """Largest distance between two keyframes that show the same place [m]."""
 PLACE_RAD = 0.5
 """Largest angle between two keyframes that show the same place [rad]."""
 VISIT_M = 10.0
-"""Least odometry path between two visits of a place [m]. Neighbours on the path show one place, too, but are needed."""
+"""Least odometry path between two visits of a place [m]. Keyframes that are closer on the path belong to one visit; they are
+needed although they show the same place."""
 
 Pairs = Int[np.ndarray, "m 2"]
 Ids = Int[np.ndarray, "k"]
@@ -31,17 +32,18 @@ Ids = Int[np.ndarray, "k"]
 
 @dataclass(frozen=True, eq=False)
 class Retired:
-    """Keyframes that have retired from the optimisation, and where they are relative to their anchors."""
+    """Keyframes that have retired from the optimisation, and their poses relative to their anchors."""
 
     ids: Int[np.ndarray, "r"] = field(default_factory=lambda: np.zeros(0, int))
     anchors: Int[np.ndarray, "r"] = field(default_factory=lambda: np.zeros(0, int))
-    """Ids of the keyframes that they are anchored to, none of which has retired."""
+    """Ids of the keyframes to which the retired keyframes are anchored. No anchor has retired itself."""
     T_anchor_B: Poses = field(default_factory=lambda: np.zeros((0, 4, 4)))
 
     def joined_by(self, ids: Ids, anchors: Ids, T_W_B: Poses) -> "Retired":
-        """Add keyframes with their anchors; keyframes that were anchored to them get the same anchors.
+        """Return these retired keyframes together with the keyframes `ids`, which retire now, and their `anchors`.
 
-        `T_W_B` are the current poses of all keyframes.
+        A keyframe that was anchored to one of `ids` is now anchored to the anchor of the latter. `T_W_B` are the current
+        poses of all keyframes.
         """
         successor = dict(zip(ids.tolist(), anchors.tolist(), strict=True))
         kept = np.array([successor.get(anchor, anchor) for anchor in self.anchors.tolist()], int)
@@ -49,19 +51,22 @@ class Retired:
         return Retired(all_ids, all_anchors, between(T_W_B[all_anchors], T_W_B[all_ids]))
 
     def following(self, first: int, T_W_B: Poses) -> tuple[Ids, Poses]:
-        """Return the keyframes whose anchors have ids from `first` on, and their poses at given poses of the anchors."""
+        """Return the ids of the retired keyframes whose anchors have ids from `first` on, and their poses.
+
+        The poses follow from the poses `T_W_B` of the anchors.
+        """
         moved = self.anchors >= first
         return self.ids[moved], T_W_B[self.anchors[moved]] @ self.T_anchor_B[moved]
 
 
 def anchors(T_W_B: Poses, path_m: Float64[np.ndarray, "n"], loops: Pairs, copies: int) -> Int[np.ndarray, "n"]:
-    """Return for each node of a graph the node that it can be anchored to if it retires, or `STAYS`.
+    """Return for each node of a graph the node that it is anchored to if it retires, or `STAYS` if it does not retire.
 
-    1. A node is redundant if at least `copies` nodes of earlier visits that stay show its place, and a loop edge leads to
-       one of them. Without a loop, a node may only seem to be at the place, because of drift.
+    1. A node is redundant if at least `copies` nodes of earlier visits show its place and stay, and a loop edge connects it
+       to an earlier node that shows its place. Without a loop, a node may only seem to be at the place, because of drift.
     2. A redundant node retires if its neighbours on the path are redundant, too. The ends of a redundant stretch stay,
        because their loops hold the parts of the walk at its ends.
-    3. Its anchor is the nearest node that shows its place and stays.
+    3. The anchor of a node is the nearest node that shows the same place and stays.
 
     Args:
         T_W_B: poses of the nodes, in the order of the walk.
@@ -85,7 +90,7 @@ def anchors(T_W_B: Poses, path_m: Float64[np.ndarray, "n"], loops: Pairs, copies
 def _same_place(
     T_W_B: Poses, path_m: Float64[np.ndarray, "n"]
 ) -> tuple[Int[np.ndarray, "m"], Int[np.ndarray, "m"], Float64[np.ndarray, "m"]]:
-    """Pairs of nodes of two visits that show one place, later and earlier node, and their distances [m].
+    """Return pairs of nodes that show one place on two visits: the later nodes, the earlier nodes, and the distances [m].
 
     The pairs are sorted by the later node.
     """
@@ -103,7 +108,7 @@ def _nearest_staying(
     earlier: Int[np.ndarray, "m"],
     distance: Float64[np.ndarray, "m"],
 ) -> Int[np.ndarray, "n"]:
-    """For each node that retires, the nearest node at its place that stays; `STAYS` for the others."""
+    """Return for each node that retires the nearest node at its place that stays; `STAYS` for all other nodes."""
     usable = retires[later] & ~retires[earlier]
     later, earlier, distance = later[usable], earlier[usable], distance[usable]
     order = np.lexsort((earlier, rounded(distance), later))

@@ -1,9 +1,9 @@
 """A finished map: its folder on disk, pictures, summaries, directions for people, and other room names.
 
-`folder` saves and loads a map (`arrays` converts it to arrays). `info` summarises it, `picture` and `export` show it
-to other programs, `path_directions` describes a plan in words, `relabelling` assigns other room names without encoding an
-image again, and `encoder_check` compares encoders by their weights. The subpackage `interchange` holds the formats of
-scene graphs and robots' maps.
+`folder` saves and loads a map (`arrays` converts it to arrays). `info` summarises a map, `picture` draws it, and `export`
+writes it for other programs. `path_directions` describes a plan in words, `relabelling` assigns other room names without
+encoding an image again, and `encoder_check` checks that an encoder is the one that made a map. The subpackage `interchange`
+reads and writes scene graphs, and writes occupancy grids and boxes of rooms.
 """
 
 import lazy_loader

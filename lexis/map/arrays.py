@@ -1,7 +1,7 @@
 """Conversion between a map and the flat arrays of `arrays.npz`.
 
-Data of varying length per keyframe or query are concatenated, with an array of their counts. In `LAYOUT`, dimensions of the
-same name have the same size.
+Data of which keyframes or queries have different numbers, such as key points, are concatenated. A further array then holds
+these numbers, the counts. In `LAYOUT`, dimensions of the same name have the same size.
 """
 
 from collections.abc import Iterable
@@ -53,14 +53,15 @@ LAYOUT: Layout = {
 """Type and shape of every array in `arrays.npz`."""
 
 _COUNTED = {"feature": "keypoints", "landmark": "landmark_points", "candidate": "candidate_match"}
-"""For each array of counts, `feature_count` for example, the array whose rows it counts."""
+"""For each array of counts, named without the ending `_count`, the array whose rows are counted: `feature_count` counts the
+rows of `keypoints`."""
 _UNKNOWN = -1.0
-"""Stands for a figure of a verdict that was not determined."""
+"""Value in the arrays for a figure of a verdict that was not determined."""
 _Number = TypeVar("_Number", int, float)
 
 
 def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
-    """The arrays of a map; without `features`, the key points and landmarks of the keyframes are left out."""
+    """Convert a map to arrays; without `features`, the key points and landmarks of the keyframes are left out."""
     keyframes, loops = map.keyframes, LoopArrays.of(map.loops)
     seen = keyframes if features else ()
     nothing = np.zeros(len(keyframes))
@@ -208,9 +209,9 @@ def _check_references(arrays: Arrays) -> None:
 
 
 def _check_counts(arrays: Arrays, name: str) -> None:
-    """Raise MapError unless the numbers of items per owner add up to the total number of items."""
+    """Raise MapError unless the counts per keyframe or query add up to the total number of items."""
     counts, total = arrays[f"{name}_count"], len(arrays[_COUNTED[name]])
-    # Counts are bounded one by one first, so that their sum cannot overflow.
+    # Each count is bounded first, so that the sum of the counts cannot overflow.
     if ((counts < 0) | (counts > total)).any() or counts.sum() != total:
         raise MapError(f"array {name}_count does not add up to the {total} {name}s of the map")
 
@@ -218,7 +219,7 @@ def _check_counts(arrays: Arrays, name: str) -> None:
 def _as_laid_out(name: str, column: object) -> Shaped[np.ndarray, "..."]:
     kind, shape = LAYOUT[name]
     array = np.asarray(column, kind)
-    # An array of an empty list has one dimension only.
+    # An array that numpy makes of an empty list has one dimension only.
     return array if array.ndim == len(shape) else array.reshape([s if isinstance(s, int) else 0 for s in shape])
 
 

@@ -24,9 +24,9 @@ from lexis.types import Covariance, LexisMap, Pose
 
 
 def export_map(map: LexisMap, format: str, path: Path) -> None:
-    """Write the map to a file, or for "ros" to a folder, in one of `FORMATS`.
+    """Write the map to a file in one of `FORMATS`, or to a folder for the format "ros".
 
-    Raises LexisError if the format is unknown, the map has no such form, or writing fails.
+    Raises LexisError if the format is unknown, the map cannot be written in the format, or writing fails.
     """
     if format not in FORMATS:
         raise LexisError(f"unknown format {format!r}; valid: {', '.join(FORMATS)}")
@@ -39,7 +39,7 @@ def _tum(map: LexisMap, path: Path) -> None:
 
 
 def _kitti(map: LexisMap, path: Path) -> None:
-    """Write the optimised poses, the upper three rows of each T_W_B as one line."""
+    """Write the optimised poses: the upper three rows of each T_W_B in one line."""
     _write(path, [" ".join(f"{value:.9e}" for value in pose[:3].ravel()) for pose in map.T_W_B])
 
 
@@ -75,7 +75,10 @@ FORMATS: dict[str, Callable[[LexisMap, Path], None]] = {
 
 
 def summary(map: LexisMap) -> dict[str, Any]:
-    """Rooms, keyframes, loops and their candidates as plain data for JSON: positions in W [m], quaternions as x, y, z, w."""
+    """Return rooms, keyframes, loops and loop candidates as plain data for JSON.
+
+    Positions are in W [m], and quaternions are in the order x, y, z, w.
+    """
     names = instance_names(map.rooms)
     room_of = {i: name for room, name in zip(map.rooms, names, strict=True) for i in room.keyframes}
     quaternions = Rotation.from_matrix(map.T_W_B[:, :3, :3]).as_quat(canonical=True)
@@ -117,7 +120,10 @@ def summary(map: LexisMap) -> dict[str, Any]:
 
 
 def _candidates(map: LexisMap, room_of: Mapping[int, str]) -> list[dict[str, Any]]:
-    """What became of every loop candidate: the room of the earlier keyframe, the figures that decided, the final weight."""
+    """Return what became of every loop candidate in verification, with the figures that decided.
+
+    Each candidate also has the room of the earlier keyframe, the similarity of the images, and the final weight of its edge.
+    """
     weights = {(loop.query, loop.match): float(w) for loop, w in zip(map.loops, map.loop_weights, strict=True)}
     embeddings = [keyframe.embedding.astype(np.float64) for keyframe in map.keyframes]
     return [
@@ -132,9 +138,10 @@ def _candidates(map: LexisMap, room_of: Mapping[int, str]) -> list[dict[str, Any
 
 
 def _edge(a: int, b: int, T_a_b: Pose, covariance: Covariance) -> str:
-    """A line EDGE_SE3:QUAT. Its information matrix is for tangent vectors in g2o's order, as GTSAM reads and writes them.
+    """Return a line EDGE_SE3:QUAT.
 
-    (0.1 mm, 0.1 mrad)² is added to the covariance, because exact odometry would have infinite information.
+    Its information matrix is for tangent vectors in g2o's order, as GTSAM reads and writes them. (0.1 mrad)² and (0.1 mm)²
+    are added to the variances, because exact odometry would have infinite information.
     """
     information = np.linalg.inv(covariance + 1e-8 * np.eye(6))[np.ix_(TRANSLATION_FIRST, TRANSLATION_FIRST)]
     upper = " ".join(f"{value:.9g}" for value in information[np.triu_indices(6)])

@@ -26,7 +26,7 @@ _ARRAYS_FILE = FileKind(_WRITTEN, 8_000_000_000, MapError, missing="no arrays of
 _STRICT = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
 _Name = Annotated[str, Field(min_length=1, max_length=MAX_NAME_LENGTH)]
 _EncoderName = Annotated[str, Field(max_length=10_000)]
-"""The name of an encoder; the limit on its length is high, because the name may contain the path of a checkpoint."""
+"""The name of an encoder. The limit on its length is high, because the name may contain the path of a checkpoint."""
 
 
 class _Room(BaseModel):

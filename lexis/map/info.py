@@ -13,7 +13,10 @@ from lexis.types import LexisMap
 
 
 def map_info(map: LexisMap) -> dict[str, Any]:
-    """A summary of a map as plain data for JSON: rooms, floors, counts of keyframes and loops, path [m] and duration [s]."""
+    """Return a summary of a map as plain data for JSON.
+
+    It has rooms, floors, counts of keyframes and loops, path length [m] and duration [s].
+    """
     steps = np.linalg.norm(np.diff(map.T_W_B[:, :3, 3], axis=0), axis=1)
     same = np.diff([keyframe.session for keyframe in map.keyframes]) == 0
     size = map.camera.intrinsics
@@ -41,7 +44,7 @@ def map_info(map: LexisMap) -> dict[str, Any]:
 
 
 def info_text(info: dict[str, Any]) -> str:
-    """The data of `map_info` as lines of text."""
+    """Return the data of `map_info` as lines of text."""
     width = max([4, *(len(room["name"]) for room in info["rooms"])])
     floors = ["stairs" if room["floor"] is None else room["floor"] for room in info["rooms"]]
     rooms = [
@@ -67,5 +70,5 @@ def info_text(info: dict[str, Any]) -> str:
 
 
 def _apart(sessions: Sequence[int]) -> str:
-    """A note about sessions that are not connected with the first one."""
+    """Return a note about the sessions that are not connected with the first session."""
     return f", not connected with session 0: {', '.join(map(str, sessions))}" if sessions else ""

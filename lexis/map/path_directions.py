@@ -37,7 +37,7 @@ class Step:
 
 
 def directions(map: LexisMap, plan: Plan) -> tuple[Step, ...]:
-    """The directions along the path, in order: start, rooms entered, turns, stairs and arrival."""
+    """Return the directions along the path, in order: start, rooms entered, turns, stairs and arrival."""
     positions = map.T_W_B[list(plan.keyframes), :3, 3]
     path = arc_length(positions)
     steps = [*_rooms(map, plan, path), *_stairs(map, plan, path), *_turns(positions, path)]
@@ -68,7 +68,7 @@ def place(map: LexisMap, room: int) -> str:
 
 
 def _rooms(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[Step]:
-    """Directions for the start, the arrival, and every room entered in between.
+    """Return directions for the start, for the arrival, and for every room entered in between.
 
     A keyframe that belongs to no room counts as part of the previous room.
     """
@@ -81,7 +81,7 @@ def _rooms(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[St
 
 
 def _from_start_to_goal(rooms: Int[np.ndarray, "n"], plan: Plan) -> Int[np.ndarray, "n"]:
-    """Rooms along a path, changed so that they begin with the start and end with the goal.
+    """Return the rooms along a path, changed so that they begin with the start of the plan and end with its goal.
 
     This is necessary because the first and last keyframes of a plan may belong to neighbouring rooms; see `path_end`.
     """
@@ -95,7 +95,10 @@ def _from_start_to_goal(rooms: Int[np.ndarray, "n"], plan: Plan) -> Int[np.ndarr
 
 
 def _stairs(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[Step]:
-    """Directions for every stretch on stairs with a climb, with the floor that it leads to if the path continues there."""
+    """Return a direction for every stretch on stairs that goes up or down by at least `MIN_CLIMB_M`.
+
+    If the path continues on a floor after the stairs, the direction names the floor.
+    """
     floors, heights = map.floors[list(plan.keyframes)], map.T_W_B[list(plan.keyframes), 2, 3]
     steps = []
     for run in stretches_of(np.equal(floors, NO_FLOOR)):
@@ -108,10 +111,10 @@ def _stairs(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[S
 
 
 def _turns(positions: Float64[np.ndarray, "n 3"], path: Float64[np.ndarray, "n"]) -> list[Step]:
-    """Directions for the turns.
+    """Return a direction for every turn.
 
-    The sharpest turn is found first, then the sharpest that does not overlap it, and so on, since a turn changes the heading
-    at all samples around it but must be announced once.
+    A turn changes the heading at all samples around it, but must be announced once. Therefore, the sharpest turn is
+    announced first, then the sharpest turn that does not overlap it, and so on.
     """
     at = np.arange(ALONG_M / 2, path[-1] - ALONG_M / 2, SAMPLE_M)
     change = _heading_changes(positions, path, at)
@@ -127,7 +130,10 @@ def _turns(positions: Float64[np.ndarray, "n 3"], path: Float64[np.ndarray, "n"]
 def _heading_changes(
     positions: Float64[np.ndarray, "n 3"], path: Float64[np.ndarray, "n"], at: Float64[np.ndarray, "k"]
 ) -> Float64[np.ndarray, "k"]:
-    """Change of heading from before to after points of the path, positive to the left [rad]."""
+    """Return the change of heading at the distances `at` along the path, positive to the left [rad].
+
+    This is the angle from the heading before the point to the heading after it, each over `ALONG_M`.
+    """
     before, here, after = (
         np.stack([np.interp(at + offset, path, positions[:, axis]) for axis in (0, 1)], axis=1)
         for offset in (-ALONG_M, 0.0, ALONG_M)

@@ -22,10 +22,10 @@ stroke-width:.08px}.title{font-size:.6px;fill:#555}path{fill:none;stroke-linecap
 
 
 def map_svg(map: LexisMap) -> str:
-    """The picture as the text of an SVG file: one plan per floor, all at the same scale, with x to the right and y up.
+    """Return the picture as the text of an SVG file: one plan per floor, at one scale, with x to the right and y up.
 
     Each plan has a scale bar of one metre. Keyframes on stairs are drawn on every floor as small dots. Red lines are loop
-    edges: solid if trusted, dashed if not.
+    edges: solid if the edge is trusted, dashed if not.
     """
     low = map.T_W_B[:, :2, 3].min(axis=0) - MARGIN_M
     size = map.T_W_B[:, :2, 3].max(axis=0) + MARGIN_M - low
@@ -46,7 +46,7 @@ def map_svg(map: LexisMap) -> str:
 
 
 def _plan(map: LexisMap, points: Float64[np.ndarray, "n 2"], floor: int, size: Float64[np.ndarray, "2"]) -> str:
-    """The SVG elements of one floor."""
+    """Return the SVG elements of one floor."""
     here = np.asarray((map.floors == floor) | (map.floors == NO_FLOOR))
     title = "stairs alone" if floor == NO_FLOOR else f"floor {floor}"
     bar = f'<path d="M.5 {size[1] + TITLE_M - 0.4:.2f}h1" stroke="#555" stroke-width=".08"/>'
@@ -79,7 +79,7 @@ def _dots(map: LexisMap, points: Float64[np.ndarray, "n 2"], here: Bool[np.ndarr
 
 
 def _names(map: LexisMap, points: Float64[np.ndarray, "n 2"], here: Bool[np.ndarray, "n"]) -> list[str]:
-    """Room names, each at the mean of the room's keyframes and in the room's colour."""
+    """Return room names as SVG text, each at the mean of the room's keyframes and in the room's colour."""
     texts = []
     for room, name, colour in zip(map.rooms, instance_names(map.rooms), _colours(map), strict=False):
         members = [i for i in room.keyframes if here[i]]
@@ -90,7 +90,7 @@ def _names(map: LexisMap, points: Float64[np.ndarray, "n 2"], here: Bool[np.ndar
 
 
 def _colours(map: LexisMap) -> list[str]:
-    """A colour for every room, and grey for no room at the end.
+    """Return a colour for every room, followed by grey for keyframes that belong to no room.
 
     Hues are spaced by the golden ratio, so that rooms with consecutive ids get clearly different colours.
     """

@@ -1,4 +1,4 @@
-"""Relabelling of an existing map with other room names, from the stored embeddings and without encoding images again."""
+"""Relabelling of a map with other room names, from the stored embeddings and without encoding the images again."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -23,7 +23,8 @@ def relabel(map: LexisMap, room_names: Sequence[str], encoder: Encoder, config: 
         map: the map to relabel; its old room names are ignored.
         room_names: the new room names.
         encoder: the encoder that made the map.
-        config: settings, which should equal those that the map was made with; only labels, segmentation and sight matter.
+        config: settings, which should equal those that the map was made with. Only the settings of labels, segmentation and
+            sight are used. None: defaults.
 
     Raises:
         LexisError: the room names are unusable, or the map was made with another encoder.

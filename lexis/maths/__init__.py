@@ -1,8 +1,8 @@
-"""Small mathematics that several stages share.
+"""Small mathematical tools that several stages share.
 
-`se3` and `quaternions` are rigid motions, `projection` is the pinhole camera, `paths` measures length along a path,
-`stretches` cuts a sequence into stretches of equal values, `ties` compares values so that rounding decides nothing, and
-`growing_array` holds an array that grows row by row.
+`se3` and `quaternions` are about rigid motions, `projection` about the pinhole camera. `paths` measures length along a path,
+`stretches` cuts a sequence into stretches of equal values, `ties` compares values so that rounding errors decide nothing,
+and `growing_array` holds an array that grows row by row.
 """
 
 import lazy_loader

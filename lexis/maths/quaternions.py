@@ -47,7 +47,10 @@ def pose_rows(poses: Poses) -> Float64[np.ndarray, "n 7"]:
 
 
 def poses_of(rows: Float64[np.ndarray, "n 7"]) -> Poses:
-    """Convert rows of tx ty tz qx qy qz qw [m] to poses. From these, `pose_rows` restores its own rows to the last bit."""
+    """Convert rows of tx ty tz qx qy qz qw [m] to poses.
+
+    If the rows come from `pose_rows`, the inverse conversion by `pose_rows` returns the same rows to the last bit.
+    """
     poses = np.tile(np.eye(4), (len(rows), 1, 1))
     poses[:, :3, :3] = as_rotations(rows[:, 3:])
     poses[:, :3, 3] = rows[:, :3]

@@ -23,12 +23,12 @@ def reaches(values: Float[np.ndarray, "*shape"] | float, limit: float) -> Bool[n
 
 
 def nearest_others(points: Float[np.ndarray, "n d"], count: int) -> Int[np.ndarray, "n k"]:
-    """For every point i, row i holds the indices of the `count` nearest other points, or of all if there are fewer.
+    """Return in row i the indices of the `count` nearest other points of point i, or of all others if there are fewer.
 
     Points that are equally near, when rounded to `DECIMALS`, are taken in the order of their indices. The indices in a row
     ascend, so that sums over equal sets of points are equal to the last bit.
     """
-    # Query more and more neighbours until every row holds all points that tie with its last wanted one.
+    # Query more and more neighbours until every row holds all points that are as near as the last wanted point.
     n, wanted = len(points), min(count + 1, len(points))
     tree, queried = cKDTree(points), wanted
     while True:
@@ -37,6 +37,6 @@ def nearest_others(points: Float[np.ndarray, "n d"], count: int) -> Int[np.ndarr
         distances = rounded(np.asarray(distances))
         if queried == n or (distances[:, -1] > distances[:, wanted - 1]).all():
             break
-    distances[indices == np.arange(n)[:, None]] = -1.0  # sorts every point first in its own row, where it is dropped
+    distances[indices == np.arange(n)[:, None]] = -1.0  # every point comes first in its own row and is dropped
     order = np.lexsort((indices, distances), axis=1)[:, 1:wanted]
     return np.sort(np.take_along_axis(indices, order, axis=1), axis=1)

@@ -24,8 +24,8 @@ from lexis.query.questions import Captions, read_question
 from lexis.types import LexisMap, RoomInstance
 
 BEST_VIEWS = 5
-"""A room is scored by those of its images (views) that are most similar to the question, at most this many. Its other images
-may not show the requested thing."""
+"""A room's score is the mean similarity of its images (views) that are most similar to the question, at most this many. Its
+other images may not show the requested thing."""
 FITS = 0.5
 """Least probability at which a room counts as an answer."""
 
@@ -41,8 +41,8 @@ class RoomFit(NamedTuple):
     keyframe: int
     """Id of the room's keyframe that fits best."""
     negated: bool = False
-    """Whether the question is negated, as in "not a kitchen". Then `similarity` measures how well the room fits the excluded
-    thing (the kitchen), and `probability` is the probability of not fitting it."""
+    """Whether the question is negated, as in "not a kitchen". If so, `similarity` is the similarity to the excluded thing
+    (the kitchen), and `probability` is the probability that the room does not fit the excluded thing."""
 
 
 class KeyframeFit(NamedTuple):
@@ -132,5 +132,8 @@ def _likely(answer: Answer, calibration: Calibration, question: Float32[np.ndarr
 
 
 def best_views_mean(similarities: Float[np.ndarray, "n texts"]) -> Float[np.ndarray, "texts"]:
-    """Score of a room for every text: the mean similarity of the room's best views, at most `BEST_VIEWS` of its n views."""
+    """Return the score of a room for every text.
+
+    The score is the mean similarity of the room's best views: the `BEST_VIEWS` most similar of its n views.
+    """
     return np.asarray(np.sort(similarities, axis=0)[-BEST_VIEWS:].mean(axis=0))

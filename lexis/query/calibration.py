@@ -31,7 +31,7 @@ _FILE = FileKind("a file of calibrate-queries", 1_000_000)
 class Calibration:
     """Converts the similarity of a text and the best views of a room to the probability that the room fits the text.
 
-    It is fitted to one encoder.
+    A calibration is fitted to one encoder. The formula is in the docstring of this module.
     """
 
     fingerprint: str
@@ -45,11 +45,11 @@ class Calibration:
     def probabilities(
         self, similarities: Float[np.ndarray, "rooms texts"], questions: Float32[np.ndarray, "texts d"], encoder: TextEncoder
     ) -> Float[np.ndarray, "rooms texts"]:
-        """Probability that each room fits each text, on the assumption that half of all questions have an answer.
+        """Return the probability that each room fits each text, on the assumption that half of all questions have an answer.
 
         Args:
             similarities: mean similarity of every room's best views to every text.
-            questions: embeddings of the texts, unit norm.
+            questions: embeddings of the texts, with unit norm.
             encoder: the encoder that was calibrated.
         """
         thresholds = self.base + self.slope * familiarity(questions, self.room_names, encoder)
@@ -59,7 +59,7 @@ class Calibration:
 def familiarity(
     questions: Float32[np.ndarray, "texts d"], room_names: Sequence[str], encoder: TextEncoder
 ) -> Float[np.ndarray, "texts"]:
-    """Familiarity of every text: the cosine similarity of its embedding to the most similar room name."""
+    """Return the familiarity of every text: its cosine similarity to the most similar room name."""
     return np.asarray((questions @ encoder.encode_texts(room_names).T).max(axis=1))
 
 
@@ -90,9 +90,10 @@ def load_calibration(path: Path) -> Calibration:
 
 
 def find_calibration(encoder: TextEncoder, path: Path | None = None) -> Calibration | None:
-    """The calibration at `path`. Without a path, the calibration that ships with `mini`, or None if `encoder` is not `mini`.
+    """Return the calibration at `path`, or without a path the calibration that ships with `mini`.
 
-    Raises LexisError if the file is unusable or was fitted to another encoder.
+    Without a path, the result is None if `encoder` is not `mini`. Raises LexisError if the file is unusable or was fitted to
+    another encoder.
     """
     if path is None:
         shipped = load_calibration(MINI_CALIBRATION) if MINI_CALIBRATION.exists() else None

@@ -12,7 +12,7 @@ def goal_in_words(map: LexisMap, text: str, encoder: TextEncoder, calibration: C
     """Return the name of the room that fits a description best, such as "bathroom 2".
 
     Raises:
-        PlanError: there is no calibration, so that a fit cannot be told from none, or no room of the map fits.
+        PlanError: no room of the map fits, or there is no calibration, without which it is unknown whether a room fits.
         LexisError: `ask` refuses the description.
     """
     names = instance_names(map.rooms)

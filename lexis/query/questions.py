@@ -4,7 +4,7 @@ An encoder that was trained on captions takes every word for a part of the pictu
 neither a toilet nor its room. The conversion therefore has these steps:
 
 1. Normalise the text: lower case, no punctuation at the end, no contractions.
-2. Strip the words that only ask ("where can I", "please"), which leaves the content: a thing, a room or an activity.
+2. Remove the words that only ask ("where can I", "please"), which leaves the content: a thing, a room or an activity.
 3. Recognise a negation ("not a kitchen"), because encoders do not understand negations.
 4. Put the content into several captions, so that no single wording decides.
 5. Add readings for rooms and things that serve the same need, such as the bathroom for a question about the toilet.
@@ -26,7 +26,7 @@ ACTIVITY_CAPTIONS = (
 """Captions for an activity: {} stands for its words, such as "wash my hands"."""
 
 Captions: TypeAlias = tuple[str, ...]
-"""Captions with the same meaning, which are embedded together as the mean of their embeddings."""
+"""Captions with the same meaning, or templates of captions. The embeddings of captions are combined to their mean."""
 
 _THE = r"(?:the|a|an|my|our|your|his|her|their|some|any|this|that)"
 _WHO = r"(?:i|we|you|one|people|they|somebody|someone|anybody|anyone)"
@@ -131,9 +131,9 @@ def _fill(captions: Captions, content: str) -> Captions:
 
 
 def _strip_lead_ins(plain: str) -> tuple[str, Captions | None]:
-    """The content without the words that only ask, and the captions for it.
+    """Return the content of the question, without the words that only ask, and the templates of captions for it.
 
-    The captions are None if the wording does not show whether the content is a thing or an activity.
+    The templates are None if the wording does not show whether the content is a thing or an activity.
     """
     captions: Captions | None = None
     rest = plain
@@ -147,7 +147,7 @@ def _strip_lead_ins(plain: str) -> tuple[str, Captions | None]:
 
 
 def _normalise(text: str) -> str:
-    """The text in lower case, with single spaces, without contractions and without punctuation or fillers at the end."""
+    """Return the text in lower case, with single spaces, no contractions, and no punctuation or fillers at the end."""
     plain = " ".join(text.lower().split())
     for short, full in _CONTRACTIONS.items():
         plain = plain.replace(short, full)

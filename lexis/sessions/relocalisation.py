@@ -33,15 +33,15 @@ def candidates_elsewhere(query: Keyframe, graph: PoseGraph, config: SessionConfi
 
 
 def at_any_distance(config: VerificationConfig) -> VerificationConfig:
-    """Settings that verify loops however far they are from the current estimate."""
+    """Return settings with which loops are verified however far they are from the current estimate."""
     return replace(config, gate_m=_ANY_M, gate_rad=_ANY_RAD)
 
 
 class Relocaliser:
-    """Collects loop edges between components, and returns those that agree as soon as they are enough."""
+    """Collects loop edges between components, and returns edges that agree as soon as there are enough of them."""
 
     def __init__(self, config: SessionConfig, tolerances: VerificationConfig) -> None:
-        """Begin without edges. `tolerances` contains the limits that loops within a component have to keep, too."""
+        """Begin without edges. `tolerances` contains the limits within which two edges agree, as in `_fit`."""
         self._config, self._tolerances = config, tolerances
         self._edges: list[LoopEdge] = []
 
@@ -62,7 +62,7 @@ class Relocaliser:
         return ()
 
     def _is_recent(self, edge: LoopEdge, graph: PoseGraph) -> bool:
-        """Whether an edge leads from the session of the last keyframe, and from the last part of the path."""
+        """Whether the query of an edge is in the current session and on the last part of the path."""
         return edge.query >= graph.session_start and graph.path_between(edge.query, -1) <= self._config.window_m
 
     def _suffice(self, found: Sequence[LoopEdge], rivals: Sequence[LoopEdge], graph: PoseGraph) -> bool:
@@ -72,21 +72,22 @@ class Relocaliser:
 
 
 def shift_of(edge: LoopEdge, graph: PoseGraph) -> Pose:
-    """The rigid motion that moves the poses of the query's component to where they belong, by this edge alone."""
+    """Return the rigid motion that, according to this edge, moves the query's component into the match's component."""
     return np.asarray(graph.T_W_B[edge.match] @ edge.T_match_query @ inverse(graph.T_W_B[edge.query]))
 
 
 def _ends(edge: LoopEdge, graph: PoseGraph) -> tuple[int, int]:
-    """The components that an edge connects."""
+    """Return the components that an edge connects."""
     return int(graph.components[edge.query]), int(graph.components[edge.match])
 
 
 def _fit(
     edge: LoopEdge, others: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig
 ) -> Bool[np.ndarray, "others"]:
-    """Whether each other edge implies the same relative pose of the components as `edge`, as exactly as odometry can tell.
+    """Whether each other edge implies the same relative pose of the components as `edge`, within the accuracy of odometry.
 
-    The limits are those for loops within a component. They grow with the path between the queries, as drift does.
+    The limits are those for loops within a component. They grow with the path between the queries of the two edges, as drift
+    does.
     """
     rows = LoopArrays.of(others)
     measured = graph.T_W_B[rows.match] @ rows.T_match_query

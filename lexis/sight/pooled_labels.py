@@ -1,4 +1,4 @@
-"""Labels of keyframes from the images of all keyframes that look at their places."""
+"""Labels of keyframes by sight: from all images that show the place of a keyframe."""
 
 import numpy as np
 from jaxtyping import Float64, Int
@@ -9,7 +9,7 @@ from lexis.config import SightConfig
 from lexis.maths.ties import rounded
 
 _BELIEF_FLOOR = 0.01
-"""Is added to beliefs before their logarithm is taken, so that no neighbour can rule out a label."""
+"""Constant that is added to beliefs before their logarithm is taken, so that no neighbour can rule out a label."""
 _NEVER = 1e-9
 
 
@@ -18,11 +18,13 @@ def pool_labels(
 ) -> tuple[Int[np.ndarray, "n"], Float64[np.ndarray, "n rooms"]]:
     """Label each keyframe by the images that show its place, and return the labels and the probabilities of all labels.
 
-    1. Convert the similarities of each image to log probabilities, which are its evidence.
+    1. Convert the similarities of each image to log probabilities, which are the evidence of the image.
     2. Sum up, for each keyframe, the evidence of all images, weighted by the share of the image's visible space that lies
-       near the keyframe. The keyframe's own image counts `own_weight` in addition.
-    3. Let the keyframes that are connected by sight come to agree, in a few passes of logarithmic opinion pooling: each
-       keyframe adds the mean log belief of its neighbours, times `neighbour_weight`, to its evidence.
+       near the keyframe. The keyframe's own image counts `own_weight` in addition. The probabilities that follow from this
+       sum are the keyframe's beliefs.
+    3. Let keyframes come to agree, in a few passes of logarithmic opinion pooling. The neighbours of a keyframe are the
+       other keyframes that see its place. In each pass, every keyframe adds the mean log belief of its neighbours, times
+       `neighbour_weight`, to its evidence.
 
     Args:
         similarities: cosine similarities of the images (rows) with the room names.
@@ -40,6 +42,6 @@ def pool_labels(
 
 
 def _between_others(sees: csr_array) -> csr_array:
-    """The matrix without its diagonal, with rows that add up to 1; rows without entries stay empty."""
+    """Return the matrix without its diagonal, with rows scaled to a sum of 1; rows without entries stay empty."""
     others = sees - diags_array(sees.diagonal())
     return csr_array(diags_array(1.0 / np.maximum(others.sum(axis=1), _NEVER)) @ others)

@@ -11,7 +11,7 @@ from lexis.floors import NO_FLOOR
 from lexis.maths.ties import rounded
 
 _STAIRCASE_M = 3.0
-"""Keyframes on stairs are of one staircase if a chain of keyframes joins them, with horizontal steps of up to this [m]."""
+"""Largest horizontal distance between two keyframes on stairs that are joined to one staircase [m]."""
 
 PerKeyframe = Int[np.ndarray, "n"]
 Positions = Float64[np.ndarray, "n 3"]
@@ -24,12 +24,13 @@ def cluster_by_sight(
     """Group keyframes into rooms; return the number of the room of every keyframe, and the labels of the keyframes.
 
     1. Two keyframes of one label and floor are in one room if they are consecutive, or if one sees the place of the other.
+       Two keyframes on stairs are also in one room if they are horizontally close, because the flights of a staircase lie
+       above one another.
     2. A room of fewer than `min_keyframes` keyframes is absorbed by the larger room of its floor that it sees, or is seen
-       from, most. Its keyframes take the label of that room.
+       from, most. Its keyframes take the label of that room. Stairs neither absorb a room nor are absorbed.
 
-    Twin rooms with a wall between them thus stay two, unless keyframes on both sides are within `near_m` of each other, and
-    one long room stays one. Keyframes on stairs belong together by their horizontal distance instead, because the flights of
-    a staircase lie above one another.
+    Two rooms of one label with a wall between them thus stay two rooms, unless keyframes on both sides are within `near_m`
+    of each other; and a long room stays one room.
 
     Args:
         labels: label of every keyframe.
@@ -53,13 +54,13 @@ def _consecutive(n: int) -> Pairs:
 
 
 def _seeing(sees: csr_array, share: float) -> Pairs:
-    """Pairs of keyframes, one of which sees the place of the other with more than the share of its visible space."""
+    """Return pairs of keyframes of which one sees the place of the other, with more than `share` of its visible space."""
     entries = sees.tocoo()
     return np.stack(entries.coords, axis=1)[rounded(entries.data) > share]
 
 
 def _on_one_staircase(stairs: Bool[np.ndarray, "n"], positions: Positions) -> Pairs:
-    """Pairs of keyframes on stairs that are horizontally close."""
+    """Return pairs of keyframes on stairs that are horizontally close."""
     climbing = np.flatnonzero(stairs)
     close = cKDTree(positions[climbing, :2]).query_pairs(_STAIRCASE_M, output_type="ndarray")
     return np.asarray(climbing[close]).reshape(-1, 2)
@@ -68,7 +69,7 @@ def _on_one_staircase(stairs: Bool[np.ndarray, "n"], positions: Positions) -> Pa
 def _absorbed(
     rooms: PerKeyframe, labels: PerKeyframe, floors: PerKeyframe, sees: csr_array, min_keyframes: int
 ) -> tuple[PerKeyframe, PerKeyframe]:
-    """Merge each small room into the larger room of its floor with which it shares most sight, if there is one."""
+    """Merge each small room into the larger room of its floor that it sees, or is seen from, most, if there is one."""
     rooms, labels, shared = rooms.copy(), labels.copy(), sees + sees.T
     size = np.bincount(rooms)
     small = (size < min_keyframes)[rooms] & (floors != NO_FLOOR)

@@ -1,11 +1,12 @@
 """The free space that each keyframe's camera looks into, and which keyframes stand in it.
 
 The space between a camera and a landmark is free, and belongs to what the image shows. Landmarks lie on walls and furniture,
-so this space ends at walls. Only the place of the camera itself counts as near to everything within `near_m`.
+so this space ends at walls. It is represented by places, which are points. A keyframe within `near_m` of a place stands in
+the space, even if a wall is between them.
 
 1. Sample places on the way from the camera to each landmark, at the height of the camera (`space_in_view`). The last part of
    the way is left out, because a landmark may have been triangulated behind the wall on which it lies.
-2. For each pair of keyframes, compute the share of the one's places that lie near the other (`sight`).
+2. For each pair of keyframes, compute which share of the places of one keyframe lies near the other keyframe (`sight`).
 """
 
 from collections.abc import Sequence
@@ -28,9 +29,10 @@ _CELL_M = 0.5
 _COUNT = 1000
 """Number of cells along each axis, which is more than the largest `range_m` needs."""
 _STEEP = 0.1
-"""Cosine of the elevation beyond which a camera counts as looking straight up or down."""
+"""A camera counts as looking straight up or down if the cosine of its elevation is less than this."""
 _SPARE_M = 1e-5
-"""Spare distance with which neighbours are searched, before their distances are rounded and compared [m]."""
+"""Distance by which the search radius for neighbours exceeds `near_m` [m], so that no neighbour is lost before the distances
+are rounded and compared with `near_m`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +62,7 @@ def space_in_view(keyframe: Keyframe, T_B_C: Pose, config: SightConfig) -> Visib
         return VisibleSpace(np.zeros((1, 3)), np.ones(1))
     axes = _horizontal(T_B_C[:3, :3].T @ keyframe.T_O_B[2, :3])  # z of O points upwards
     places = (_SHARES[:, None, None] * (rays @ axes.T)).reshape(-1, 2)
-    # Rounded, because places on the border of two cells must not change sides by the last bit.
+    # Places are rounded, because a place on the border of two cells must not change its cell with the last bit.
     cells = np.floor(rounded(places) / _CELL_M).astype(np.int64) + _COUNT // 2
     _, cell, count = np.unique(cells @ [_COUNT, 1], return_inverse=True, return_counts=True)
     means = np.stack([np.bincount(cell, axis) for axis in places.T], axis=1) / count[:, None]
@@ -68,9 +70,10 @@ def space_in_view(keyframe: Keyframe, T_B_C: Pose, config: SightConfig) -> Visib
 
 
 def _horizontal(up: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "2 3"]:
-    """Two horizontal unit vectors in the frame of the camera, to its right and to its front, as rows.
+    """Return two horizontal unit vectors in the frame of the camera, to its right and to its front, as rows.
 
-    `up` points upwards in that frame. For a camera that looks straight up or down, the front is that of its image.
+    `up` points upwards in that frame. If the camera looks straight up or down, the direction from the bottom to the top of
+    its image counts as the front.
     """
     seen = np.array([0.0, 0.0, 1.0])  # the optical axis
     front = seen - (seen @ up) * up
@@ -81,10 +84,10 @@ def _horizontal(up: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "2 3"]:
 
 
 def sight(spaces: Sequence[VisibleSpace], T_W_B: Poses, T_B_C: Pose, near_m: float) -> csr_array:
-    """Return which keyframes see the places of which others, as a sparse matrix (n, n).
+    """Return which keyframes see the places of which other keyframes, as a sparse matrix (n, n).
 
     The entry (i, j) is the share of keyframe j's visible space that lies within `near_m` [m] of the camera of keyframe i. It
-    depends on the relative poses of the keyframes only, and not on the frame W.
+    depends only on the relative poses of the keyframes, and not on the frame W.
     """
     T_W_C = T_W_B @ T_B_C
     viewer = np.repeat(np.arange(len(spaces)), [len(space.weights) for space in spaces])

@@ -25,7 +25,7 @@ from worlds.errors import WorldsError
 from worlds.presets import PRESETS, sample_house
 
 _DRAWS = 500
-"""Largest number of scenarios that are drawn to find one that fails."""
+"""Largest number of scenarios that are drawn in search of a failing scenario."""
 _FRAME_RATE_HZ = 2.0
 _FEWEST_ROOMS = 4
 _LENGTHS_M = (40.0, 120.0)
@@ -54,7 +54,7 @@ class Family:
     bug: str
     """A key of `BUGS`."""
     fails: str
-    """What is true of a failing run, as text for `FailureTest.parse`, such as "labels.accuracy < 0.9"."""
+    """The condition for a run to count as failing, as text for `FailureTest.parse`, such as "labels.accuracy < 0.9"."""
     rooms: int
     """Least number of rooms in which the bug can show; a staircase counts once for each storey."""
     openness: float | None = None
@@ -93,7 +93,9 @@ FAMILIES = (
 
 
 def failing_scenario(family: Family, seed: int, number: int, most_rooms: int) -> Scenario:
-    """Draw scenarios with at most about `most_rooms` rooms until one fails with the family's bug, but not without the bug.
+    """Draw scenarios until a scenario fails with the family's bug, but not without the bug; return that scenario.
+
+    Its house has at most `most_rooms` rooms, to which corridors, halls and stairs are added.
 
     The same arguments always give the same scenario. Raises `SimError` if none of many scenarios fails.
     """

@@ -48,13 +48,13 @@ class HousePair:
     """Figures of one house in both fidelities, as pairs (rendered, features)."""
 
     group: str
-    """Family of the house, or the name of its look if the look is unusual."""
+    """Preset of the house, or the name of its look if the look is unusual."""
     name: str
     accuracy: tuple[float, float]
     baseline: tuple[float, float]
     """Label accuracy before refinement."""
     pq: tuple[float, float]
-    """Panoptic quality of rooms: on rendered images, on features."""
+    """Panoptic quality of rooms."""
 
 
 @dataclass(frozen=True)
@@ -67,13 +67,13 @@ class Agreement:
     rendered: float
     """Mean of the figure over rendered runs."""
     features: float
-    """Mean of the figure over runs with features."""
+    """Mean of the compared figure over the runs of fidelity "features" (without images)."""
     mean_difference: float
     """Mean over the houses of the absolute difference between the rendered run and the run with features."""
 
 
 def mixed_houses(count: int, first_seed: int) -> list[tuple[str, Scenario]]:
-    """Draw `count` houses of mixed families, openness and clutter, then some more with unusual looks.
+    """Draw `count` houses of mixed presets, openness and clutter, then some more with unusual looks.
 
     Returns pairs (group, scenario); for the group see `HousePair`.
     """

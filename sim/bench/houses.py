@@ -12,7 +12,7 @@ def configs(config: Scenario, seeds: Sequence[int], openness: float | None = Non
     """Yield one scenario for each seed; all other settings are those of `config`.
 
     If `openness` is given, inner walls of every house are opened or closed until the house has that openness. Raises
-    `WorldsError` if it is outside [0, 1].
+    `WorldsError` if `openness` is outside [0, 1].
     """
     for seed in seeds:
         own = replace(config, seed=seed)

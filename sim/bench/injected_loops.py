@@ -1,7 +1,7 @@
 """False loop edges that a benchmark adds to a finished map: random, local, and grouped in consistent clusters.
 
-The kinds follow Sünderhauf and Protzel (2012). Each false loop states that two keyframes are at one place, as a loop between
-two places that look alike does, and states the covariance of a confirmed loop.
+The kinds follow Sünderhauf and Protzel (2012). Each false loop states that two keyframes are at the same place, as if a SLAM
+had confused two places that look alike. Its covariance is copied from a confirmed loop.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,11 +16,13 @@ from lexis.types import Covariance, LoopEdge, Poses
 LOCAL_M = (1.0, 3.0)
 """Range of the true distances between the two keyframes of a local false loop [m]."""
 GROUP = 6
-"""Number of false loops in a cluster, between consecutive keyframes."""
+"""Largest number of false loops in a cluster. They connect consecutive keyframes of one place to consecutive keyframes of
+another place."""
 _GAP = 20
 """Least number of keyframes between the two keyframes of a false loop."""
 _OFFSET = np.repeat([0.1, 0.3], 3) * [0.1, 0.1, 1, 1, 1, 0.1]
-"""Standard deviations of the stated relative poses; the camera stays upright: rotation, then translation [rad, m]."""
+"""Standard deviations of the relative pose that a false loop states: three rotations [rad], then three translations [m].
+Tilt deviates less than yaw, and height less than x and y, because the camera stays upright."""
 _FURTHEST_M = 3.0
 """Keyframes farther apart than this are at different places [m]."""
 
@@ -28,7 +30,7 @@ Pairs = Int[np.ndarray, "k 2"]
 
 
 def injected(kind: str, count: int, true: Poses, like: Sequence[LoopEdge], rng: np.random.Generator) -> list[LoopEdge]:
-    """Return `count` false loops of one of `KINDS`, or none if the walk has no pair of keyframes that fits.
+    """Return `count` false loops of one of `KINDS`, or none if no pair of keyframes fits or there are no confirmed loops.
 
     Args:
         kind: the name of the kind.
@@ -57,7 +59,7 @@ def _near(true: Poses) -> Pairs:
 
 
 def _pairs(true: Poses, nearest_m: float, furthest_m: float) -> Pairs:
-    """Pairs of a keyframe and a much later keyframe whose true distance is within a range [m]."""
+    """Return pairs (match, query) of keyframes whose true distance is within a range [m]; the query is much later."""
     match, query = np.triu_indices(len(true), _GAP)
     distances = np.linalg.norm(true[match, :3, 3] - true[query, :3, 3], axis=1)
     fits = (distances >= nearest_m) & (distances < furthest_m)
@@ -65,13 +67,13 @@ def _pairs(true: Poses, nearest_m: float, furthest_m: float) -> Pairs:
 
 
 def _single(match: int, query: int, true: Poses, covariance: Covariance, rng: np.random.Generator) -> Iterator[LoopEdge]:
-    """One loop, which states a small relative pose."""
+    """Yield one loop, which states a small random relative pose."""
     yield LoopEdge(query, match, exp(rng.normal(size=6) * _OFFSET), covariance, 0)
 
 
 def _cluster(match: int, query: int, true: Poses, covariance: Covariance, rng: np.random.Generator) -> Iterator[LoopEdge]:
-    """Loops of consecutive keyframes that agree with each other: the robot takes a room for another room."""
-    moved = true[match] @ exp(rng.normal(size=6) * _OFFSET) @ inverse(true[query])  # carries one room into the other
+    """Yield loops of consecutive keyframes that agree with each other, as if the robot confused two rooms."""
+    moved = true[match] @ exp(rng.normal(size=6) * _OFFSET) @ inverse(true[query])  # moves one room onto the other
     for k in range(min(GROUP, len(true) - query)):
         noise = exp(rng.multivariate_normal(np.zeros(6), covariance))
         stated = between(true[match + k], moved @ true[query + k]) @ noise
@@ -81,4 +83,4 @@ def _cluster(match: int, query: int, true: Poses, covariance: Covariance, rng: n
 KINDS: Mapping[str, Callable[..., Iterator[LoopEdge]]] = MappingProxyType(
     {"random": _single, "local": _single, "grouped": _cluster}
 )
-"""What makes false loops from a pair of keyframes, by the name of the kind."""
+"""Functions that make false loops from a pair of keyframes, by the name of the kind of loops."""

@@ -8,7 +8,7 @@ from sim.errors import SimError
 
 
 def measure_memory(seed: int) -> int:
-    """Peak resident memory of a rendered run with LEXIS, less the memory for importing torch and open_clip alone [bytes].
+    """Return the peak resident memory of a rendered run with LEXIS, less that for importing torch and open_clip [bytes].
 
     Raises `SimError` if the run fails.
     """
@@ -20,9 +20,9 @@ def measure_memory(seed: int) -> int:
 
 
 def peak_memory() -> int:
-    """Peak resident memory of this process so far [bytes].
+    """Return the peak resident memory of this process so far [bytes].
 
-    `ru_maxrss` cannot be used: it starts at the resident memory of the process that started this one.
+    `ru_maxrss` cannot be used, because its initial value is the resident memory of the parent process.
     """
     line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM:"))
     return int(line.split()[1]) * 1024

@@ -35,17 +35,17 @@ class Overlap:
 
     @property
     def of_the_busiest(self) -> float:
-        """Wall time of both in parallel, divided by `busiest`. The excess over 1 is time that one waited for the other."""
+        """Wall time of rendering and LEXIS in parallel, divided by `busiest`; the excess over 1 is time spent waiting."""
         return self.both.wall / self.busiest
 
     @property
     def of_the_longer(self) -> float:
-        """Wall time of both in parallel, divided by the slower task's wall time alone; 1 is ideal, given two free cores."""
+        """Wall time of both in parallel, divided by the wall time of the slower task alone; 1 is ideal on two free cores."""
         return self.both.wall / max(self.rendering.wall, self.lexis.wall)
 
     @property
     def extra_work(self) -> float:
-        """Processor time of both in parallel, divided by the sum of both tasks alone; 1 is ideal, even on a busy machine."""
+        """Processor time of both in parallel, divided by that of both run alone; 1 is ideal, also on a busy machine."""
         return self.both.processor / (self.rendering.processor + self.lexis.processor)
 
 

@@ -1,7 +1,8 @@
 """`lexis-sim bench places`: methods of place recognition on the same walks, and a fit of the probability of a revisit.
 
-All methods propose candidates on the graph of one run, whose loops come from the default method. Each house is walked three
-times, because the estimate is not always good: as usual, with bad odometry, and with a robot that is kidnapped.
+In each run, all methods propose candidates on the same pose graph, whose loops come from the default method. Each house is
+walked three times, so that the methods are also tested on bad pose estimates: with usual odometry, with degraded odometry,
+and with a robot that is kidnapped.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -49,7 +50,10 @@ PerPair = Float64[np.ndarray, "pairs"]
 
 @dataclass(frozen=True)
 class PlaceRow:
-    """Answers of one method to the queries of several walks: counts for N = 1, 3 and 5 required matches, as in Fig. 5."""
+    """Counts of right and wrong answers of one method over several walks.
+
+    The counts are for N = 1, 3 and 5 required matches, as in Fig. 5 of the LEXIS paper.
+    """
 
     method: str
     counts: tuple[Counts, Counts, Counts]
@@ -57,7 +61,7 @@ class PlaceRow:
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """Pairs of a query and an older keyframe, as place recognition sees them, and whether they are at one place."""
+    """Pairs of a query and an older keyframe: the inputs of place recognition, and whether both are at the same place."""
 
     similarities: PerPair
     distances_m: PerPair
@@ -99,7 +103,7 @@ class _Listener:
 
 
 def walks(presets: Sequence[str], seeds: Sequence[int], fidelity: Fidelity) -> dict[str, list[Scenario]]:
-    """The scenarios of a benchmark, by the name of their condition: every house is walked once in each condition."""
+    """Return the scenarios by the name of their condition. Every house is walked once in each condition."""
     rate_hz = FEATURES_FRAME_RATE_HZ if fidelity == "features" else Scenario.frame_rate_hz
     usual = Scenario(fidelity=fidelity, frame_rate_hz=rate_hz)
     return {
@@ -122,7 +126,7 @@ def ask_everywhere(scenario: Scenario) -> Answers:
 
 
 def compare_places(answers: Sequence[Answers]) -> Iterator[PlaceRow]:
-    """Count the answers of each method over all walks."""
+    """Yield the counts of each method over all walks."""
     for name in METHODS:
         yield PlaceRow(name, (_total(answers, name, 1), _total(answers, name, 3), _total(answers, name, 5)))
 

@@ -22,7 +22,7 @@ _MAX_GEOMS = 20_000
 
 
 def unmerged(house: House) -> Visuals:
-    """The quads of `visuals(house)`, but each face of the building and each part of an object is a visual of its own."""
+    """Return the quads of `visuals(house)`, with a separate visual for each face of the building and part of an object."""
     seen = visuals(house)
     things = [*house.furniture, *house.leaves, *house.windows]
     parts_of = {thing.id: thing.parts for thing in things}

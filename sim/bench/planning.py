@@ -1,7 +1,7 @@
 """`lexis-sim bench planning`: drives between the same rooms with different pose estimates, with and without the range scan.
 
-In each drive, waypoints and pose both come from one source: LEXIS, the truth or odometry alone. A blind robot does not use
-its scan to avoid obstacles.
+In each drive, the waypoints and the robot's pose come from the same source: LEXIS, the truth or odometry alone. A blind
+robot does not use its scan to avoid obstacles.
 """
 
 import time

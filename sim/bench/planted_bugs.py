@@ -1,7 +1,7 @@
-"""Planted bugs: simulated SLAM systems that claim the truth about a run, except for one thing that each gets wrong.
+"""Planted bugs: simulated SLAM systems that claim the true poses, labels, rooms and floors, except for one kind of mistake.
 
-They test the harness: the reducer has to find the smallest scenario in which a bug shows. A planted bug knows the ground
-truth, which no real SLAM does. A bug does not show in a scenario without its trigger, such as an open boundary or stairs.
+They test the harness: the reducer has to find the smallest scenario in which a bug shows. Unlike a real SLAM, a planted bug
+knows the ground truth. A bug shows only in scenarios with its trigger, such as an open boundary or stairs.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -21,7 +21,8 @@ from sim.harness.scenario import Scenario
 from worlds.truth import boundary_openness, room_graph
 
 Bug = Callable[[Run], Estimate]
-"""Makes the claims of a faulty SLAM from a finished run, which knows the truth. The run's own estimate claims nothing."""
+"""A function that returns the estimate of a faulty SLAM. Its argument is a finished run, which knows the ground truth; the
+run's own estimate contains frames, but no claims about them."""
 
 _OPEN_SHARE = 0.5
 _SMALL_M2 = 6.0
@@ -56,7 +57,7 @@ def planted(bug: Bug) -> Runner:
 
     def runner(scenario: Scenario, progress: Progress | None = None) -> Run:
         finished = run(scenario, _NoClaims(), progress)
-        with last_run().calling_slam():  # the bug is the SLAM
+        with last_run().calling_slam():  # the bug counts as the SLAM
             return replace(finished, estimate=bug(finished))
 
     return runner
@@ -89,7 +90,7 @@ def small_rooms(run: Run) -> Estimate:
 
 def corners(run: Run) -> Estimate:
     """Claim the truth, but give every room with more than four corners a wrong label."""
-    angular = [len(room.polygon.exterior.coords) > 5 for room in run.house.rooms]  # the first corner counts twice
+    angular = [len(room.polygon.exterior.coords) > 5 for room in run.house.rooms]  # the list ends with the first corner
     return replace(no_bug(run), labels=_mislabelled(run, np.array(angular)))
 
 
@@ -111,7 +112,7 @@ def third_floor(run: Run) -> Estimate:
 
 
 def ring(run: Run) -> Estimate:
-    """Claim the truth, but merge all rooms on a loop of connected rooms, or on a way between two loops, into one."""
+    """Claim the truth, but merge all rooms on loops of connected rooms, and on paths between two loops, into one room."""
     rooms, place = run.true_rooms, _indices(run)
     beside = {
         room: {o for p in room_graph(run.house).passages if room in p.rooms for o in p.rooms} - {room} for room in place
@@ -196,12 +197,12 @@ BUGS: Mapping[str, Bug] = MappingProxyType(
 
 
 def _indices(run: Run) -> dict[str, int]:
-    """Index of every room in `house.rooms`, by the id of the room."""
+    """Return the index of every room in `house.rooms`, by the id of the room."""
     return {room.id: k for k, room in enumerate(run.house.rooms)}
 
 
 def _label(run: Run, room: int) -> int:
-    """Index into `room_names` of the label of a room."""
+    """Return the label of a room, as an index into `room_names`."""
     return run.room_names.index(run.house.rooms[room].label)
 
 
@@ -210,18 +211,21 @@ def _area_m2(run: Run, room: int) -> float:
 
 
 def _mislabelled(run: Run, wrong: Bool[np.ndarray, "rooms"]) -> Int[np.ndarray, "n"]:
-    """The true label of every frame; in rooms that are `wrong`, instead the label after it in the list of room names."""
+    """Return the true label of every frame, but for frames in rooms that are `wrong`, the next label in `room_names`."""
     shift = wrong[run.true_rooms] if len(run.room_names) > 1 else np.zeros(len(run.true_rooms), bool)
     return np.asarray((run.true_labels + shift) % len(run.room_names))
 
 
 def _steps_m(poses: Float64[np.ndarray, "n 4 4"]) -> Float64[np.ndarray, "m"]:
-    """Distances between the positions of successive poses [m]."""
+    """Return the distances between the positions of successive poses [m]."""
     return np.asarray(np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1))
 
 
 def _without_steps(poses: Float64[np.ndarray, "n 4 4"], missed: Bool[np.ndarray, "m"]) -> Float64[np.ndarray, "n 4 4"]:
-    """The poses without the steps that are `missed`: step k leads from pose k to pose k + 1. Orientations stay."""
+    """Return the poses without the motion of the steps that are `missed`, but with all orientations unchanged.
+
+    Step k leads from pose k to pose k + 1.
+    """
     lost = np.zeros((len(poses), 3))
     lost[1:] = np.cumsum(np.diff(poses[:, :3, 3], axis=0) * missed[:, None], axis=0)
     moved = poses.copy()

@@ -15,9 +15,10 @@ from lexis.graph.graph_optimisation import GraphOptimiser
 from sim.errors import SimError
 
 LEAST_COSTS: Mapping[str, float] = MappingProxyType({"sphere2500": 675.701, "parking-garage": 0.634192})
-"""Known least costs, half of the sum of squared residuals on SE(3), by the names of public files without the ending."""
+"""Known least costs of public pose graphs, by the name of the file without its ending. The cost is half of the sum of
+squared whitened residuals on SE(3)."""
 _CONFIG = PoseGraphConfig(kernel="none", min_rotation_sigma_rad=1e-9, min_translation_sigma_m=1e-9, max_iterations=100)
-"""Least squares with the covariances of the file."""
+"""Settings for least squares without a robust kernel, in which the covariances of the file are used as they are."""
 _STARTS: Mapping[str, Callable[[GraphOptimiser], None]] = MappingProxyType(
     {"odometry": lambda graph: None, "chordal": GraphOptimiser.start_chordally}
 )
@@ -35,9 +36,9 @@ class PoseGraphRow:
     start_cost: float
     """Half of the sum of squared whitened residuals at the start."""
     cost: float
-    """The same at the end."""
+    """Half of the sum of squared whitened residuals after the optimisation."""
     excess: float | None
-    """Share by which the cost is above the least known cost; None for an unknown file."""
+    """How much higher the cost is than the least known cost: 0.1 if it is 10 % higher. None if no least cost is known."""
     iterations: int | None
     seconds: float
     """Time to find the start and to optimise [s]; reading the file is not included."""
@@ -61,7 +62,10 @@ def optimise_files(paths: Sequence[Path]) -> Iterator[PoseGraphRow]:
 
 
 def optimiser_of(graph: G2oGraph, name: str) -> GraphOptimiser:
-    """LEXIS's optimiser with a graph at the poses of its odometry; further edges between two poses count as loops.
+    """Return LEXIS's optimiser with the pose graph of a file.
+
+    The first edge between two consecutive poses counts as their odometry; all other edges count as loops. The initial poses
+    are those of the odometry.
 
     Raises `SimError` if two consecutive poses have no edge, because LEXIS's graphs have odometry between all keyframes.
     """

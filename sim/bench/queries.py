@@ -42,7 +42,7 @@ class Answered(NamedTuple):
 
 @dataclass(frozen=True)
 class QueriesRow:
-    """Figures over several questions; a share without any question is None."""
+    """Figures over several questions. A share is None if there are no questions to compute it from."""
 
     questions: int
     """Number of questions with a right answer in the map."""
@@ -86,14 +86,14 @@ def ask_one(
 
 
 def answering_rooms(question: EverydayQuestion, house: House) -> Bool[np.ndarray, "rooms"]:
-    """For each room of the house, whether it is a right answer to the question."""
+    """Return for each room of the house whether it is a right answer to the question."""
     holding = {thing.room for thing in objects(house) if thing.kind in question.kinds}
     answers = np.array([room.label in question.labels or room.id in holding for room in house.rooms])
     return ~answers if question.negated else answers
 
 
 def true_rooms(house: House, lexis_map: LexisMap, T_W_B: Float64[np.ndarray, "n 4 4"]) -> Int[np.ndarray, "rooms"]:
-    """For every room of the map, the true room in which most of its keyframes were taken, as an index into `house.rooms`."""
+    """Return for every room of the map the true room that contains most of its keyframes, as an index into `house.rooms`."""
     owner = room_at(house, T_W_B[:, :3, 3])
     return np.array([np.bincount(owner[list(room.keyframes)] + 1)[1:].argmax() for room in lexis_map.rooms], int)
 

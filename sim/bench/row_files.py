@@ -1,4 +1,4 @@
-"""Rows of a benchmark as a CSV file, and curves with spreads as a picture."""
+"""Writes the rows of a benchmark as a CSV file, and curves with error bars as a picture."""
 
 import csv
 from collections.abc import Mapping, Sequence
@@ -11,13 +11,13 @@ from sim.bench.encoders.table import import_matplotlib
 from sim.errors import SimError
 
 FORMATS = (".png", ".svg")
-"""Endings of the names of pictures."""
+"""Allowed endings of the names of pictures."""
 Curve = Sequence[tuple[float, float, float]]
 """Points of a curve: x, y, and the standard deviation of y."""
 
 
 def write_rows(rows: Sequence[Any], path: Path) -> None:
-    """Write dataclasses of one type to a CSV file: a line with the names of their fields, and a line for each."""
+    """Write dataclasses of one type to a CSV file: a line with the names of the fields, then a line for each dataclass."""
     records = [asdict(row) for row in rows]
     with replaced_file(path) as beside, beside.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(records[0]), lineterminator="\n")
@@ -26,7 +26,7 @@ def write_rows(rows: Sequence[Any], path: Path) -> None:
 
 
 def check_picture(path: Path) -> None:
-    """Raise `SimError` unless `draw_panels` can write to this path; to be called before minutes of work."""
+    """Raise `SimError` unless `draw_panels` can write to this path. Call this before a measurement that takes minutes."""
     if path.suffix not in FORMATS:
         raise SimError(f"{path}: not a picture; valid: a name that ends in {' or '.join(FORMATS)}")
     check_folder(path)
@@ -42,11 +42,11 @@ def check_folder(path: Path) -> None:
 def draw_panels(
     panels: Sequence[Sequence[tuple[str, Mapping[str, Curve]]]], axes_names: tuple[str, Sequence[str]], path: Path
 ) -> None:
-    """Draw rows of panels as PNG or SVG, chosen by the ending of the path.
+    """Draw a grid of panels as PNG or SVG; the ending of the path decides which.
 
     Args:
         panels: for every row and column, the title of the panel and its curves by name.
-        axes_names: the name of the x axis, and of the y axis of every row.
+        axes_names: the name of the x axis, and the name of the y axis for every row.
         path: the picture.
 
     Raises `SimError` if matplotlib is not installed.

@@ -45,7 +45,8 @@ class _Clocked(Lexis):
 def measure_scale(rooms: int, length_m: float, seed: int) -> tuple[list[Portion], LexisMap]:
     """Walk a path through the rooms of a home again and again; return the times of its parts and the finished map.
 
-    The walk is on the feature sensor, so that rendering takes no time. Raises `WorldsError` for a house that cannot be.
+    The run uses the feature sensor, so that no time is spent on rendering. Raises `WorldsError` if there is no house with
+    that many rooms.
     """
     house = sample_house("home", seed, rooms=rooms)
     usual = Scenario(fidelity="features", frame_rate_hz=FEATURES_FRAME_RATE_HZ, tour_kind="random")
@@ -56,7 +57,10 @@ def measure_scale(rooms: int, length_m: float, seed: int) -> tuple[list[Portion]
 
 
 def _portions(spent_s: Float64[np.ndarray, "observations"], frames: Int[np.ndarray, "keyframes"]) -> Iterator[Portion]:
-    """Divide the keyframes, which came from the observations `frames`, into equal parts."""
+    """Divide the keyframes into equal parts; yield the parts with their times.
+
+    `spent_s` is the processor time until the end of each observation [s]; `frames` holds the observations of the keyframes.
+    """
     ends = np.linspace(0, len(frames) - 1, _PORTIONS + 1).astype(int)
     for first, last in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True):
         seconds = spent_s[frames[last]] - spent_s[frames[first]]
@@ -64,5 +68,5 @@ def _portions(spent_s: Float64[np.ndarray, "observations"], frames: Int[np.ndarr
 
 
 def bytes_per_keyframe(map: LexisMap) -> float:
-    """Size of the arrays of a map per keyframe [bytes]."""
+    """Return the size of the arrays of a map per keyframe [bytes]."""
     return sum(array.nbytes for array in pack(map, features=True).values()) / len(map.keyframes)

@@ -1,4 +1,4 @@
-"""`lexis-sim bench segmentation`: measures labels, rooms, floors, loops and driven plans in houses of a preset."""
+"""`lexis-sim bench segmentation`: measures labels, rooms, floors, loops, and plans that a robot drives, in preset houses."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass

@@ -1,4 +1,4 @@
-"""`lexis-sim bench sessions`: a robot that returns to a house on another day, or that wakes up in a twin house.
+"""`lexis-sim bench sessions`: does a robot recognise a mapped house on another day, and does it notice a twin house?
 
 The first day's walk gives a map. On the second day, with another tour, odometry and sensor noise, the robot starts at many
 places of its tour. In its own house, it has to recognise where it is; in a twin house, it must not recognise anything.
@@ -26,14 +26,14 @@ from worlds.spec import HouseSpec
 NEAR_M = 10.0
 """A session should be joined to the map of its house within this length of walk [m]."""
 _SECOND_DAY = 500_000
-"""Is added to the seed of a house for the tour, the odometry and the sensor noise of the second day."""
+"""This number plus the seed of a house is the seed of the tour, the odometry and the sensor noise of the second day."""
 _APART_M = 1000.0
-"""Distance between twin houses in the world [m], so that no view of the one shows anything of the other."""
+"""Distance between twin houses in the world [m], so that no view in one house shows anything of the other house."""
 
 
 @dataclass(frozen=True, eq=False)
 class Day:
-    """The walk of one day through a house, on the feature sensor."""
+    """The walk of one day through a house, observed by the simulated feature sensor instead of by rendered images."""
 
     observations: tuple[Observation, ...]
     T_W_B: Float64[np.ndarray, "n 4 4"]
@@ -47,16 +47,17 @@ class Day:
 
 @dataclass(frozen=True)
 class Start:
-    """What became of a session that started somewhere on the second day."""
+    """The result of a session that started at some observation of the second day."""
 
     joined_m: float | None
-    """Length of the walk until the session was joined to the map [m]; None if it was not."""
+    """Length of the walk until the session was joined to the map [m]; None if it never was."""
     error_m: float | None
-    """Distance of the last keyframe from its true place in the frame of the map [m]; None if it was not joined."""
+    """Error of the position of the last keyframe, relative to the nearest keyframe of the first day [m]; None if the session
+    was never joined to the map."""
 
 
 class _Recorder(Lexis):
-    """LEXIS that keeps its observations and its verifier."""
+    """LEXIS that also stores its observations, and the camera, room names and verifier that it was given."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -85,7 +86,11 @@ def walked_day(house: HouseSpec, seed: int) -> Day:
 
 
 def return_to(first: Day, second: Day, start: int, length_m: float, twin: bool = False) -> tuple[LexisMap, Start]:
-    """Continue the map of the first day by a session that starts at an observation of the second day."""
+    """Continue the map of the first day by a session that starts at observation `start` of the second day.
+
+    The session ends after about `length_m` of walk. If `twin`, its house is the twin house. Returns the continued map and
+    the result of the session.
+    """
     count = len(first.T_W_B)
     verifier = first.verifier.followed_by(second.verifier, count, _APART_M if twin else 0.0)
     slam = Slam(second.camera, Lexis().encoder, second.room_names, verifier=verifier, map=first.map)
@@ -104,7 +109,7 @@ def return_to(first: Day, second: Day, start: int, length_m: float, twin: bool =
 
 
 def _error_m(found: LexisMap, first: Day, second: Day) -> float:
-    """Distance between the estimated and the true position of the last keyframe, relative to its nearest old keyframe."""
+    """Return the error of the position of the last keyframe, relative to the nearest keyframe of the first day [m]."""
     count, last = len(first.T_W_B), found.keyframes[-1].observation_index
     old = [k.id for k in found.keyframes if k.observation_index < count]
     true_old = first.T_W_B[[found.keyframes[i].observation_index for i in old]]
@@ -115,19 +120,23 @@ def _error_m(found: LexisMap, first: Day, second: Day) -> float:
 
 
 def starts(day: Day, every_m: float, length_m: float) -> list[int]:
-    """Observations along a day's walk, `every_m` apart, after each of which at least `length_m` of the walk remain."""
+    """Return indices of observations along a day's walk, `every_m` apart, each followed by `length_m` of walk.
+
+    The result is empty if the walk is shorter than `length_m`. Lengths are right up to the distance between observations.
+    """
     steps = np.linalg.norm(np.diff([seen.T_O_B[:3, 3] for seen in day.observations], axis=0), axis=1)
     path_m = np.concatenate([[0.0], np.cumsum(steps)])
-    places = np.arange(0.0, max(path_m[-1] - length_m, every_m), every_m)
+    places = np.arange(0.0, path_m[-1] - length_m, every_m)
     return [int(row) for row in np.searchsorted(path_m, places)]
 
 
 def measure_sessions(
     preset: str, seeds: Sequence[int], every_m: float = 10.0, length_m: float = 15.0
 ) -> Iterator[tuple[int, bool, list[Start]]]:
-    """For every house, yield its seed, whether the second day is in the twin house, and the starts of that day.
+    """Yield, twice for every house, its seed, whether the second day is in the twin house, and the results of the sessions.
 
-    The twin house looks exactly like the first one to the encoder, but key points match at the rate of false loops only.
+    To the encoder, the twin house looks exactly like the house of the first day. The verifier confirms loops between the two
+    houses only as often as other false loops.
     """
     for seed in seeds:
         house = sample_house(preset, seed)
@@ -137,7 +146,11 @@ def measure_sessions(
 
 
 def summary(measured: Iterator[tuple[int, bool, list[Start]]]) -> dict[str, tuple[float | None, ...]]:
-    """Starts, joined ones, those joined within `NEAR_M`, median walk and largest error, in the same house and in twins."""
+    """Return five figures about the sessions in the same house and in twin houses, by the name of the house.
+
+    The figures: the number of sessions, the number of joined sessions, the number of sessions that were joined within
+    `NEAR_M`, the median length of walk until a session was joined [m], and the largest error of a joined session [m].
+    """
     by_house: dict[bool, list[Start]] = {False: [], True: []}
     for _, twin, found in measured:
         by_house[twin] += found

@@ -1,6 +1,6 @@
-"""`prove`: tests the reducer. Scenarios in which planted bugs show are reduced, and laws of reductions are checked.
+"""Tests the reducer (`prove`): it reduces scenarios in which planted bugs show, and each reduction is checked by laws.
 
-`broken_laws` lists the laws.
+A reduction is a search for the smallest scenario that fails in the same way. `broken_laws` lists the laws.
 """
 
 import runpy
@@ -36,11 +36,11 @@ class ProofPlan:
     seed: int
     """Seed of the scenarios."""
     deadline_s: float
-    """Time for the reduction of one scenario [s]."""
+    """Largest time for the reduction of one scenario [s]."""
     most_rooms: int
     """Greatest number of rooms in a house, without corridors, halls and stairs."""
     out: Path
-    """Folder for the failure folders of reductions; only those that break a law are kept."""
+    """Folder for the failure folders of reductions. Only failure folders of reductions that break a law are kept."""
     pytests: int
     """How often pytest runs a test_replay.py in a process of its own: once in this many scenarios, or never if 0. In
     addition, every test_replay.py is called directly."""
@@ -48,7 +48,7 @@ class ProofPlan:
 
 @dataclass(frozen=True)
 class ReductionProof:
-    """The outcome of reducing one scenario: sizes before and after, times, and broken laws."""
+    """Result of testing the reducer on one scenario: sizes before and after the reduction, the time, and broken laws."""
 
     number: int
     rooms: tuple[int, int]
@@ -66,12 +66,15 @@ class ReductionProof:
 
     @property
     def family(self) -> Family:
-        """The scenario's bug and failure. It could not be a field, because proofs are pickled for other processes."""
+        """The family of the scenario: its bug and its failure.
+
+        This is not a field, because a `Family` cannot be pickled, and proofs are pickled to pass them between processes.
+        """
         return family_of(self.number)
 
 
 def family_of(number: int) -> Family:
-    """The family, a planted bug and its failure, of the scenario with this number. The families take turns."""
+    """Return the family (planted bug and failure) of the scenario with the given number. The families take turns."""
     return FAMILIES[number % len(FAMILIES)]
 
 
@@ -91,7 +94,10 @@ def prove(plan: ProofPlan, scenarios: int, processes: int) -> Iterator[Reduction
 
 
 def prove_one(number: int, plan: ProofPlan) -> ReductionProof:
-    """Draw one scenario, reduce it, and check the laws of `broken_laws`. The failure folder stays only if one is broken."""
+    """Draw one scenario, reduce it, and check the laws of `broken_laws`.
+
+    The failure folder is deleted if no law is broken.
+    """
     family = family_of(number)
     scenario = failing_scenario(family, plan.seed, number, plan.most_rooms)
     test = family.test()
@@ -112,7 +118,10 @@ def prove_one(number: int, plan: ProofPlan) -> ReductionProof:
 
 
 def folder_of(number: int, plan: ProofPlan) -> Path:
-    """The failure folder of a scenario. The scenario itself is saved beside the folder, in a file with the suffix .json."""
+    """Return the path of the failure folder of a scenario.
+
+    If the reduction breaks a law, the original scenario is saved beside the folder, in a file with the suffix .json.
+    """
     return plan.out / f"{family_of(number).bug.replace(' ', '-')}-{number}"
 
 
@@ -124,7 +133,8 @@ def broken_laws(reduction: Reduction, test: FailureTest, bug: str, folder: Path,
     """Yield the laws that a reduction breaks, in words, and write its failure folder to `folder`.
 
     The laws: the smallest scenario is valid, fails with the signature of the original, and is no larger than the original.
-    The test in the folder fails, but passes for a SLAM without the bug. If `own_pytest`, pytest also runs the test.
+    The test in the folder fails, but passes for a SLAM without the bug. If `own_pytest`, the test also fails if pytest runs
+    it in another process.
     """
     if not is_valid(reduction.scenario):
         yield "valid: the house of the smallest scenario breaks a rule"
@@ -132,7 +142,7 @@ def broken_laws(reduction: Reduction, test: FailureTest, bug: str, folder: Path,
     before, after = reduction.sizes
     if after > before:
         yield f"no larger: {after} is larger than {before}"
-    if (found := replace(test)(reduction.scenario)) != reduction.signature:  # a new test, which has kept no run
+    if (found := replace(test)(reduction.scenario)) != reduction.signature:  # a new test, without cached runs
         yield f"same signature: {found} instead of {reduction.signature}"
         return
     replay = Replay("from sim.bench.planted_bugs import BUGS, planted", f"planted(BUGS[{bug!r}])(scenario)")
@@ -154,7 +164,7 @@ def broken_replays(folder: Path, bug: str, own_pytest: bool) -> Iterator[str]:
 
 
 def _fails(file: Path) -> bool:
-    """Whether the test in a file raises anything, if it is called in this process."""
+    """Return whether the test in a file raises an exception when it is called in this process."""
     try:
         runpy.run_path(str(file))["test_replay"]()
     except Exception:
@@ -168,7 +178,7 @@ def _pytest_status(file: Path) -> int:
 
 @dataclass(frozen=True)
 class ReductionSummary:
-    """Sizes and times of the reductions of one family. Triples are median, 90 % quantile and worst value."""
+    """Sizes and times of the reductions of one family. Each triple holds a median, a 90 % quantile and a largest value."""
 
     family: str
     scenarios: int
@@ -177,7 +187,7 @@ class ReductionSummary:
     broken: int
     """How many reductions break a law."""
     least_rooms: int | None
-    """Least number of rooms in which the bug can show; None for all families together."""
+    """Least number of rooms in which the family's planted bug can show; None in the summary of all families together."""
     rooms_before: float
     """Median number of rooms of the original scenarios."""
     rooms: tuple[float, float, float]

@@ -54,8 +54,13 @@ class Section:
 def measure_speed(preset: str, houses: int, seed: int) -> Iterator[Section]:
     """Measure the speed of the simulator; yield one section after the other.
 
-    It measures the making of `houses` houses of a preset, with seeds from `seed` upwards; for one house, the building of the
-    scene, rendering, and the memory of a run; and rendering and LEXIS in the run of the demo.
+    The sections, in this order:
+
+    1. the time to make a house, over `houses` houses of the preset with seeds from `seed` upwards,
+    2. the time to build the scene of one large home,
+    3. frame rates in this home, for two image sizes,
+    4. the times of rendering and LEXIS, alone and in parallel, in the run of the demo,
+    5. the peak memory of a run with rendering.
     """
     yield _houses(preset, houses, seed)
     house, walk = _furnished(seed)
@@ -91,7 +96,7 @@ def _houses(preset: str, houses: int, seed: int) -> Section:
 
 
 def _furnished(seed: int) -> tuple[House, Poses]:
-    """The first house with at least ten rooms, by seeds from `seed` upwards, and poses along a tour through it."""
+    """Return a home with at least ten rooms, the first by seeds from `seed` upwards, and poses along a tour through it."""
     candidates = (build_house(sample_house("home", s)) for s in range(seed, seed + 1000))
     house = next(house for house in candidates if len(house.rooms) >= _FRAME_ROOMS)
     tour = plan_tour(house, Walkable(house), np.random.default_rng(seed))
@@ -108,8 +113,8 @@ def _scenes(house: House) -> Section:
 def _frames(house: House, walk: Poses, size: tuple[int, int]) -> Iterator[Section]:
     """Measure frame rates and their ratios for merged rendering, plain rendering and MuJoCo's defaults.
 
-    Merged rendering is the simulator's. Plain rendering is MuJoCo's own on unmerged geoms; the defaults add shadows and
-    multi-sampling. The renderers take turns at each pose, so that other load on the machine slows all of them alike.
+    Merged rendering is the simulator's own. Plain rendering uses `mujoco.Renderer` on unmerged geoms. MuJoCo's defaults add
+    shadows and multi-sampling. The renderers take turns at each pose, so that other load on the machine slows all alike.
     """
     camera, name = wide_camera(*size), f"{size[0]} x {size[1]}"
     plain, defaults = PlainRenderer(house, camera), PlainRenderer(house, camera, defaults=True)
@@ -148,7 +153,7 @@ def _frames(house: House, walk: Poses, size: tuple[int, int]) -> Iterator[Sectio
 def _runs() -> Iterator[Section]:
     """Measure the times of rendering alone, LEXIS alone, and both in parallel.
 
-    The three take turns, so that other load on the machine slows all of them alike.
+    The three measurements take turns, so that other load on the machine slows all of them alike.
     """
     runs = measure_overlap(Scenario(), _RUN_FRAMES, _RUNS)
     parts = {
@@ -181,7 +186,10 @@ def _interleaved(work: Mapping[str, Callable[[np.ndarray], object]], poses: Pose
 
 
 def _ratio(name: str, slow: Sequence[float], fast: Sequence[float], bar: float) -> SpeedFigure:
-    """The ratio of the median times `slow` and `fast`. The worst value is the smallest ratio at a single pose."""
+    """Return the ratio of two lists of times, `slow` / `fast`, with one time for each pose.
+
+    The median of the figure is the ratio of the two median times; its worst value is the smallest ratio at any pose.
+    """
     single = np.array(slow) / np.array(fast)
     return SpeedFigure(name, float(np.median(slow) / np.median(fast)), float(single.min()), len(single), f">= {bar:g}")
 

@@ -26,13 +26,13 @@ _WARM_UP_SEED = 1
 
 @dataclass(frozen=True)
 class Handled:
-    """A house that a worker process has tested: the time, and the number of frames."""
+    """A house that a worker process has tested: the time, the number of rooms, and the number of frames."""
 
     seconds: float
     """Wall time for the house [s]."""
     rooms: int
     frames: int
-    """Frames that the SLAM made claims about, its keyframes in the case of LEXIS; 0 if no SLAM ran."""
+    """Number of frames in the SLAM's estimate, which are the keyframes in the case of LEXIS; 0 if no SLAM ran."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,10 @@ class Throughput:
 
 
 def measure_throughput(houses: int, seed: int, workers: int | None = None) -> Iterator[Throughput]:
-    """Measure the tiers `layout` and `features` on homes with seeds from `seed` upwards, in as many processes as cores."""
+    """Measure the tests `layout` (without a SLAM) and `features` (with LEXIS) on homes with seeds from `seed` upwards.
+
+    By default, there is one worker process for each processor core.
+    """
     workers = workers or os.cpu_count() or 1
     for tier, wanted, handle in (("layout", 30.0, check_layout), ("features", 2.0, run_on_features)):
         yield _measured(tier, wanted, handle, range(seed, seed + houses), workers)

@@ -19,7 +19,7 @@ class Action(NamedTuple):
 
 
 def add_actions(commands: Commands, name: str, help: str, actions: Iterable[Action], metavar: str = "ACTION") -> None:
-    """Add a command that only selects one of its subcommands, `actions`. Its help text lists the examples of all of them."""
+    """Add a command that has only subcommands, `actions`. Its help text lists the examples of all subcommands."""
     actions = tuple(actions)
     examples = "\n".join(f"  {action.example}" for action in actions)
     group = commands.add_parser(

@@ -51,7 +51,7 @@ def argument(*names: str, **options: Any) -> Argument:
 def number(low: float, high: float, lowest: str = "") -> Callable[[str], float]:
     """Make a converter for `type=` that accepts numbers from `low` to `high`.
 
-    Error messages show the text `lowest` after `low`, to say what the lowest value means.
+    Error messages show the text `lowest` after the number `low`, to say what `low` means.
     """
 
     def parse(text: str) -> float:
@@ -98,7 +98,10 @@ def numbers(names: str, counts: tuple[int, ...]) -> Callable[[str], tuple[float,
 
 
 def seeing_encoder(text: str) -> str:
-    """Accept any encoder name except that of the oracle, which sees no images. For `type=`; the encoder need not exist."""
+    """Accept any name of an encoder except the oracle, which sees no images. This is a converter for `type=`.
+
+    The encoder need not exist.
+    """
     if text == ORACLE:
         raise argparse.ArgumentTypeError(f"{text!r} is told the truth, so benchmarks refuse it; valid: mini, or open_clip's")
     return text

@@ -15,7 +15,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 from lexis.command_line import Command, Commands, positive
-from sim.commands import bench_encoders
+from sim.commands import bench_all, bench_encoders
 from sim.commands.action import Action, add_actions
 from sim.commands.arguments import (
     CONFIG_HELP,
@@ -47,10 +47,11 @@ _OPENNESS = argument(
 _HOUSES = argument("--houses", type=positive, default=5, help="number of houses, from --seed upwards (default: %(default)s)")
 _ENCODER = argument("--encoder", type=seeing_encoder, default="mini", metavar="MODEL", help=ENCODER_HELP)
 _OWN_PYTESTS = 10
-"""Approximate number of tests replaying a reduced scenario that pytest also runs in a process of its own."""
+"""Approximate number of reduced scenarios whose replay tests pytest also runs in a process of its own."""
 _CONFIG = argument("--config", type=Path, metavar="FILE", help=CONFIG_HELP)
 _CSV = argument("--csv", "--out", type=Path, metavar="FILE", help="write the table to this file")
 _PLOT = argument("--plot", type=Path, metavar="FILE", help="draw the figures in this file, .png or .svg")
+_SWEEP_FILES = argument("--out", nargs="+", type=Path, default=[], metavar="FILE", help="write .csv, .png or .svg files")
 _FEATURE_MODEL = argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
 
 
@@ -72,7 +73,10 @@ def _printing(tables: Tables) -> Command:
 
 
 def _console() -> Console:
-    """Standard output, 200 columns wide if it is no terminal: rich would assume 80 columns then, and cut figures off."""
+    """Return a console for standard output, 200 columns wide if standard output is no terminal.
+
+    For files and pipes, rich would otherwise assume 80 columns and cut figures off.
+    """
     return Console(width=None if sys.stdout.isatty() else 200)
 
 
@@ -110,7 +114,7 @@ def _speed(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.speed import measure_speed
 
     for section in measure_speed(arguments.preset, arguments.houses, arguments.seed):
-        # Escaped, since rich would take a unit in brackets for a style and leave it out.
+        # The text is escaped, because rich would read a unit in brackets as a style and leave it out.
         headers = [f"median [{section.unit}]", f"worst [{section.unit}]", f"limit [{section.unit}]", "runs [count]"]
         table = Table("step", *map(escape, headers), title=section.title, title_justify="left")
         for figure in section.figures:
@@ -132,19 +136,34 @@ def _rooms(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _openness(arguments: argparse.Namespace) -> Iterator[Table]:
-    from sim.bench.peers.openness_sweep import METHODS, OPENNESS, check_files, means, sweep, write_sweep
+    return _sweep(arguments, "openness")
+
+
+def _sweep_over(arguments: argparse.Namespace) -> Iterator[Table]:
+    return _sweep(arguments, arguments.over)
+
+
+def _sweep(arguments: argparse.Namespace, over: str) -> Iterator[Table]:
+    from sim.bench.peers.difficulty_sweep import DIFFICULTIES, check_files, means, sweep, write_sweep
+    from sim.report.figures import shown
 
     check_files(arguments.out)
-    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    seeds, difficulty = range(arguments.seed, arguments.seed + arguments.houses), DIFFICULTIES[over]
     with Progress(console=Console(stderr=True), transient=True) as bar:
-        total = len(METHODS) * len(OPENNESS) * len(seeds)
-        rows = list(bar.track(sweep(arguments.preset, seeds), total=total, description="runs"))
+        total = len(difficulty.methods) * len(difficulty.values) * len(seeds)
+        rows = list(bar.track(sweep(arguments.preset, seeds, difficulty), total=total, description="runs"))
     for path in arguments.out:
-        write_sweep(rows, path)
-    title = f"{arguments.preset}, seeds {seeds[0]} to {seeds[-1]}, features: room PQ (splits / merges per house)"
-    table = Table("rooms by", *(f"openness {each:g}" for each in OPENNESS), title=title)
+        write_sweep(rows, over, path)
+    title = (
+        f"{arguments.preset}, seeds {seeds[0]} to {seeds[-1]}, {difficulty.fidelity}: "
+        "room PQ (splits / merges per house), labels"
+    )
+    table = Table("rooms by", *(f"{over} {each}" for each in difficulty.values), title=title)
     for name, found in means(rows).items():
-        cells = (f"{each.pq:.3f} ± {each.pq_std:.3f} ({each.splits:.1f} / {each.merges:.1f})" for each in found.values())
+        cells = (
+            f"{each.pq:.3f} ± {each.pq_std:.3f} ({each.splits:.1f} / {each.merges:.1f}) {shown(each.labels, '{:.3f}')}"
+            for each in found.values()
+        )
         table.add_row(name, *cells)
     yield table
 
@@ -192,6 +211,29 @@ def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
     table.add_section()
     for method, paper in PAPER_ATE_M.items():
         table.add_row(f"paper: {method}", *(f"{paper[each]:.2f}" if each in paper else "" for each in presets))
+    yield table
+    if arguments.csv:
+        write_rows(rows, arguments.csv)
+
+
+def _stages(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.row_files import check_folder, write_rows
+    from sim.bench.stage_costs import UNCHANGED, gains, measure_stages
+
+    if arguments.csv:
+        check_folder(arguments.csv)
+    seeds, presets = range(arguments.seed, arguments.seed + arguments.houses), arguments.presets
+    rows = []
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        measured = measure_stages(presets, seeds)
+        for house in bar.track(measured, total=len(presets) * len(seeds), description="houses"):
+            rows += house
+    title = f"{', '.join(presets)}, seeds {seeds[0]} to {seeds[-1]}, features: change, mean ± standard error over houses"
+    table = Table("replaced", "houses", "labels", "room PQ", "ATE, m", "right plans", title=title)
+    for name, found in gains(rows).items():
+        sign = "" if name == UNCHANGED else "+"
+        pairs = zip(astuple(found.mean), astuple(found.error), strict=True)
+        table.add_row(name, str(found.houses), *(f"{mean:{sign}.3f} ± {error:.3f}" for mean, error in pairs))
     yield table
     if arguments.csv:
         write_rows(rows, arguments.csv)
@@ -429,7 +471,10 @@ def _shrinking(arguments: argparse.Namespace) -> int:
 
 
 def _spread(value: object) -> str:
-    """A figure as text, with at most one decimal. The figures of a tuple are joined by slashes; None gives "" (empty)."""
+    """Return a figure as text, with at most one decimal.
+
+    The figures of a tuple are joined by slashes; None gives "" (empty).
+    """
     if isinstance(value, tuple):
         return " / ".join(map(_spread, value))
     if value is None:
@@ -438,6 +483,13 @@ def _spread(value: object) -> str:
 
 
 _BENCHMARKS = (
+    Action(
+        "all",
+        bench_all.run_all,
+        "all benchmarks but mutation and shrinking; a collection that was interrupted is continued",
+        "lexis-sim bench all --quick -o tables",
+        bench_all.ARGUMENTS,
+    ),
     Action(
         "speed",
         _printing(_speed),
@@ -480,10 +532,18 @@ _BENCHMARKS = (
         _printing(_openness),
         "rooms by LEXIS and by segmentations of the true map, in houses with more and more open inner walls",
         "lexis-sim bench openness --houses 5 --seed 500 --out openness.csv openness.png",
+        (_PRESET, _HOUSES, _SWEEP_FILES, SEED),
+    ),
+    Action(
+        "sweep",
+        _printing(_sweep_over),
+        "the same while another difficulty grows: clutter, odometry errors, light or texture",
+        "lexis-sim bench sweep odometry --houses 5 --seed 500",
         (
+            argument("over", choices=("clutter", "odometry", "light", "texture"), help="what becomes more difficult"),
             _PRESET,
             _HOUSES,
-            argument("--out", nargs="+", type=Path, default=[], metavar="FILE", help="write .csv, .png or .svg files"),
+            _SWEEP_FILES,
             SEED,
         ),
     ),
@@ -500,6 +560,13 @@ _BENCHMARKS = (
         "trajectory errors of odometry and of LEXIS with each method of place recognition, as in the paper's Table III",
         "lexis-sim bench table3 --presets ori home --houses 5 --seed 500",
         (_PRESETS, _HOUSES, _FIDELITY, _CSV, SEED),
+    ),
+    Action(
+        "stages",
+        _printing(_stages),
+        "what each stage of LEXIS costs in labels, rooms, trajectories and plans: the blame table over many houses",
+        "lexis-sim bench stages --presets home ori --houses 50 --seed 500 --csv stages.csv",
+        (_PRESETS, _HOUSES, _CSV, SEED),
     ),
     Action(
         "places",
@@ -545,7 +612,7 @@ _BENCHMARKS = (
             argument(
                 "--threshold",
                 type=number(0.001, 1e6),
-                default=12.6,
+                default=60.0,
                 help="squared whitened residual above which a kernel lowers a weight (default: %(default)s)",
             ),
             _CSV,

@@ -108,7 +108,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
 
 
 def _compared(report: "SuiteReport", before: "Sequence[RunResult]") -> "Comparison | None":
-    """Compare the results with earlier ones of the same scenarios; None if there are no scenarios with results of both."""
+    """Compare the results with earlier results of the same scenarios; None if no scenario has results of both."""
     from sim.verdicts import compare_results
 
     examined = {each.scenario.content_hash for each in report.examined}
@@ -118,7 +118,7 @@ def _compared(report: "SuiteReport", before: "Sequence[RunResult]") -> "Comparis
 
 
 def _lines(verdicts: "Sequence[CheckVerdict]") -> Iterator[str]:
-    """Yield a line for each check of the parts that have been begun, and the names of the other parts."""
+    """Yield a line for each check of the parts that have begun, and a line with the names of the other parts."""
     for verdict in verdicts:
         if verdict.is_begun:
             held, wanted = len(verdict.examined) - len(verdict.failures), 1.0 if verdict.rate is None else verdict.rate

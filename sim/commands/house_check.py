@@ -1,4 +1,4 @@
-"""`lexis-sim house check|prove`: check that one house is valid and walkable, or that thousands of sampled houses are."""
+"""`lexis-sim house check|prove`: check that one house is valid and walkable, or check thousands of sampled houses."""
 
 import argparse
 import os

@@ -40,8 +40,8 @@ DISTORTION_HELP = (
     "a lens this wide; calibrations and settings contain it (default: none)"
 )
 BARREL = (-0.1, 0.008, 0.0005, -0.0003)
-"""Distortion coefficients of a typical wide lens. Those of EuRoC's cameras were fitted for a field of view of 78 degrees; at
-100 degrees they would make straight lines wavy."""
+"""Distortion coefficients of a typical wide lens. The coefficients of EuRoC's cameras were fitted for a field of view of 78
+degrees; at 100 degrees they would make straight lines wavy."""
 
 
 def add_to(commands: Commands) -> None:

@@ -90,7 +90,7 @@ def progress_bar(work: str) -> Iterator["Progress"]:
 
 
 def print_result(finished: "Run", result: "RunResult", nulls: bool = True) -> None:
-    """Print the table of figures; on a wide terminal also what each figure means.
+    """Print the table of figures; on a wide terminal, the table also explains each figure.
 
     Without `nulls`, figures that are None are left out.
     """

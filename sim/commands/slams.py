@@ -41,7 +41,7 @@ def add_slam(parser: argparse.ArgumentParser) -> None:
 
 
 def is_lexis(arguments: argparse.Namespace) -> bool:
-    """Whether the options of `add_slam` choose LEXIS."""
+    """Return whether the options of `add_slam` choose LEXIS."""
     return arguments.slam is None and arguments.program is None
 
 
@@ -55,7 +55,7 @@ def check_claimable(arguments: argparse.Namespace, claim: "Claim") -> None:
 
 
 def runner_of(arguments: argparse.Namespace) -> "Runner":
-    """Return a function that runs the SLAM chosen by `add_slam`. Raises `SimError` if its class or command is unusable."""
+    """Return a function that runs the SLAM chosen by `add_slam`. Raises `SimError` for an unusable class or command."""
     if arguments.program is not None:
         return program_of(arguments)
     refuse_program_options(arguments)

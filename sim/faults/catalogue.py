@@ -28,10 +28,10 @@ FAULTS: Mapping[str, type[Fault]] = MappingProxyType(
 
 
 def parse_fault(text: str) -> Fault:
-    """Parse a fault: `name`, `name:value` with the value of the fault's first field, or `name:value,field=value,...`.
+    """Parse a fault, given as `name`, `name:value`, `name:field=value,...` or `name:value,field=value,...`.
 
-    Values have the units of the fields. Raises `SimError` for an unknown name or field, for a field that is given twice, and
-    for a value that is no number or out of range.
+    A value without a field is the value of the fault's first field. Values have the units of the fields. Raises `SimError`
+    for an unknown name or field, for a field that is given twice, and for a value that is no number or out of range.
     """
     name, _, rest = text.partition(":")
     if (kind := FAULTS.get(name)) is None:

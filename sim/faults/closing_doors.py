@@ -14,10 +14,10 @@ from worlds.spec import LeafSpec, OpeningSpec
 from worlds.visuals.meshes import Solid
 
 _OPEN_WITHIN_M, _SHUT_BEYOND_M = 1.1, 1.9
-"""Distances between body and door at which a door is fully open and fully closed [m]. The first exceeds the width of
-a door leaf (the moving panel of a door), so that no leaf swings through the body."""
+"""Horizontal distances between the body and a doorway at which the door is fully open and fully closed [m]. The first
+exceeds the width of a door leaf (the moving panel of a door), so that no leaf swings through the body."""
 _REACH_M = 3.0
-"""A body counts as on a door's storey if its height above the door's lower end is between 0 and this [m]."""
+"""Largest height of the body above a door's lower end at which the body counts as on the storey of the door [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,7 @@ class ClosingDoors(Actor):
     leaves: Sequence[DoorLeaf]
 
     def solids_at(self, stamp: float, T_W_B: Float64[np.ndarray, "4 4"]) -> Sequence[Solid]:
-        """Return the shapes of all door leaves for a body at `T_W_B`. The nearer the body, the further a door is open."""
+        """Return all door leaves as solids for a body at `T_W_B`. The nearer the body, the wider a door is open."""
         return [_solid(_turned(leaf, _openness(leaf, T_W_B[:3, 3]))) for leaf in self.leaves]
 
 
@@ -57,7 +57,7 @@ def _solid(leaf: DoorLeaf) -> Solid:
 def all_leaves(house: House) -> Iterator[DoorLeaf]:
     """Yield a door leaf (the moving panel of a door) for each doorway of a house.
 
-    A doorway that has no leaf in the house gets one that swings into the first of the doorway's two rooms.
+    A doorway that has no leaf in the house gets a leaf that swings into the first of the doorway's two rooms.
     """
     style = house.spec.seed if house.spec.appearance.seed is None else house.spec.appearance.seed
     for level, (storey, pieces) in enumerate(zip(house.spec.storeys, house.boundaries, strict=True)):

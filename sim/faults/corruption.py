@@ -1,4 +1,4 @@
-"""Applies the faults of a run in the order given, each with a random stream of its own."""
+"""Applies the faults of a run in the order given, each with a random generator of its own."""
 
 from collections.abc import Sequence
 
@@ -8,7 +8,7 @@ from sim.faults.fault import Fault, StreamFault
 from sim.truth import Stream
 
 _STREAM = 2
-"""Number of the faults' random stream. The seed of a run spawns several: stream 0 is for the tour, 1 for the odometry."""
+"""Number of the random stream for faults. The seed of a run spawns several streams: 0 for the tour, 1 for the odometry."""
 
 
 def fault_rng(seed: int, place: int) -> np.random.Generator:
@@ -17,9 +17,9 @@ def fault_rng(seed: int, place: int) -> np.random.Generator:
 
 
 def corrupted(stream: Stream, faults: Sequence[Fault], seed: int) -> Stream:
-    """Return the stream with the faults of the stream applied, in order.
+    """Return the stream of observations after all faults of the stream, in their order.
 
-    Faults of the world are skipped. They still count in the positions that decide on the faults' random numbers.
+    Faults of the world are skipped. They still count in the positions of the faults, on which the random numbers depend.
     """
     for place, fault in enumerate(faults):
         if isinstance(fault, StreamFault):

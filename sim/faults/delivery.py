@@ -16,7 +16,8 @@ from sim.truth import Stream, Truth
 class Dropped(StreamFault):
     """Frames are lost while the odometry continues.
 
-    The truth of the first frame after a gap names this fault. The covariance of this frame's odometry covers the gap.
+    The truth of the first frame after a gap names this fault. The covariance of this frame's odometry is that of the whole
+    motion since the last frame before the gap.
     """
 
     name = "dropped"
@@ -54,7 +55,7 @@ def _bursts(share: float, burst: int, rng: np.random.Generator) -> Iterator[bool
 
 
 def _bridging(lost: list[Observation], after: Observation) -> Observation:
-    """Return the observation after a gap, with the covariance of the motion since the observation before the gap."""
+    """Return the observation `after` a gap, with the covariance of the motion since the last observation before the gap."""
     covariance = lost[0].increment_covariance
     for previous, current in zip(lost, [*lost[1:], after], strict=True):
         increment = between(previous.T_O_B, current.T_O_B)
@@ -73,7 +74,7 @@ class Frozen(StreamFault):
     """Number of consecutive frames that repeat the last image before them."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """Yield the stream. During bursts, the image of the last frame before the burst is repeated."""
+        """Yield the stream. Frames of a burst show the image of the last frame before the burst."""
         shown: Observation | None = None
         for (observation, truth), is_stuck in zip(stream, _bursts(self.share, self.burst, rng), strict=False):
             if is_stuck and shown is not None:
@@ -101,7 +102,7 @@ class Duplicated(StreamFault):
 
 @dataclass(frozen=True)
 class Late(StreamFault):
-    """Frames are delayed and arrive after later ones, with the right stamp."""
+    """Frames are delayed, and arrive after later frames. Their stamps stay right."""
 
     name = "late"
     share: float = setting(0.05, 0.0, 1.0)
@@ -125,7 +126,10 @@ class Late(StreamFault):
 
 @dataclass(frozen=True)
 class OutOfOrder(StreamFault):
-    """Groups of frames arrive in random order, with the right stamps. The truth of displaced frames names this fault."""
+    """Some groups of successive frames arrive shuffled within the group. All frames keep their right stamps.
+
+    The ground truth of each frame that arrives in the wrong place names this fault.
+    """
 
     name = "out-of-order"
     share: float = setting(0.1, 0.0, 1.0)

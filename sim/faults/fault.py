@@ -16,7 +16,7 @@ from sim.truth import Stream, Truth
 
 
 def setting(default: int | float | None, low: int | float, high: int | float = math.inf, kw_only: bool = False) -> Any:
-    """Define a field of a fault, with its default value and its valid range `low` to `high`, both ends included."""
+    """Define a field of a fault, with a default value and a valid range from `low` to `high`, both included."""
     return field(default=default, kw_only=kw_only, metadata={"range": (low, high)})
 
 
@@ -49,7 +49,7 @@ class StreamFault(Fault):
 
 @dataclass(frozen=True)
 class SpanFault(StreamFault):
-    """A fault of the stream that is active during one span of time, by the true clock."""
+    """A fault of the stream that is active during one span of the true time."""
 
     at_s: float = setting(0.0, 0.0, kw_only=True)
     """Time after the start of the tour at which the fault begins [s]."""
@@ -79,5 +79,5 @@ class FrameFault(SpanFault):
 
 
 def settings(kind: type[Fault]) -> "list[Field[float]]":
-    """Return the fields of a kind of fault: first the positional ones, then the keyword-only ones such as the time span."""
+    """Return the fields of a kind of fault: first positional fields, then keyword-only fields, such as the time span."""
     return sorted(fields(kind), key=lambda each: bool(each.kw_only))

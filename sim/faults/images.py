@@ -16,7 +16,7 @@ from sim.truth import Stream
 _GAMMA = 2.2
 """Exponent of the camera's gamma curve, which maps light to grey levels."""
 _HAZE, _HAZE_LEVEL = 0.25, 190.0
-"""Share of scattered light in the value of a greasy pixel, and grey level of this light."""
+"""Share of scattered light in the value of a pixel behind grease, and grey level of the scattered light."""
 _PATCH, _EDGE = 0.08, 0.5
 """Grease lies where smoothed noise exceeds a threshold. `_PATCH` is the standard deviation of the smoothing [image widths],
 which sets the size of the patches. `_EDGE` is the range of values around the threshold over which a patch fades in [standard
@@ -38,11 +38,11 @@ class ImageFault(FrameFault):
 
 @dataclass(frozen=True)
 class Blur(ImageFault):
-    """Horizontal motion blur, as if the camera turned while the shutter is open: each point becomes a line along its row."""
+    """Horizontal motion blur, as if the camera turned while its shutter is open: points become lines along the rows."""
 
     name = "blur"
     pixels: int = setting(9, 1, 200)
-    """Length of the horizontal line that each point is blurred to [px]."""
+    """Length of the horizontal line to which each point is blurred [px]."""
 
     def edit(self, image: Image, rng: np.random.Generator) -> Image:
         """Return the image with each pixel averaged over `pixels` neighbours in its row."""
@@ -87,7 +87,7 @@ def _noisy(image: Image, sigma: float, rng: np.random.Generator) -> Image:
 
 @dataclass(frozen=True)
 class LightsOff(ImageFault):
-    """The lights are switched off: little light is left, and the sensor's noise is added to it."""
+    """The lights are switched off: little light is left, and the image has the sensor's noise."""
 
     name = "lights-off"
     left: float = setting(0.002, 0.0, 1.0, kw_only=True)
@@ -128,9 +128,10 @@ class Smear(SpanFault):
 
 @lru_cache(maxsize=4)
 def _patches(height: int, width: int, share: float, seed: int) -> Float32[np.ndarray, "h w 1"]:
-    """Return the share of each pixel's light that passes through grease.
+    """Return, for each pixel, how much of its light passes through grease, from 0 to 1.
 
-    Patches lie where smooth random noise exceeds a threshold, which is chosen so that they cover `share` of the image.
+    Patches of grease lie where smooth random noise exceeds a threshold. The threshold is chosen so that the patches cover
+    `share` of the image.
     """
     noise = np.random.default_rng(seed).standard_normal((height, width), dtype=np.float32)
     smooth = cv2.GaussianBlur(noise, (0, 0), _PATCH * width)

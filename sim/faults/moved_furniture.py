@@ -41,8 +41,8 @@ def with_furniture_moved(
     """Move a share of the loose furniture on the floor, and return all furniture of the house.
 
     Moved pieces keep clear of walls, of the other pieces, of the areas in which doors swing, and of `path`, the body's later
-    positions in W [m]. `within_m` and `turn_rad` bound the shift and the rotation. Objects on a piece move with the piece. A
-    piece stays where it is if no free place is found for it.
+    positions in W [m]. `within_m` is the largest shift [m], and `turn_rad` the largest rotation [rad]. Objects on a piece
+    move with the piece. A piece stays where it is if no free place is found for it.
     """
     pieces = list(house.furniture)
     standing = [i for i, piece in enumerate(pieces) if piece.solid and _height(house, piece) < _ON_FLOOR_M]
@@ -74,7 +74,7 @@ def _rides(house: House, other: Furniture, piece: Furniture) -> bool:
 
 
 def _free_of(house: House, piece: Furniture, others: Sequence[Furniture], path: Float64[np.ndarray, "n 3"]) -> Geometry:
-    """Return the free area of the floor plan, inside which the whole footprint of a piece has to lie."""
+    """Return the free area of a piece's room in the plan. The footprint of the moved piece has to lie inside this area."""
     storey, room = house.storeys[piece.storey], house.room_by_id[piece.room].polygon
     low, high = np.reshape(room.bounds, (2, 2)) + [[-_BODY_M], [_BODY_M]]
     here = path[(path[:, 2] > storey.floor_m) & (path[:, 2] < storey.ceiling_m), :2]

@@ -40,7 +40,7 @@ def draw_person(rng: np.random.Generator) -> Looks:
 
 @dataclass(frozen=True, eq=False)
 class Person(Actor):
-    """A person who walks along a tour ahead of its camera. The tour's path is free of obstacles.
+    """A person who walks along a tour ahead of the camera, because the path of a tour is free of obstacles.
 
     At time `start_s` [s] the person is at the place that the tour reaches `ahead_s` [s] later. `pace` is the person's speed
     as a multiple of the tour's speed.
@@ -65,7 +65,11 @@ class Person(Actor):
 
 
 def _body(looks: Looks, swing: float) -> tuple[Part, ...]:
-    """Build a person who faces along y. `swing`, in [-1, 1], says by its sign which foot is in front, and how far."""
+    """Build a person who looks along y.
+
+    `swing`, in [-1, 1], is the position of the right foot, as a share of half a stride ahead. The left foot is as far
+    behind.
+    """
     h = looks.height_m / 1.75
     parts = [
         Part("cylinder", (0.0, 0.0, 1.16 * h), (0.38, 0.22, 0.56 * h), looks.shirt),

@@ -51,7 +51,11 @@ class OdometryFreeze(SpanFault):
     """Duration of the fault [s]."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """Yield the stream with frozen poses. All later poses are wrong, too; the truth of these frames names the fault."""
+        """Yield the stream with frozen poses while the fault lasts.
+
+        Afterwards all poses stay wrong, because the odometry continues from the frozen pose. The truth of every frame with a
+        wrong pose contains the name of this fault.
+        """
         before: Observation | None = None
         reported = np.eye(4)
         frozen = False
@@ -88,8 +92,8 @@ class OdometryNaN(SpanFault):
 class Kidnap(StreamFault):
     """The body is moved elsewhere between two frames. Neither the odometry nor the clock shows this.
 
-    To simulate this, a part is cut out of the tour. The frames after the cut get stamps, true stamps and estimated poses as
-    if the part had not been there. The truth of these frames names the fault.
+    To simulate this, a part is cut out of the tour. The stamps, the true stamps and the estimated poses of the frames after
+    the cut are changed, as if this part had never been there. The truth of these frames names the fault.
     """
 
     name = "kidnap"

@@ -14,12 +14,12 @@ from sim.truth import Stream, Truth
 class StampOffset(StreamFault):
     """The clocks of camera and odometry differ: each image gets the stamp and the pose of an earlier or later frame.
 
-    At one end of the stream, frames for which there is no such earlier or later frame are lost.
+    Frames at one end of the stream are lost, because there is no earlier or later frame with a stamp for them.
     """
 
     name = "stamp-offset"
     frames: int = setting(1, -100, 100)
-    """Number of frames by which the camera's clock is ahead of the odometry's; negative if it is behind."""
+    """Number of frames by which the camera's clock is ahead of the odometry's clock; negative if it is behind."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
         """Yield the stream, with each image combined with the stamp and pose of the frame that is `frames` later."""
@@ -47,7 +47,7 @@ class StampJitter(FrameFault):
 
 @dataclass(frozen=True)
 class StampJump(FrameFault):
-    """From the start of its time span, the clock is `back_s` behind, as if a time server had set it back."""
+    """During the time span of the fault, the clock is `back_s` behind, as if a time server had set it back."""
 
     name = "stamp-jump"
     back_s: float = setting(2.0, 0.0)

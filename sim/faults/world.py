@@ -24,13 +24,13 @@ class WorldState:
 
 @dataclass(frozen=True)
 class WorldFault(Fault):
-    """A change of the world during the tour. It is recorded in the truth of all frames while it lasts, in view or not."""
+    """A change of the world during the tour. While it lasts, the truth of all frames names it, in view or not."""
 
     at_s: float | None = setting(None, 0.0, kw_only=True)
-    """Time after the start of the tour at which the change happens [s]. None: halfway through the
-    tour, which is between the two laps of a tour of two laps."""
+    """Time after the start of the tour at which the change happens [s]. None stands for half of the tour's duration. In a
+    tour of two laps, this is between the laps."""
     for_s: float = setting(np.inf, 0.0, kw_only=True)
-    """Duration of the change from `at_s` [s]."""
+    """Duration of the change [s]."""
 
     def span_s(self, tour: Tour) -> tuple[float, float]:
         """Return the times at which the change starts and ends, counted from the start of the tour [s]."""
@@ -39,12 +39,12 @@ class WorldFault(Fault):
 
     @abstractmethod
     def change(self, stage: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
-        """Return the world `stage` as this fault changes it while the fault lasts."""
+        """Return the state of the world while the fault lasts; `stage` is the state without this fault."""
 
 
 @dataclass(frozen=True)
 class MovedFurniture(WorldFault):
-    """Furniture is moved within its room, with the objects on it. It keeps clear of the path that the tour still takes."""
+    """Furniture is moved within its room, with the objects on it. It keeps clear of the rest of the tour's path."""
 
     name = "moved-furniture"
     share: float = setting(0.3, 0.0, 1.0)
@@ -63,11 +63,11 @@ class MovedFurniture(WorldFault):
 
 @dataclass(frozen=True)
 class ClosedDoors(WorldFault):
-    """Doors are closed. Each door opens when the body comes near and closes behind it. Open doorways get a door, too."""
+    """Doors are closed. They open when the body comes near, and close behind the body. Doorways without a door get one."""
 
     name = "closed-doors"
     share: float = setting(1.0, 0.0, 1.0)
-    """Share of the house's doorways that get such a door."""
+    """Share of the house's doorways whose doors are closed in this way."""
 
     def change(self, stage: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
         """Return the world with a share of its doors replaced by doors that are open only near the body."""
@@ -85,7 +85,7 @@ class Pedestrian(WorldFault):
     pace: float = setting(1.35, 0.0, 5.0, kw_only=True)
     """Speed of the person, as a multiple of the tour's speed."""
     ahead_s: float = setting(2.0, 0.0, kw_only=True)
-    """Time by which the person is ahead of the camera at first, along the tour [s]."""
+    """Time that the camera needs to reach the place where the person first appears [s]."""
     for_s: float = setting(20.0, 0.0, kw_only=True)
     """Duration for which the person is present [s]."""
 

@@ -1,4 +1,4 @@
-"""`fit_features`: fits the model of the feature sensor to an encoder, on rendered images of a few houses."""
+"""Fits the model of the feature sensor to an encoder, on rendered images of a few houses (`fit_features`)."""
 
 from collections.abc import Callable
 
@@ -21,7 +21,7 @@ WALKS = (
 )  # fmt: skip
 """Houses in which LEXIS runs. The model of loop verification is fitted to the loop verifications of these runs."""
 _KEPT = 400
-"""Largest number of true loop edges, and also of false ones, that a model keeps."""
+"""Largest number of true loop edges that a model keeps, and also largest number of false loop edges."""
 _WALK_SHARE = 0.4
 """Approximate share of the fitting time that the runs in `WALKS` take, for the progress display."""
 

@@ -1,6 +1,6 @@
-"""`fit_embedding`: fits the model of image embeddings to rendered frames that a real encoder has embedded.
+"""Fits the model of image embeddings to rendered frames that a real encoder has embedded (`fit_embedding`).
 
-1. Fit the expected embedding by ridge regression. The penalty is the one with the smallest error on held-out houses.
+1. Fit the expected embedding by ridge regression, with the penalty that has the smallest error on held-out houses.
 2. Take the principal directions of the errors on held-out houses.
 3. Fit the share of each covariance kernel in the variance of the errors, from the products of the errors of two frames.
 4. Scale the errors until drawn embeddings give the right room label as often as the encoder does.
@@ -19,7 +19,7 @@ from sim.feature_fitting.fit_samples import Sample
 from sim.feature_sensor.embedding import KERNELS, EmbeddingModel, error_scores, kernel_values
 
 RIDGES = (0.1, 0.3, 1.0, 3.0, 10.0)
-"""Ridge penalties that are tried, for inputs (the descriptions of views) that are not scaled."""
+"""Ridge penalties that are tried. They apply to inputs (the descriptions of views) that are not scaled."""
 RANK = 64
 """Number of principal directions of the errors that the model keeps."""
 _FOLDS = 5
@@ -126,7 +126,7 @@ def _scale(samples: Sequence[Sample], means: Sequence[Rows], model: EmbeddingMod
         )
         for scale in _SCALES
     ]
-    # Accuracy falls with the scale, apart from sampling noise, which is removed here.
+    # Accuracy falls as the scale grows, apart from sampling noise, which is removed here.
     falling = np.minimum.accumulate(accuracy)
     return float(np.interp(-wanted, -falling, _SCALES))
 

@@ -39,9 +39,10 @@ _OTHERS = 4
 _OTHERS_M = 4.0
 """Largest distance between a query and the additional keyframes that are verified [m]."""
 _GAP = 20
-"""An additional keyframe is verified only if it is more than this number of keyframes older than the query."""
+"""A nearby keyframe is verified only if it is older than the query by more than this number of keyframes."""
 _LAGS = 9
-"""Two trials of a query are compared if they are fewer rows apart than this. The trials of a query are consecutive rows."""
+"""Two trials of a query are compared if they are fewer than this number of rows apart. The trials of a query are consecutive
+rows."""
 _NODES = 21
 """Number of nodes of the quadrature over the random variable that all trials of a query share."""
 
@@ -162,7 +163,7 @@ def _pooled(parts: Sequence[MeasuredEdges]) -> MeasuredEdges:
 
 
 def _query_share(chance: Float64[np.ndarray, "n"], outcome: Bool[np.ndarray, "n"], query: Int[np.ndarray, "n"]) -> float:
-    """Return the `LoopModel.query_share` at which two candidates of a query are both confirmed as often as in the trials."""
+    """Return the value of `LoopModel.query_share` that explains how often two candidates of a query are both confirmed."""
     pairs = [(i, i + lag) for lag in range(1, _LAGS) for i in np.flatnonzero(query[lag:] == query[:-lag]).tolist()]
     a, b = np.array(pairs, int).reshape(-1, 2).T
     both = float((outcome[a] & outcome[b]).mean()) if len(a) else 0.0

@@ -2,11 +2,13 @@
 
 For each candidate:
 
-1. Compute the true covisibility (the share of one view that is visible in the other, by ray casts), distance and rotation.
+1. Compute the true distance, the true rotation, and the true covisibility: the share of one view that is visible in the
+   other view, by ray casts.
 2. Confirm the candidate with the probability that a logistic model computes from these three values. The model is fitted to
    real verification.
-3. If confirmed, return the true relative pose with the error, covariance and inlier count of a real edge, drawn at random.
-4. Otherwise return a false edge with a small probability, with the error of a real false edge.
+3. If the candidate is confirmed, draw a real edge that is true, at random. Return the true relative pose with the error,
+   covariance and inlier count of the real edge.
+4. Otherwise do the same with a real edge that is false, but only with a small probability.
 """
 
 import math
@@ -26,11 +28,11 @@ from lexis.verification import Verification, plausible
 from sim.feature_sensor.ray_origins import RayGrid
 
 _DEPTH_SHARE, _DEPTH_M = 0.15, 0.05
-"""Two depths count as those of one point if they differ by at most this share of the depth plus this length [m]. These
-bounds are generous, because rays are coarse."""
+"""Two depths count as depths of the same point if they differ by at most this share of the depth plus this length [m]. These
+bounds are generous, because the grid of rays is coarse."""
 _QUERY, _PAIR = 1, 2
-"""Tags of the random streams. numpy ignores trailing zeros of a seed: without tags, a query would share the random
-stream of the pair of this query with keyframe 0."""
+"""Tags of the random streams for a query, and for a pair of a query and a match. numpy ignores trailing zeros of a seed, so
+that without tags, the streams of a query and of its pair with keyframe 0 would be the same."""
 PREDICTORS = ("constant", "covisibility", "covisibility squared", "distance", "turn")
 """Inputs of the logistic model, for a pair of keyframes. Distance [m] and turn [rad] are between their body poses."""
 
@@ -94,9 +96,13 @@ class TrueView:
 
 
 def predictors(firsts: Sequence[TrueView], seconds: Sequence[TrueView]) -> Float64[np.ndarray, "pairs predictors"]:
-    """Return the inputs of the logistic loop model (`PREDICTORS`) for pairs of views: firsts[i] with seconds[i]."""
+    """Return the inputs of the logistic loop model (`PREDICTORS`) for pairs of views: firsts[i] with seconds[i].
+
+    The covisibility is the geometric mean of two shares: of the second view in the first view, and of the first in the
+    second.
+    """
     shared = _seen_by(firsts, seconds)
-    overlap = np.flatnonzero(shared)  # without any overlap one way, the product is 0 whatever the other way gives
+    overlap = np.flatnonzero(shared)  # pairs without overlap in this direction have covisibility 0
     if len(overlap):
         back = _seen_by([seconds[i] for i in overlap.tolist()], [firsts[i] for i in overlap.tolist()])
         shared[overlap] = np.sqrt(shared[overlap] * back)
@@ -106,7 +112,7 @@ def predictors(firsts: Sequence[TrueView], seconds: Sequence[TrueView]) -> Float
 
 
 def _seen_by(viewers: Sequence[TrueView], others: Sequence[TrueView]) -> Float64[np.ndarray, "pairs"]:
-    """Return, for each pair, the share of the rays of `others[i]` whose end points are visible in `viewers[i]`, too.
+    """Return, for each pair, the share of the rays of `others[i]` whose end points are also visible in `viewers[i]`.
 
     All views have the same grid of rays.
     """
@@ -117,7 +123,7 @@ def _seen_by(viewers: Sequence[TrueView], others: Sequence[TrueView]) -> Float64
         column = _nearest(points[:, 0] / points[:, 2], grid.x)
         row = _nearest(points[:, 1] / points[:, 2], grid.y)
         inside = (column >= 0) & (column < len(grid.x)) & (row >= 0) & (row < len(grid.y))
-        inside &= points[:, 2] > _DEPTH_M  # points behind the camera are at no depth that a ray has
+        inside &= points[:, 2] > _DEPTH_M  # leaves out points behind the camera
     pair = np.nonzero(inside)[0]
     met, depth = depths[pair, column[inside].astype(int), row[inside].astype(int)], points[:, 2][inside]
     same = np.abs(met - depth) <= _DEPTH_SHARE * depth + _DEPTH_M
@@ -130,7 +136,7 @@ def _nearest(values: Float64[np.ndarray, "n k"], axis: Float32[np.ndarray, "m"])
 
 
 class CovisibilityVerifier:
-    """A `lexis.verification.Verifier` that uses the ground truth. The result for a pair depends on pair and seed only."""
+    """A `lexis.verification.Verifier` that uses the ground truth. The edge of a pair depends on pair and seed only."""
 
     def __init__(self, model: LoopModel, view_of: Callable[[int], TrueView], seed: int) -> None:
         """`view_of` maps the index of an observation to its ground truth."""
@@ -144,9 +150,10 @@ class CovisibilityVerifier:
         return CovisibilityVerifier(self._model, lambda index: self._view_of(original(index)), self._seed)
 
     def followed_by(self, second: "CovisibilityVerifier", count: int, away_m: float = 0.0) -> "CovisibilityVerifier":
-        """Return a verifier for two sessions, of which the first has `count` observations and the second has those after.
+        """Return a verifier for two sessions: the session of this verifier, then the session of the verifier `second`.
 
-        The second session is moved by `away_m` along x, so that it can lie in another house.
+        The first session has `count` observations; the observations of the second session are numbered from `count` on. The
+        true poses of the second session are moved by `away_m` along x, so that it can be in another house.
         """
         shift = np.eye(4)
         shift[0, 3] = away_m
@@ -180,8 +187,9 @@ class CovisibilityVerifier:
     def _edge(self, query: int, match: int, true: Pose, limit: float, common: float) -> LoopEdge | None:
         """Return the edge to a candidate with the relative pose `true`, or None.
 
-        The candidate is confirmed if a standard normal draw is below `limit`. All candidates of a query share the draw
-        `common`, because the results of real verification are correlated within a query.
+        The candidate is confirmed if a standard normal variable is below `limit`. The variable is partly `common`, which all
+        candidates of a query share, because the results of real verification are correlated within a query. If the candidate
+        is not confirmed, a false edge is returned with the probability `LoopModel.false_rate`.
         """
         rng = np.random.default_rng((self._seed, _PAIR, query, match))
         share = self._model.query_share

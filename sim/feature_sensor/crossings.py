@@ -47,7 +47,7 @@ class BlockFootprints:
         ray = camera * columns + column
         met = far > np.maximum(near, NEAR_M)
         wall = np.full(len(eyes.place) * columns, FAR_M)
-        # A tall block that the camera is inside of occludes nothing.
+        # A tall block occludes nothing if the camera is inside it.
         shut = met & self._tall[block] & (near > 0.0)
         np.minimum.at(wall, ray[shut], near[shut])
         kept = np.flatnonzero(met & (near <= wall[ray]))
@@ -55,13 +55,16 @@ class BlockFootprints:
         return Crossings(camera[kept], column[kept], block[kept], np.maximum(near[kept], np.float32(0.0)), far[kept])
 
     def _spanned(self, eyes: UprightCameras) -> tuple[Int[np.ndarray, "p"], ...]:
-        """Return pairs of a camera and a block that may be in its image: camera, block, first column, number of columns."""
+        """Return pairs of a camera and a block that may be in the camera's image.
+
+        The four arrays hold the camera, the block, the first image column and the number of image columns of each pair.
+        """
         offset = self._corners[None] - eyes.place[:, None, None]
         depth = np.einsum("kbcj,kj->kbc", offset, eyes.ahead)
         side = np.einsum("kbcj,kj->kbc", offset, eyes.right)
         x, last = self._grid.x, len(self._grid.x) - 1
         at = (side / np.maximum(depth, NEAR_M) - x[0]) / (x[1] - x[0])
-        beside = depth.min(axis=2) < NEAR_M  # part of it is behind the camera, so it may be in any column
+        beside = depth.min(axis=2) < NEAR_M  # part of the block is behind the camera, so it may be in any column
         first = np.where(beside, 0, np.ceil(at.min(axis=2)).clip(0, last + 1)).astype(int)
         end = np.where(beside, last, np.floor(at.max(axis=2)).clip(-1, last)).astype(int)
         seen = (depth.max(axis=2) > NEAR_M) & (end >= first)
@@ -71,7 +74,10 @@ class BlockFootprints:
     def _through(
         self, block: Int[np.ndarray, "h"], place: Float32[np.ndarray, "h 2"], line: Float32[np.ndarray, "h 2"]
     ) -> tuple[Float32[np.ndarray, "h"], Float32[np.ndarray, "h"]]:
-        """Return the depths at which lines enter and leave blocks (slab method). If a line misses, the first is larger."""
+        """Return the depths at which lines enter and leave blocks (slab method).
+
+        For a line that misses its block, the depth of entry is larger than the depth of exit.
+        """
         cos, sin = (values[block] for values in self._axes)
         offset, half = place - self._blocks.centre[block], self._blocks.half[block]
         near, far = np.full(len(block), -np.inf, np.float32), np.full(len(block), np.inf, np.float32)

@@ -1,9 +1,10 @@
 """Simulated image embeddings: the expected embedding of the true view, plus an error that is similar for similar views.
 
-The error is a Gaussian process over poses. In embedding space the error has a low rank. Over poses its covariance is a sum
-of six kernels: one that is constant in a house (appearance of the house), one for the rooms in view, one for the objects in
-view, and three smooth kernels with different correlation lengths. Errors are therefore correlated as with the real encoder:
-keyframes that are neighbours in the pose graph have similar errors, and a revisited place has a similar error again.
+The error is a Gaussian process over poses. In the space of embeddings, the error has a low rank. Over poses, the covariance
+of the error is a sum of six kernels: a kernel that is constant in a house (appearance of the house), a kernel for the rooms
+in view, a kernel for the objects in view, and three smooth kernels with different correlation lengths. Errors are therefore
+correlated as with the real encoder: keyframes that are neighbours in the pose graph have similar errors, and a revisited
+place has a similar error again.
 """
 
 from collections.abc import Iterator
@@ -17,7 +18,8 @@ from sim.feature_sensor.surroundings import OBJECTS
 from sim.feature_sensor.visible_shares import VisibleShares
 
 FIELDS = ((0.3, 0.2), (1.0, 0.6), (3.0, 1.5))
-"""Correlation lengths of each smooth kernel: in position [m] and in direction of view [rad]."""
+"""Correlation lengths of the error of embeddings, for each of the three smooth kernels: in position [m] and in direction of
+view [rad]."""
 KERNELS = ("house", "rooms", "objects", *(f"{metres:g} m, {radians:g} rad" for metres, radians in FIELDS))
 _WAVES = 256
 """Number of random Fourier features that approximate a smooth kernel."""
@@ -40,7 +42,10 @@ class EmbeddingModel:
         return np.asarray(views.described() @ self.weights + self.offset)
 
     def draw(self, views: VisibleShares, T_W_B: Poses, seed: tuple[int, ...]) -> Float32[np.ndarray, "n d"]:
-        """Draw embeddings (unit vectors) of the views from body poses `T_W_B`. They depend on pose, house and seed only."""
+        """Draw embeddings (unit vectors) of the views from body poses `T_W_B`.
+
+        Each embedding depends only on the pose, the house and the seed.
+        """
         rows = self.expected(views) + error_scores(self, views, T_W_B, seed) @ self.errors
         return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True), np.float32)
 
@@ -55,7 +60,10 @@ def error_scores(
 
 
 def _bases(views: VisibleShares, T_W_B: Poses, rng: np.random.Generator) -> Iterator[Float32[np.ndarray, "n m"]]:
-    """Yield for each kernel a matrix with a row per view. The inner product of two rows is the kernel's value there."""
+    """Yield for each kernel a matrix with one row per view.
+
+    The inner product of two rows is the value of the kernel for these two views. For smooth kernels, this is approximate.
+    """
     yield np.ones((len(T_W_B), 1), np.float32)
     yield _units(views.of_rooms()).astype(np.float32)
     yield _units(_objects(views)).astype(np.float32)

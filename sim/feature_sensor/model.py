@@ -1,4 +1,4 @@
-"""`FeatureModel`: all fitted parameters of the feature sensor, and their file format. Loading never unpickles."""
+"""`FeatureModel`: all fitted parameters of the feature sensor, and their file format, which contains no pickled objects."""
 
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -50,17 +50,17 @@ _LAYOUT: Layout = {
 _MOST = 1e6
 """Largest valid parameter of embeddings and errors. Real models have parameters below 100."""
 _SAME = 0.999
-"""Least cosine at which two fingerprints count as those of one encoder. It is below 1, because rounding differs between
-machines."""
+"""Two fingerprints count as those of the same encoder if the cosine of each pair of embeddings is at least this. The limit
+is below 1, because rounding differs between machines."""
 _PROBES = ("kitchen", "bedroom", "corridor")
 """Texts that are encoded for the fingerprint."""
 _LATEST: list[tuple[Encoder, Float32[np.ndarray, "probes d"]]] = []
-"""The encoder whose fingerprint was asked for last in this process, and its fingerprint."""
+"""The encoder whose fingerprint was computed last in this process, and that fingerprint."""
 
 
 @dataclass(frozen=True, eq=False)
 class FeatureModel:
-    """A fitted model of one encoder and of loop verification, with which LEXIS runs without images."""
+    """A fitted model of one encoder and of loop verification. With such a model, LEXIS runs without images."""
 
     fingerprint: Float32[np.ndarray, "probes d"]
     """Result of the function `fingerprint` for the encoder to which the model was fitted."""
@@ -80,7 +80,8 @@ class FeatureModel:
 def fingerprint(encoder: Encoder) -> Float32[np.ndarray, "probes d"]:
     """Embed a few texts and one image. The embeddings identify the encoder, however its weights are stored.
 
-    Embedding the image takes longer than any other preparation of a run on features, so the result is remembered.
+    Embedding the image takes longer than any other preparation of a run on features, so the result is stored for the next
+    call with the same encoder.
     """
     if not _LATEST or _LATEST[0][0] is not encoder:
         _LATEST[:] = [(encoder, _fingerprint(encoder))]

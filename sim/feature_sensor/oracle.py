@@ -1,7 +1,7 @@
 """`Oracle`: an encoder without error, to test the stages after the encoder. Never report its results as LEXIS's.
 
-The embedding of a view holds the true shares of the image that each room label and each kind of object fills. The embedding
-of a room name is the unit vector of the dimension for this label.
+The embedding of a view holds the true share of the image for each room label and for each kind of object. The embedding of a
+room name is the unit vector along the dimension for this label.
 """
 
 from collections.abc import Sequence

@@ -23,7 +23,8 @@ class RayGrid:
         k = intrinsics
         u = (np.arange(columns) + 0.5) * (k.width / columns) - 0.5
         v = (np.arange(rows) + 0.5) * (k.height / rows) - 0.5
-        # The offset keeps rays from being exactly level, so that each meets every floor or ceiling level at a finite depth.
+        # The offset keeps rays from being exactly level, so that each ray meets the level of a floor or ceiling at a finite
+        # depth.
         return RayGrid(((u - k.cx) / k.fx).astype(np.float32), ((v - k.cy) / k.fy + 1e-4).astype(np.float32))
 
     @property
@@ -56,7 +57,10 @@ class UprightCameras:
 
 
 def cameras_at(T_W_C: Poses, storeys: Int[np.ndarray, "k"], grid: RayGrid) -> UprightCameras:
-    """Approximate cameras at `T_W_C` by upright cameras: roll is ignored, and pitch changes the slopes of the rays."""
+    """Return upright cameras that approximate cameras at `T_W_C`.
+
+    Roll is ignored, and pitch only changes the slopes of the rays.
+    """
     axis = T_W_C[:, :3, 2]
     level = np.linalg.norm(axis[:, :2], axis=1, keepdims=True)
     ahead = (axis[:, :2] / np.maximum(level, 1e-9)).astype(np.float32)

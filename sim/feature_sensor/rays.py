@@ -1,9 +1,9 @@
 """Casts rays from many cameras at once to the nearest surface, in numpy and without rendering.
 
-Cameras are approximated as upright, so that all rays of an image column lie over one line in the plan.
+Cameras are approximated as upright, so that all rays of an image column lie above the same line in the floor plan.
 
-1. Find in the plan the blocks (upright boxes) that the line of each column crosses (`crossings`).
-2. For each ray of the column, compute from the ray's slope which of these blocks the ray hits first.
+1. Find in the floor plan the blocks (upright boxes) that the line of each column crosses (`crossings`).
+2. For each ray of the column, compute from the ray's slope which of the blocks the ray hits first.
 3. If the ray hits the floor or ceiling before any block, take this hit instead.
 4. Look up the room at hits on walls, floors and ceilings.
 """
@@ -24,13 +24,14 @@ WALL, FLOOR, CEILING = range(len(SURFACES))
 _NUDGE_M = 0.02
 """Distance by which a hit is moved towards the camera, in front of the wall, before its room is looked up [m]."""
 _RANK = 0xFF
-"""Mask of the lowest bits of a depth. The rank of a block among the blocks of its column replaces these bits, which changes
-the depth by at most 3e-5 of itself."""
+"""Mask of the lowest bits of a depth, a 32-bit float. The rank of a block among the blocks of its column replaces these
+bits, which changes the depth by at most 3e-5 of its value."""
 _CHUNK = 48
 """Number of cameras that are processed at once, so that their arrays fit into the cache."""
 _TOLERANCE_M = 0.01
 _TALL_M = 20.0
-"""Height above the floor from which a block counts as tall outdoors, where there is no ceiling [m]. No block is as high."""
+"""Outdoors, where there is no ceiling, a block counts as tall from this height above the floor [m]. No real block is that
+high."""
 
 Depths = Float32[np.ndarray, "k columns rows"]
 Rows = Int[np.ndarray, "k columns rows"]
@@ -61,7 +62,7 @@ def cast(around: Surroundings, T_W_C: Poses, grid: RayGrid) -> Hits:
 
 
 class _Caster:
-    """Casts rays from within one room. Only blocks that overlap the room's range of heights can be hit."""
+    """Casts rays of cameras in one room. Only blocks that overlap the room's range of heights can be hit."""
 
     def __init__(self, around: Surroundings, room: int, grid: RayGrid) -> None:
         own, house = around.house.rooms[room], around.house

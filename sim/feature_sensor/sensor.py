@@ -1,6 +1,6 @@
 """`FeatureSensor`: simulates percepts of a tour instead of rendering images, with a matching loop verifier.
 
-All rays of many frames are cast together, which is several times faster than frame by frame.
+The rays of many frames are cast together, which is several times faster than casting them frame by frame.
 """
 
 from bisect import bisect_right
@@ -23,7 +23,7 @@ from sim.feature_sensor.visible_shares import COLUMNS, ROWS, VisibleShares, look
 from worlds.house import House
 
 _STREAM = 4
-"""Number of the sensor's random stream. The seed of a run spawns several; stream 3 is for the robot."""
+"""Number of the sensor's random stream. A run has several random streams; stream 3 is for the robot."""
 _CHUNK = 256
 """Number of frames whose rays are cast together."""
 NO_FEATURES = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
@@ -33,7 +33,7 @@ _COLUMNS, _ROWS = np.r_[2:20:4, 21:40:4], np.r_[1:30:3]
 
 
 class FeatureSensor:
-    """Simulates percepts, which LEXIS receives instead of images. For the same pose in a house, percepts are the same."""
+    """Simulates percepts, which LEXIS receives instead of images. The percepts at equal poses in a house are equal."""
 
     def __init__(self, model: FeatureModel, camera: Camera, seed: int, oracle: bool = False) -> None:
         """`seed` is the seed of the run. With `oracle`, embeddings hold the ground truth; loop verification is unchanged."""
@@ -41,7 +41,10 @@ class FeatureSensor:
         self._oracle = oracle
 
     def tour(self, houses: Sequence[House], T_W_B: Poses) -> "SensedTour":
-        """Return percepts and a loop verifier for a tour along true body poses. `houses[i]` is the house at frame i."""
+        """Return the percepts and the loop verifier of a tour along the true body poses `T_W_B`.
+
+        `houses[i]` is the house at frame i, since furniture may be moved during a tour.
+        """
         return SensedTour(self._camera, houses, T_W_B, self._embeddings, self._model.loops, self._seed)
 
     def _embeddings(self, views: VisibleShares, T_W_B: Poses) -> Float32[np.ndarray, "n d"]:
@@ -69,9 +72,9 @@ class SensedTour:
         self._ends = [chunk.frames.stop for chunk in self._chunks]
         self._surroundings: dict[int, Surroundings] = {}
         self._depths: dict[int, Float32[np.ndarray, "n columns rows"]] = {}
-        """Depths of the rays [m], by number of the chunk of frames, for the chunks whose rays have been cast."""
+        """Depths of the rays [m], by the number of the chunk of frames, for the chunks whose rays have been cast."""
         self._drawn: dict[int, Float32[np.ndarray, "n d"]] = {}
-        """Embeddings by number of the chunk of frames, for the chunks whose percepts have been asked for."""
+        """Embeddings by the number of the chunk of frames, for the chunks whose percepts have been requested."""
         self._grid = RayGrid.of(camera.intrinsics, COLUMNS, ROWS)
 
     def percepts(self) -> Iterator[Percept]:

@@ -21,12 +21,12 @@ _SHIPPED = sorted(name for name, kind in CATALOGUE.items() if kind.build.__modul
 OBJECTS = (*_SHIPPED, "door", "window", STAIRS_OBJECT)
 """Kinds of objects that the included feature model knows. Furniture that a user declares has none of these kinds."""
 KINDS = (*OBJECTS, *(f"{pattern} {surface}" for surface in SURFACES for pattern in PATTERNS))
-"""Visual kinds of things: kinds of objects, then one kind for each surface and pattern of its finish. The setting `texture`
-of a house's appearance, which changes the rendered textures, is ignored."""
+"""Visual kinds of things: kinds of objects, then one kind for each combination of a surface and a pattern of its finish. The
+setting `texture` of a house's appearance, which changes the rendered textures, is ignored."""
 CELL_M = 0.05
 """Cell size of `RoomMap` [m]."""
 _LEAST_M = 0.08
-"""Least size [m]: objects that are smaller in every direction are left out."""
+"""Objects that are smaller than this in every direction are left out [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ class Blocks:
     z: Float32[np.ndarray, "b 2"]
     """Heights of each box's lower and upper end in W [m]."""
     thing: Int[np.ndarray, "b"]
-    """Index into `Surroundings.names`; `NOWHERE` for walls, whose hits count for the room in front of them."""
+    """Index into `Surroundings.names`; `NOWHERE` for walls, because a hit on a wall counts for the room in front of it."""
 
     def __getitem__(self, rows: np.ndarray) -> "Blocks":
         return Blocks(self.centre[rows], self.half[rows], self.yaw[rows], self.z[rows], self.thing[rows])
@@ -68,7 +68,7 @@ class Surroundings:
 
     @cached_property
     def rooms_at(self) -> "RoomMap":
-        """A raster map of rooms, to look up the room at a point."""
+        """A raster map of rooms, in which the room at a point can be looked up."""
         return RoomMap.of(self.house)
 
 

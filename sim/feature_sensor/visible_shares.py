@@ -1,4 +1,4 @@
-"""`VisibleShares`: the share of the image that each thing of a house fills, and the depths, by ray casts."""
+"""`VisibleShares`: the share of the image that each thing of a house fills, and depths, both computed by ray casts."""
 
 from dataclasses import dataclass
 
@@ -20,11 +20,12 @@ entries that describe visible things."""
 _NEAR_M = 2.5
 """Largest depth of near things [m]; near things are mostly in the same room as the camera."""
 _DEPTHS_M = (0.5, 1.0, 2.0, 4.0, 8.0)
-"""Depths [m]. For each of them, the description of a view holds the share of rays that hit something nearer."""
+"""Depths [m]. For each depth, the description of a view holds the share of rays that hit something nearer."""
 _COLOUR_WEIGHT = 2.0
-"""Factor on the colours in the description of a view; without it, they are in [0, 1]."""
+"""Factor on the colours in the description of a view. Without this factor, the colours are in [0, 1]."""
 _LEAST_SHARE = 0.02
-"""Least share of the image at which a surface's colour counts in full; below, the colour is weakened in proportion."""
+"""The colour of a surface counts in full if the surface fills at least this share of the image. For smaller surfaces, the
+colour is scaled down in proportion to the share."""
 LABELS = slice(2 * len(KINDS), 2 * len(KINDS) + len(ROOM_LABELS))
 """Slice of a view's description vector: the entries that hold the shares of the image by room label."""
 SIZE = LABELS.stop + 3 * len(SURFACES) + len(_DEPTHS_M) + 1
@@ -54,7 +55,7 @@ class VisibleShares:
         A description holds, in this order:
 
         1. The square root of the share of the image that each kind of thing fills.
-        2. The same, counting only what is nearer than 2.5 m.
+        2. The same, but counting only rays that hit something nearer than 2.5 m.
         3. The square root of the share of each room label, with the low weight `LABEL_WEIGHT`. These
            entries stand for visual differences that no other entry holds.
         4. The mean colours of walls, floors and ceilings.
@@ -93,9 +94,10 @@ def look(around: Surroundings, T_W_B: Poses, camera: Camera) -> VisibleShares:
 
 
 def shares_of(thing: Int[np.ndarray, "n a b"], things: int) -> Float32[np.ndarray, "n things"]:
-    """Return the share of each image's rays that hit each thing; rays with `NOWHERE` hit none.
+    """Return the share of each image's rays that hit each thing.
 
-    `thing` holds the index of the thing that each ray hits; `things` is the number of things.
+    `thing` holds the index of the thing that each ray hits, or `NOWHERE` for a ray that hits no thing. `things` is the
+    number of things.
     """
     n, size = len(thing), thing[0].size if len(thing) else 1
     flat = thing.reshape(n, -1)

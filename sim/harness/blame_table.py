@@ -1,4 +1,4 @@
-"""`blame`: runs a failing scenario again with one part replaced at a time, and says which replacements mend the failure."""
+"""`blame`: reruns a failing scenario with one part of the run replaced at a time; says which changes mend the failure."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -69,9 +69,9 @@ def blame(
 ) -> BlameTable:
     """Run a failing scenario again with one part at a time replaced by the truth or left out, and tabulate what changes.
 
-    `is_lexis` says whether the SLAM of the test is LEXIS. Then the stages of LEXIS are replaced as well, one at a time, in
+    `is_lexis` says whether the SLAM of the test is LEXIS. If so, the stages of LEXIS are replaced as well, one at a time, in
     copies of the LEXIS that failed. `on_row` is called with every finished row. If the test has not kept the failing run,
-    the run is repeated, and its exceptions are passed on. Raises `WorldsError` if the house cannot be built.
+    the run is repeated, and exceptions of this run are passed on. Raises `WorldsError` if the house cannot be built.
     """
     listed = with_listed_house(scenario)
     signature = test(listed)
@@ -96,17 +96,20 @@ def blame_outside(scenario: Scenario, fails: Fails, signature: Signature, knows_
 
 
 def _row(scenario: Scenario, substitution: Substitution, judged: Callable[[Substitution], BlameRow]) -> BlameRow:
-    """Return the row of a substitution. `judged` makes the row by a run, unless the substitution changes nothing."""
+    """Return the row of a substitution. `judged` runs it and makes the row, unless the substitution changes nothing."""
     if substitution.slam is None and substitution.scenario == scenario:
         return BlameRow(substitution.name, "changes nothing")
     try:
         return judged(substitution)
-    except Exception as error:  # of the scenario, or of any SLAM
+    except Exception as error:  # raised by the scenario or by any SLAM
         return BlameRow(substitution.name, "cannot be told", detail=f"{type(error).__name__}: {error}")
 
 
 def _compared(substitution: Substitution, fails: Fails, signature: Signature | None) -> BlameRow:
-    """Return the row of a substitution for a failure without a figure: only the signatures of failures can be compared."""
+    """Return the row of a substitution for a failure that no figure describes.
+
+    Such failures are compared by their signatures only.
+    """
     found = fails(substitution.scenario)
     if found is not None and found != signature:
         return BlameRow(substitution.name, "cannot be told", detail=f"it fails differently: {found}")
@@ -121,9 +124,10 @@ def _lexis_of(scenario: Scenario, test: FailureTest) -> Lexis:
 
 
 def substitutions(scenario: Scenario, lexis: Lexis | None) -> Iterator[Substitution]:
-    """Yield runs in which the truth or a simpler case takes the place of one part: first parts outside the SLAM.
+    """Yield substitutions, each of which replaces one part of the run by the truth or by a simpler case.
 
-    These are the odometry, the faults, the light and so on. With `lexis`, stages of LEXIS follow.
+    Parts outside the SLAM come first: the odometry, the faults, the light, the furniture and the openings. With `lexis`, the
+    stages of LEXIS follow.
     """
     yield from _outside(scenario)
     if lexis is not None:
@@ -143,7 +147,11 @@ def _outside(scenario: Scenario) -> Iterator[Substitution]:
 
 
 def _of_lexis(scenario: Scenario, lexis: Lexis) -> Iterator[Substitution]:
-    """Yield substitutions of LEXIS: each stage replaced by the truth, in the order of the stages; last, no loop closures."""
+    """Yield the substitutions of the input and the stages of LEXIS.
+
+    In a run on images, the first one replaces the images by features. Then each stage is replaced by the truth, in the order
+    of the stages. The last substitution switches loop closures off.
+    """
     truth, on_features = TrueStages.of(scenario), with_features(scenario)
     told = replace(on_features, encoder=ORACLE)
     if scenario.fidelity == "render":
@@ -173,13 +181,16 @@ def _judged(substitution: Substitution, test: FailureTest, signature: Signature 
 
 
 def without_clutter(spec: HouseSpec) -> HouseSpec:
-    """Remove the pieces of furniture whose sides are all at most `SMALL_M` long. The spec has to list all furniture."""
+    """Return the house without the pieces of furniture whose sides are all at most `SMALL_M` long.
+
+    The house has to list all its furniture.
+    """
     pieces = [piece for storey in spec.storeys for piece in storey.furniture or ()]
     return keep_furniture(spec, {piece.id for piece in pieces if max(piece.size_m) > SMALL_M})
 
 
 def _closed(spec: HouseSpec) -> HouseSpec | None:
-    """The house with openness 0: doors replace all wider openings; None if the walls are too short for doors."""
+    """Return the house with openness 0: doors replace all wider openings. None if the walls are too short for doors."""
     try:
         return variant(spec, openness=0.0)
     except WorldsError:

@@ -30,7 +30,7 @@ class Claim:
     comparison: str
     limit: float
     of: str | None = None
-    """Another figure, of which `limit` is a multiple; None: `limit` is the limit itself."""
+    """Another figure, of which `limit` is a multiple. None: the claim compares with `limit` itself."""
 
     @staticmethod
     def parse(text: str) -> "Claim":
@@ -66,7 +66,7 @@ class Claim:
         return self.figure if self.of is None else f"{self.figure} / {self.of}"
 
     def value(self, result: RunResult) -> float | None:
-        """The figure's value in a result; None if it, or the figure that it is compared with, is null.
+        """Return the value of the figure in a result; None if this figure or the figure `of` is null.
 
         Raises `SimError` for a name that is no figure.
         """
@@ -75,16 +75,16 @@ class Claim:
         return None if None in values else values[0]
 
     def outcome(self, result: RunResult) -> Outcome:
-        """Whether the claim "holds" or "fails" for a result; "unknown" if one of its figures is None."""
+        """Return whether the claim "holds" or "fails" for a result; "unknown" if one of its figures is null."""
         if (value := self.value(result)) is None:
             return "unknown"
         other = 1.0 if self.of is None else result[self.of]
         return "holds" if _OPERATORS[self.comparison](value, self.limit * other) else "fails"
 
     def margin(self, result: RunResult) -> float | None:
-        """By how much the claim is fulfilled in a result, in the unit of its figure; negative if it is violated.
+        """Return by how much a result fulfils the claim, in the unit of the figure; negative if the claim is violated.
 
-        None if one of its figures is null. Raises `SimError` for a claim with == or !=, which has no margin.
+        None if one of the claim's figures is null. Raises `SimError` for a claim with == or !=, which has no margin.
         """
         if self.comparison in ("==", "!="):
             raise SimError(f"claim {str(self)!r}: has no margin; valid: a claim with <, <=, > or >=")
@@ -100,7 +100,7 @@ class Claim:
 
     @property
     def is_about_plans(self) -> bool:
-        """Whether the figure is about planning: a robot then has to drive the plans first, which takes seconds."""
+        """Whether a figure is about planning. If so, a robot has to drive the plans first, which takes seconds."""
         return any(name.startswith("planning.") for name in self.figures)
 
     @property
@@ -111,7 +111,7 @@ class Claim:
         return replace(self, comparison=other[self.comparison])
 
     def _number(self, result: RunResult, name: str) -> float | None:
-        """The value of a figure; None for a key of a mapping that the run lacks, such as a label the house does not have."""
+        """Return the value of a figure; None for a missing key of a mapping, such as the label of an absent room."""
         try:
             value = result[name]
         except KeyError:

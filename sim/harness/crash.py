@@ -12,10 +12,10 @@ from sim.harness.runner import Progress, Run
 from sim.harness.scenario import Scenario
 
 Runner = Callable[[Scenario, Progress | None], Run]
-"""Runs the SLAM under test on a scenario. Every call has to create a new SLAM object, because a finished run keeps its
-SLAM."""
+"""A function that runs the SLAM under test on a scenario. Every call has to create a new SLAM object, because a finished run
+keeps its SLAM."""
 TRACEBACK = "failure-traceback.txt"
-"""File with the traceback. It identifies a folder as the output of a crash, which a new result may replace."""
+"""Name of the file with the traceback. A folder with this file is the output of a crash, which a new result may replace."""
 _MESSAGE = 160
 """Largest length of an exception's one-line message, in characters."""
 
@@ -48,10 +48,11 @@ class Crash:
 
 
 def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None) -> Run | Crash:
-    """Run a SLAM; return the finished run, or the crash if a method of the SLAM raised or the program under test failed.
+    """Run a SLAM; return the finished run, or the crash of the SLAM or of the program under test.
 
-    Exceptions from outside the SLAM's methods are passed on. `SimError` and `EncoderError` are always passed on: the
-    scenario or the claims of the SLAM are not valid, or a model cannot be loaded.
+    A crash is an exception in a method of the SLAM, or a failure of the program. Exceptions from outside the SLAM's methods
+    are passed on. `SimError` and `EncoderError` are always passed on: the scenario or the claims of the SLAM are not valid,
+    or a model cannot be loaded.
     """
     with noted() as last:
         last.in_slam = False

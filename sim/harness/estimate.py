@@ -37,8 +37,8 @@ class LoopClaims:
     """For each loop, the row of its earlier frame in `Estimate.frames`."""
     T_match_query: Float64[np.ndarray, "m 4 4"]
     """For each loop, the measured pose of the body at the later frame, in the body frame of the earlier frame."""
-    weights: Float64[np.ndarray, "m"]
-    """Final confidence of the SLAM in each loop, in [0, 1]; all ones if the SLAM gives no confidence."""
+    weights: Float64[np.ndarray, "m"] | None = None
+    """Final confidence of the SLAM in each loop, in [0, 1]; None if the SLAM gives no confidences."""
 
 
 @dataclass(frozen=True)
@@ -52,9 +52,10 @@ class VerdictClaim:
     accepted: bool
     """Whether the revisit became a loop closure."""
     reason: str
-    """Why it was accepted or refused, in a few words; the report counts equal reasons."""
+    """Why the revisit was accepted or refused, in a few words; the report counts equal reasons."""
     figures: Mapping[str, float]
-    """The figures that decided, by names with their units, such as "inliers" or "misfit [m]"; unknown ones are left out."""
+    """The values on which the decision was based, by name and unit, such as "inliers" or "misfit [m]"; unknown values are
+    left out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +69,8 @@ class Estimate:
     frames: Int[np.ndarray, "n"]
     """`Observation.index` of every frame about which the SLAM makes claims, ascending."""
     T_W_B: Poses | None = None
-    """Poses of the body in the SLAM's own world frame, which figures align with the true world frame."""
+    """Poses of the body in the SLAM's own world frame. To compute figures, this frame is aligned with the true world
+    frame."""
     labels: Int[np.ndarray, "n"] | None = None
     """Room label of every frame, as an index into the argument `room_names` of `SlamUnderTest.start`. -1: the frame has no
     label, which counts as wrong."""
@@ -83,7 +85,7 @@ class Estimate:
     """Proposed revisits: for each query (a row of `frames`), the rows of the frames that may show the same place, the most
     similar first."""
     verdicts: tuple[VerdictClaim, ...] | None = None
-    """What became of proposed revisits. Only the report shows it; no figure depends on it."""
+    """What became of proposed revisits. Only the report shows these verdicts; no figure depends on them."""
     similarities: Float64[np.ndarray, "n names"] | None = None
     """Similarity of every frame with every room name. The report shows the highest similarities of some frames."""
     encoder: str | None = None
@@ -148,5 +150,5 @@ def _check_rows(name: str, claim: object, n: int, kinds: str, row: tuple[int | N
 
 
 def _form_of(value: object) -> str:
-    """Type of a value, or number type and shape of an array, as text for messages."""
+    """Return the type of a value, or the number type and shape of an array, as text for messages."""
     return f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"

@@ -60,14 +60,15 @@ class Search:
     """The scenario in which the failure was found."""
     reduction: Reduction
     blamed: BlameTable | None
-    """The changes that mend the failure in the smallest scenario, and those that do not. None if the user interrupted the
-    test before they were tried."""
+    """The changes that mend the failure in the smallest scenario, and the changes that do not. None if the user interrupted
+    the test before the changes were tried."""
 
 
 def folder_of(out: Path, name: str, scenario: Scenario, parameters: str = "") -> Path:
     """Return the folder for a failure of a test on a scenario; the same failure always gets the same folder.
 
-    `parameters` is the id of the parameters that the test has besides its world, since it may fail with each of them.
+    `parameters` is the id of the parameters that the test has besides its world. It is part of the folder's name, because
+    the test may fail with several parameters in one scenario.
     """
     variant = f"-{slug_of(parameters)}" if parameters else ""
     return out / f"{slug_of(name)}{variant}-{scenario.content_hash}"

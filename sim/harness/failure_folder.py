@@ -53,8 +53,8 @@ def write_failure(
 def replay_test(claim: Claim | None, replay: Replay = LEXIS_REPLAY) -> str:
     """Return the text of a pytest file that runs the scenario of the same folder and fails until the SLAM is mended.
 
-    `claim` describes the failure, such as "labels.accuracy < 0.7", and the test asserts that it is false. None stands for an
-    exception of the SLAM: the test then asserts nothing, and fails while the run raises an exception.
+    `claim` describes the failure, such as "labels.accuracy < 0.7", and the test asserts that the claim is false. None stands
+    for an exception of the SLAM: the test then asserts nothing, and fails while the run raises an exception.
     """
     return _replay_of_claim(claim, replay) if claim else _replay_of_exception(replay)
 

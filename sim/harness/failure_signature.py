@@ -22,7 +22,8 @@ class Signature:
     """Identifies a failure: two runs with equal signatures show the same failure."""
 
     what: str
-    """The claim that is true, or what the SLAM did, such as "raises RuntimeError"."""
+    """How the run failed: the condition for a failure that came true, such as "labels.accuracy < 0.7", or what the SLAM did
+    in a crash, such as "raises RuntimeError"."""
     value: float | None = field(default=None, compare=False)
     """Value of the figure in the claim `what`, in the run that failed; None if `what` is an exception."""
 
@@ -32,7 +33,7 @@ class Signature:
 
 @dataclass(frozen=True, eq=False)
 class Observed:
-    """A finished run with its figures, and the signature of the failure that it shows (None: it does not fail)."""
+    """A finished run with its figures, and the signature of the failure that it shows; None if the run does not fail."""
 
     run: Run
     result: RunResult
@@ -53,7 +54,7 @@ class FailureTest:
     """Runs a SLAM on a scenario and says whether it fails.
 
     A run fails if the claim is true or, without a claim, if the SLAM crashes. The test keeps the last failing run of each
-    fidelity. After a search by `reduce`, that is the run of the smallest scenario, so that it need not be run again.
+    fidelity. After a search by `reduce`, the kept run is the run of the smallest scenario, which need not be run again.
     """
 
     claim: Claim | None
@@ -71,7 +72,8 @@ class FailureTest:
     def __call__(self, scenario: Scenario) -> Signature | None:
         """Run the SLAM on a scenario; return the signature of the failure, or None if the run does not fail.
 
-        If the test has a claim, raises `SimError` if the SLAM crashes or the figure of the claim is null.
+        A test with a claim, such as "labels.accuracy < 0.7", raises `SimError` in two cases: the SLAM crashes, or the run
+        has no value (null) for a figure in the claim.
         """
         return self.signature_of(self.outcome(scenario))
 
@@ -106,7 +108,7 @@ class FailureTest:
         return outcome
 
     def _shows_the_failure(self, outcome: Observed | Crash, kept: Observed | Crash | None) -> bool:
-        """Whether an outcome is the failure that the test looks for. If a crash is kept, only the same crash counts."""
+        """Return whether an outcome is the failure that is looked for. If a crash is kept, only an equal crash counts."""
         if isinstance(outcome, Crash):
             return self.claim is None and (not isinstance(kept, Crash) or kept.what == outcome.what)
         return outcome.signature is not None

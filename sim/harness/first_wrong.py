@@ -36,8 +36,8 @@ class WrongFrame:
     what: str
     """What is wrong: the claim and the truth, in words."""
     similarities: tuple[tuple[str, float], ...] = ()
-    """The room names that the SLAM found most similar to the image, best first. Empty if the search was for errors of other
-    kinds than labels and rooms."""
+    """The room names that the SLAM found most similar to the image, best first. Empty if the search was for other errors
+    than errors of labels and rooms."""
 
     def __str__(self) -> str:
         return f"in {self.room} at {self.time_s:.1f} s: {self.what}"
@@ -46,8 +46,8 @@ class WrongFrame:
 def first_wrong(run: Run, figure: str | None = None) -> WrongFrame | None:
     """Return the first frame that is wrong for a figure, such as a frame with a wrong floor for "floors.accuracy".
 
-    Without a figure, it is the first frame with a wrong label or, if no label is wrong, the frame with the largest position
-    error. The result is None if there is no such frame, or if the SLAM does not make the claim.
+    Without a figure, the result is the first frame with a wrong label or, if no label is wrong, the frame with the largest
+    position error. The result is None if there is no such frame, or if the SLAM does not make the claim.
     """
     kind = "" if figure is None else figure.partition(".")[0]
     found = next(_SEARCHES.get(kind, _label)(run), None)
@@ -63,7 +63,7 @@ def first_wrong(run: Run, figure: str | None = None) -> WrongFrame | None:
 
 
 def crash_frame(session: Session, done: float) -> WrongFrame:
-    """The frame at which a SLAM raised an exception, after it had processed the share `done` (from 0 to 1) of all frames."""
+    """Return the frame at which a SLAM raised an exception; `done` is the share of frames processed before, in [0, 1]."""
     stamps = session.tour.stamps
     frame = min(round(done * len(stamps)), len(stamps) - 1)
     where = "in start() or at the first frame" if done == 0.0 else "in process()" if done < 1.0 else "after the last frame"
@@ -72,7 +72,10 @@ def crash_frame(session: Session, done: float) -> WrongFrame:
 
 
 def position_errors(claimed: Poses, truth: Poses) -> Float64[np.ndarray, "n"]:
-    """Distance of every claimed position from the true one [m], after an alignment as for the absolute trajectory error."""
+    """Return the distance of every claimed position from the true position [m].
+
+    The claimed poses are first aligned as for the absolute trajectory error.
+    """
     return np.asarray(np.linalg.norm((aligned(claimed, truth) - truth)[:, :3, 3], axis=1))
 
 
@@ -81,13 +84,13 @@ def _room(run: Run, row: int) -> str:
 
 
 def _name(room: Room) -> str:
-    """Id of a room, followed by its label unless the id contains it. A reduced scenario may have changed the label."""
+    """Return the id of a room, and its label unless the id contains it. A reduced scenario may have changed the label."""
     return room.id if room.label in room.id else f"{room.id} ({room.label})"
 
 
 def _label(run: Run) -> Iterator[_Wrong]:
     claims, before, truth = run.estimate.labels, run.estimate.baseline_labels, run.true_labels
-    names = [*(f"labelled {name}" for name in run.room_names), NO_LABEL]  # a claimed -1 takes the last one
+    names = [*(f"labelled {name}" for name in run.room_names), NO_LABEL]  # index -1, for no label, is the last entry
     if claims is not None:
         for k in np.flatnonzero(claims != truth).tolist():
             changed = before is not None and before[k] != claims[k]
@@ -112,7 +115,7 @@ def _position(run: Run) -> Iterator[_Wrong]:
 
 
 def _worst(errors_m: Float64[np.ndarray, "n"]) -> tuple[int, float]:
-    """The row with the largest error, and this error [m]."""
+    """Return the row with the largest error, and this error [m]."""
     row = int(np.argmax(errors_m))
     return row, float(errors_m[row])
 
@@ -129,8 +132,8 @@ def _loop(run: Run) -> Iterator[_Wrong]:
 def _instance(run: Run) -> Iterator[_Wrong]:
     """Yield the frames with a wrong label, then the frames in a wrong room instance.
 
-    An instance is wrong for a frame if most of the instance lies in another true room, or if most frames of the true room
-    are in another instance.
+    The room instance of a frame is wrong in two cases: most of the instance lies in another true room than the frame, or
+    most frames of the frame's true room belong to another instance.
     """
     yield from _label(run)
     claims, truth = run.estimate.rooms, run.true_rooms
@@ -146,7 +149,7 @@ def _instance(run: Run) -> Iterator[_Wrong]:
 
 
 def _most_frequent(groups: Int[np.ndarray, "n"], values: Int[np.ndarray, "n"]) -> dict[int, int]:
-    """The most frequent value of every group; on a tie, the smallest."""
+    """Return the most frequent value of every group; on a tie, the smallest one."""
     chosen = {}
     for group in np.unique(groups):
         found, counts = np.unique(values[groups == group], return_counts=True)

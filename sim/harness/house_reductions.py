@@ -1,8 +1,9 @@
 """Steps that make a house simpler: each takes the spec of a house and yields smaller specs, the most simplified first.
 
 Houses have to list their furniture and windows (`worlds.variant.explicit`). The results need not be valid: a room may have
-become unreachable, for example. The caller has to validate the results. Objects that a step leaves in a house keep their
-ids. They also keep their shapes and positions, except in the steps `rectangular`, `cropped` and `narrower`.
+become unreachable, for example. The caller has to validate the results. The rooms and pieces of furniture that a step
+leaves in a house keep their ids. Rooms, windows and furniture also keep their shapes and positions, except in the steps
+`rectangular`, `cropped` and `narrower`.
 """
 
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -27,7 +28,7 @@ _T = TypeVar("_T")
 
 
 def fewer_storeys(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Yield the house with a single storey, then without the highest or the lowest storey.
+    """Yield the house with each storey alone, then without the highest storey, and without the lowest storey.
 
     Stairs to a dropped storey are dropped as well.
     """
@@ -42,11 +43,12 @@ def _storey_choices(count: int) -> list[tuple[int, ...]]:
 
 
 def fewer_rooms(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Yield the house with part of its rooms: first small parts, and at last all rooms but one.
+    """Yield the house with some of its rooms: first with few rooms, and at last with all rooms but one.
 
-    The first parts are a staircase with the rooms beside it. The next are half, then three quarters, of all rooms: those
-    nearest to some room, by the number of openings and stairs on the way, so that they are connected. Finally, single rooms
-    are dropped, from the highest storey down and large rooms first. A staircase is dropped as a whole.
+    At first, only a staircase, the rooms beside it and the rooms below these rooms are kept. Then half of all rooms are
+    kept, and then three quarters: a room and the rooms nearest to it, by the number of openings and stairs on the way, so
+    that the kept rooms are connected. Finally, single rooms are dropped, from the highest storey down and large rooms first.
+    A staircase is dropped as a whole.
     """
     near = _nearest_first(spec)
     count = len(near)
@@ -61,21 +63,27 @@ def fewer_rooms(spec: HouseSpec) -> Iterator[HouseSpec]:
 
 
 def less_furniture(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Yield the house without furniture, without each half of the furniture, each quarter, and so on down to each piece."""
+    """Yield the house with less furniture.
+
+    All furniture is left out first, then each half of the pieces, each quarter, and so on down to each single piece.
+    """
     ids = [piece.id for storey in spec.storeys for piece in storey.furniture or ()]
     for kept in without_parts(ids):
         yield keep_furniture(spec, set(kept))
 
 
 def fewer_windows(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Yield the house without windows, without each half of the windows, each quarter, and so on down to each window."""
+    """Yield the house with fewer windows.
+
+    All windows are left out first, then each half of the windows, each quarter, and so on down to each single window.
+    """
     places = [(level, k) for level, storey in enumerate(spec.storeys) for k in range(len(storey.windows or ()))]
     for kept in without_parts(places):
         yield _with_storeys(spec, [_keep_windows(storey, level, kept) for level, storey in enumerate(spec.storeys)])
 
 
 def fewer_openings(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """For each opening, yield the house without it: the boundary between the two rooms becomes a closed wall."""
+    """Yield the house without one opening, for each opening. A closed wall between the two rooms takes its place."""
     for level, storey in enumerate(spec.storeys):
         for k in range(len(storey.openings)):
             yield _with_openings(spec, level, (*storey.openings[:k], *storey.openings[k + 1 :]))
@@ -90,13 +98,13 @@ def simpler_openings(spec: HouseSpec) -> Iterator[HouseSpec]:
 
 
 def opening_rank(opening: OpeningSpec) -> int:
-    """Return the complexity of an opening; the simplest opening, a doorway without a door leaf, has 0."""
+    """Return a number for the complexity of an opening; the simplest opening, a doorway without a door leaf, has 0."""
     ranks = ("door", "cased", "arch", "half wall", "counter", "open")
     return 2 * ranks.index(opening.kind) + (opening.leaf is not None)
 
 
 def rectangular(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Yield the house with one room that is no rectangle cut down to one of the three largest rectangles inside it."""
+    """Yield the house with one non-rectangular room cut down to one of the three largest rectangles inside the room."""
     for level, room in _rooms(spec):
         if len(room.polygon_m) > 4:
             for rectangle in _rectangles(room)[:3]:
@@ -112,9 +120,10 @@ def cropped(spec: HouseSpec) -> Iterator[HouseSpec]:
 
 
 def narrower(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Halve distances between walls along x or y: first all distances that can be halved, then each alone.
+    """Yield the house with halved distances between walls along x or y.
 
-    Stairs keep their size, and openings their width. Only openings of the kind "open", which are removed walls, shrink.
+    First, all distances that can be halved are halved together, then each of them alone. Stairs keep their size, and
+    openings their width. Only openings of the kind "open", which are removed walls, shrink.
     """
     for axis in (0, 1):
         loose = _loose_intervals(spec, axis)
@@ -146,7 +155,10 @@ def plain_appearance(spec: HouseSpec) -> Iterator[HouseSpec]:
 
 
 def without_parts(items: Sequence[_T]) -> Iterator[list[_T]]:
-    """Yield copies of a list without any items, without each half, without each quarter, and so on down to each item."""
+    """Yield shortened copies of a list.
+
+    All items are left out first, then each half of the items, each quarter, and so on down to each single item.
+    """
     size = len(items)
     while size:
         yield from ([*items[:start], *items[start + size :]] for start in range(0, len(items), size))
@@ -245,13 +257,17 @@ def _rooms(spec: HouseSpec, stairs: bool = False) -> Iterator[tuple[int, RoomSpe
 
 
 def _cells_of(spec: HouseSpec, level: int, room: RoomSpec) -> frozenset[str]:
-    """The id of a room; for a room of stairs, the ids of the staircase's rooms on all storeys."""
+    """Return the id of a room in a set; for a room of stairs, the ids of the staircase's rooms on all storeys."""
     cells = [cell_on(spec, k, room) for k in range(len(spec.storeys))] if room.label == STAIRS else []
     return frozenset({room.id, *(cell.id for cell in cells if cell is not None)})
 
 
 def _staircases(spec: HouseSpec) -> Iterator[frozenset[str]]:
-    """For each staircase, yield the ids of its rooms on all storeys, the rooms that open into it, and all rooms below."""
+    """Yield a set of room ids for each staircase.
+
+    The set contains the rooms of the staircase on all storeys, the rooms that open into the staircase, and all rooms below
+    these rooms.
+    """
     openings = [opening.rooms for storey in spec.storeys for opening in storey.openings]
     for level, room in _rooms(spec, stairs=True):
         if room.label == STAIRS:
@@ -260,7 +276,7 @@ def _staircases(spec: HouseSpec) -> Iterator[frozenset[str]]:
 
 
 def _with_support(spec: HouseSpec, ids: frozenset[str]) -> frozenset[str]:
-    """Add to the ids of some rooms those of all rooms below them, down to the lowest storey."""
+    """Return the ids of some rooms together with the ids of all rooms below them, down to the lowest storey."""
     for level in range(len(spec.storeys) - 1, 0, -1):
         above = [Polygon(room.polygon_m) for room in spec.storeys[level].rooms if room.id in ids]
         below = ((room.id, Polygon(room.polygon_m)) for room in spec.storeys[level - 1].rooms)
@@ -269,7 +285,10 @@ def _with_support(spec: HouseSpec, ids: frozenset[str]) -> frozenset[str]:
 
 
 def _nearest_first(spec: HouseSpec) -> dict[str, list[str]]:
-    """For every room, the ids of all rooms that can be reached, sorted by the number of openings and stairs on the way."""
+    """Return, for every room, the ids of all rooms that can be reached from it, the nearest first.
+
+    The distance is the number of openings and stairs on the way.
+    """
     beside: dict[str, list[str]] = {room.id: [] for _, room in _rooms(spec, stairs=True)}
     pairs = [o.rooms for storey in spec.storeys for o in storey.openings if o.kind in PASSABLE]
     for level, room in _rooms(spec, stairs=True):
@@ -299,7 +318,7 @@ def _rounded(value: float) -> float:
 
 
 def _rectangles(room: RoomSpec) -> list[Bounds]:
-    """The rectangles inside a room, with sides at the coordinates of the room's corners, the largest first."""
+    """Return the rectangles inside a room whose sides are at coordinates of the room's corners, the largest first."""
     outline = Polygon(room.polygon_m).buffer(_EPS_M)
     xs, ys = (sorted(set(values)) for values in zip(*room.polygon_m, strict=True))
     found = [(x0, y0, x1, y1) for x0, x1 in combinations(xs, 2) for y0, y1 in combinations(ys, 2)]
@@ -317,7 +336,7 @@ def _halves(room: Bounds) -> Iterator[Bounds]:
 
 
 def _cut(spec: HouseSpec, level: int, room: RoomSpec, rest: Bounds) -> HouseSpec:
-    """The house with a room cut down to the rectangle `rest`. Openings, windows and furniture outside are dropped."""
+    """Return the house with a room cut down to the rectangle `rest`. Openings, windows and furniture outside are dropped."""
     x0, y0, x1, y1 = rest
     storey = spec.storeys[level]
     smaller = room.model_copy(update={"polygon_m": ((x0, y0), (x1, y0), (x1, y1), (x0, y1))})
@@ -336,8 +355,9 @@ def _cut(spec: HouseSpec, level: int, room: RoomSpec, rest: Bounds) -> HouseSpec
 
 
 def _clipped(opening: OpeningSpec, rest: Bounds) -> OpeningSpec | None:
-    """The opening if it lies in a side of a rectangle; of a removed wall (kind "open"), the part in such a side.
+    """Return the part of an opening that lies in a side of the rectangle `rest`.
 
+    An opening that lies there completely stays as it is. Only a removed wall (kind "open") may be shortened. The result is
     None if nothing remains, or if the remaining part is narrower than a door.
     """
     if _on_side(opening, rest):
@@ -353,7 +373,7 @@ def _clipped(opening: OpeningSpec, rest: Bounds) -> OpeningSpec | None:
 
 
 def _on_side(thing: OpeningSpec | WindowSpec, room: Bounds) -> bool:
-    """Whether an opening or a window lies in a side of a rectangle."""
+    """Return whether an opening or a window lies in a side of a rectangle."""
     x0, y0, x1, y1 = room
     ends = (thing.start_m, thing.end_m)
     inside = all(x0 - _EPS_M <= x <= x1 + _EPS_M and y0 - _EPS_M <= y <= y1 + _EPS_M for x, y in ends)
@@ -362,14 +382,21 @@ def _on_side(thing: OpeningSpec | WindowSpec, room: Bounds) -> bool:
 
 
 def _stands_in(piece: FurnitureSpec, room: Bounds) -> bool:
-    """Whether a piece is in a rectangle: a circle as wide as the piece's longer side or, if the piece hangs, its centre."""
+    """Return whether a piece of furniture is in a rectangle.
+
+    A piece that stands on the floor counts as a circle as wide as its longer side. Of a piece that hangs, only the centre
+    counts.
+    """
     (x, y, z), (width, depth, _) = piece.position_m, piece.size_m
     reach = 0.0 if z else max(width, depth) / 2
     return room[0] <= x - reach and x + reach <= room[2] and room[1] <= y - reach and y + reach <= room[3]
 
 
 def _loose_intervals(spec: HouseSpec, axis: int) -> list[tuple[float, float]]:
-    """The intervals (low, high) along an axis (0: x, 1: y), between walls or ends of openings, that may be halved [m]."""
+    """Return the intervals (low, high) along an axis (0: x, 1: y) that may be halved [m].
+
+    An interval lies between neighbouring coordinates of walls and ends of openings.
+    """
     corners = {corner[axis] for _, room in _rooms(spec, stairs=True) for corner in room.polygon_m}
     openings = [opening for storey in spec.storeys for opening in storey.openings]
     marks = sorted(corners | {end[axis] for opening in openings for end in (opening.start_m, opening.end_m)})
@@ -383,7 +410,7 @@ def _loose_intervals(spec: HouseSpec, axis: int) -> list[tuple[float, float]]:
 
 
 def _squeezed(spec: HouseSpec, axis: int, intervals: Sequence[tuple[float, float]]) -> HouseSpec:
-    """The house with intervals along an axis halved; everything beyond an interval moves with its wall."""
+    """Return the house with intervals along an axis halved; everything beyond an interval moves with the wall there."""
 
     def moved(point: tuple[float, ...]) -> tuple[float, ...]:
         value = point[axis]

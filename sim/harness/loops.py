@@ -8,7 +8,7 @@ from sim.harness.runner import Run
 
 
 def edge_truth(run: Run) -> Bool[np.ndarray, "loops"]:
-    """For each claimed loop, whether its relative pose is within 0.5 m and 0.2 rad of the truth."""
+    """Return, for each claimed loop, whether its relative pose is within 0.5 m and 0.2 rad of the truth."""
     loops = run.estimate.loops
     if loops is None:
         return np.zeros(0, bool)

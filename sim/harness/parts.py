@@ -11,16 +11,17 @@ from worlds.presets import sample_house
 from worlds.spec import HouseSpec
 
 TOUR_LENGTH_M = {"home": 140.0}
-"""Usual length of tours by preset [m]. It limits tours that would visit all rooms of a large house."""
+"""Usual length of a tour by preset [m]; other presets have none. The length limits tours that would visit all rooms of a
+large house."""
 
 
 def house_spec(scenario: Scenario) -> HouseSpec:
-    """The scenario's house or, if it has none, the house sampled from its preset and seed. Raises `worlds.WorldsError`."""
+    """Return the scenario's house; if it has none, a house sampled from its preset and seed. Raises `worlds.WorldsError`."""
     return scenario.house or sample_house(scenario.preset, scenario.seed)
 
 
 def tour_config(scenario: Scenario) -> TourConfig:
-    """The settings of the tour, with the usual length for the preset if no length is requested."""
+    """Return the settings of the tour; if no length is requested, with the usual length for the preset."""
     usual = TOUR_LENGTH_M.get(scenario.preset) if scenario.house is None and scenario.tour_kind == "rooms" else None
     length_m = scenario.length_m if scenario.length_m is not None else usual
     return TourConfig(
@@ -34,11 +35,11 @@ def tour_config(scenario: Scenario) -> TourConfig:
 
 
 def odometry_config(scenario: Scenario) -> OdometryConfig:
-    """The settings of the odometry: its preset with the scenario's overconfidence."""
+    """Return the settings of the odometry: those of its preset, with the scenario's overconfidence."""
     return replace(ODOMETRY_PRESETS[scenario.odometry], overconfidence=scenario.overconfidence)
 
 
 def random_streams(scenario: Scenario) -> dict[str, np.random.Generator]:
-    """Independent random generators for "tour" and "odometry", so that a change to one does not affect the other."""
+    """Return independent random generators for "tour" and "odometry": a change to one does not affect the other."""
     tour, odometry = np.random.SeedSequence(scenario.seed).spawn(2)
     return {"tour": np.random.default_rng(tour), "odometry": np.random.default_rng(odometry)}

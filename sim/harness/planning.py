@@ -22,14 +22,15 @@ from worlds.labels import STAIRS
 from worlds.walkable import UnreachableError, Walkable, polyline_length
 
 Steering = Literal["estimate", "odometry", "truth"]
-"""Source of the robot's waypoints and pose. estimate: the waypoints are the SLAM's poses; the pose comes from odometry,
-corrected by the SLAM's last pose. odometry: both come from odometry alone. truth: both are true."""
+"""Source of the robot's waypoints and pose. estimate: the waypoints are poses of the SLAM, and the robot's pose comes from
+odometry, corrected by the SLAM's last pose. odometry: both come from odometry alone. truth: both are true."""
 
 INSIDE_M = 0.5
-"""Distance from the goal room's outline at which the shortest path into the room ends [m]. SPL compares driven paths with
-this path."""
+"""Distance from the goal room's outline at which the shortest path into the room ends [m]. The figure SPL compares driven
+paths with this path."""
 _STREAM = 3
-"""Position of the drives among the random streams of a run's seed; 0 is the tour's, 1 the odometry's, 2 the faults'."""
+"""Index of the random stream for the drives among the streams of a run's seed; 0 is for the tour, 1 for the odometry, 2 for
+the faults."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,16 +75,16 @@ class _Belief:
             return _Belief(truth, np.eye(4), OdometryConfig())
         claimed = run.estimate.T_W_B
         keyframes = run.odometry_poses if steering == "odometry" or claimed is None else claimed
-        # Correction after odometry, at the last keyframe: T_W_B[-1] @ inverse(T_O_B[-1]) @ T_O_B is T_W_B[-1] there.
+        # The correction T_W_B[-1] @ inverse(T_O_B[-1]) turns the last odometry pose T_O_B[-1] into the claimed T_W_B[-1].
         return _Belief(keyframes, keyframes[-1] @ inverse(truth[-1]), odometry_config(run.scenario))
 
 
 def try_plans(run: Run, steering: Steering = "estimate", blind: bool = False) -> list[Trial]:
-    """Ask the SLAM for a plan from each label of its rooms to every other, except stairs, and let a robot drive each plan.
+    """Ask the SLAM for a plan from each label of its rooms to every other label, and let a robot drive each plan.
 
-    The robot starts at the first frame of the plan. Its odometry has the error that it had at the end of the run, and drifts
-    on from there. If `blind`, the robot uses no range scan to avoid obstacles. If the SLAM claims no labelled rooms or
-    cannot plan paths, there are no trials.
+    Stairs are neither start nor goal. The robot starts at the first frame of the plan. Its odometry has the error that it
+    had at the end of the run, and drifts on from there. If `blind`, the robot uses no range scan to avoid obstacles. If the
+    SLAM claims no labelled rooms or cannot plan paths, there are no trials.
     """
     if not isinstance(run.slam, PlansPaths):
         return []
@@ -91,9 +92,9 @@ def try_plans(run: Run, steering: Steering = "estimate", blind: bool = False) ->
 
 
 def planned_pairs(run: Run) -> list[tuple[str, str]]:
-    """Return all pairs of labels between which plans are asked for: labels of the SLAM's rooms, except stairs, sorted.
+    """Return all pairs of labels (start, goal) between which plans are asked for.
 
-    There are none if the SLAM claims no labelled rooms.
+    The labels are those of the SLAM's rooms, except stairs, sorted. There are no pairs if the SLAM claims no labelled rooms.
     """
     rooms = run.estimate.named_rooms(run.room_names) or {}
     return list(permutations(sorted(set(rooms.values()) - {STAIRS}), 2))
@@ -124,15 +125,16 @@ def _try(
 
 
 def _in_plan(T: Pose) -> tuple[float, float, float]:
-    """Position and heading of a pose seen from above: (x [m], y [m], yaw [rad])."""
+    """Return position and heading of a pose seen from above: (x [m], y [m], yaw [rad])."""
     return float(T[0, 3]), float(T[1, 3]), float(np.arctan2(T[1, 0], T[0, 0]))
 
 
 def shortest_into(walkable: Walkable, start: Float64[np.ndarray, "3"], label: str) -> float:
     """Return the length of the shortest walkable path from `start` to a point `INSIDE_M` inside a room with the label [m].
 
-    In rooms where no such point can be reached, as in a cupboard, the innermost reachable points count instead. Raises
-    `worlds.walkable.UnreachableError` where the start is not walkable or no room with the label can be reached.
+    If no such point can be reached in any room with the label, as in a cupboard, the innermost reachable points count
+    instead. Raises `worlds.walkable.UnreachableError` where the start is not walkable or no room with the label can be
+    reached.
     """
     distances, depths = walkable.distances_from(start), _depths(walkable, label)
     depths[~np.isfinite(distances)] = 0.0
@@ -141,16 +143,19 @@ def shortest_into(walkable: Walkable, start: Float64[np.ndarray, "3"], label: st
         raise UnreachableError(f"no way into any {label}; valid: a label of a room that can be reached from the start")
     inside = np.flatnonzero(depths >= min(INSIDE_M, deepest))
     nearest = inside[np.argmin(rounded(distances[inside]))]
-    # The way over the grid is up to 8 % longer than the one that it shortens to: it would flatter the SPL.
+    # The path over the grid is up to 8 % longer than its straightened form, so with its length the SPL would be too high.
     return polyline_length(walkable.path(start, int(nearest)))
 
 
 def _depths(walkable: Walkable, label: str) -> Float64[np.ndarray, "nodes"]:
-    """For every walkable node in a room with the label, the distance to the room's outline [m]; 0 for all other nodes."""
+    """Return the distance of every walkable node in a room with the label from the room's outline [m].
+
+    It is 0 for all other nodes.
+    """
     depths = np.zeros(len(walkable.nodes))
     for index, room in enumerate(walkable.house.rooms):
         if room.label == label:
             nodes = np.flatnonzero(walkable.node_room == index)
             depths[nodes] = shapely.distance(shapely.points(walkable.nodes[nodes, :2]), room.polygon.boundary)
-    # A grid line that lies just there must not depend on the last bit of its coordinates.
+    # Whether nodes exactly `INSIDE_M` inside count must not depend on the last bit of their coordinates.
     return rounded(depths)

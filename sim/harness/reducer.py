@@ -2,8 +2,7 @@
 
 The search is greedy. The steps of `reductions` are tried in a fixed order; each yields candidates, which are simpler
 scenarios. A candidate whose run fails with the same signature replaces the scenario. The search ends when no step helps any
-more. The tour of a candidate may differ from that of the scenario, so only a run shows whether the candidate fails.
-
+more. The tour of a candidate may differ from the tour of the scenario, so only a run shows whether the candidate fails.
 """
 
 import time
@@ -27,9 +26,10 @@ _SEARCH_SHARE = 0.6
 _TO_FEATURES = "feature fidelity"
 
 Fails = Callable[[Scenario], Signature | None]
-"""Runs a scenario and returns the signature of its failure, or None if the run passes. It may raise any exception."""
+"""A function that runs a scenario and returns the signature of its failure, or None if the run passes. It may raise any
+exception."""
 Clock = Callable[[], float]
-"""Returns the time [s], like `time.monotonic`."""
+"""A function that returns the time [s], like `time.monotonic`."""
 Ending = Literal["smallest", "deadline", "interrupted"]
 """Why a search ended: no step led to a smaller failure, time was up, or the user interrupted it."""
 Outcome = Literal["fails", "passes", "fails differently", "cannot run", "invalid"]
@@ -70,10 +70,10 @@ class Reduction:
     none."""
     passing: tuple[Change, ...]
     """Scenarios one step smaller than `scenario` that were run and did not fail, in the order of the steps. If the search
-    ran on features, these were run on features, too."""
+    ran on features, these scenarios were run on features, too."""
     last_passing: tuple[Scenario, Change] | None
-    """A failing scenario and a candidate made from it: the last candidate that was run and passed. None if no candidate
-    passed."""
+    """The last run that passed: the failing scenario from which its candidate was made, and the candidate. None if no
+    candidate passed."""
     tried: int
     """Number of candidates that were tried; equal candidates count once."""
     ended: Ending
@@ -87,7 +87,7 @@ class Reduction:
 
     @property
     def sizes(self) -> tuple[ScenarioSize, ScenarioSize]:
-        """Size of the original and of the smallest scenario."""
+        """Sizes of the original and of the smallest scenario."""
         return size(self.original), size(self.scenario)
 
     @property
@@ -124,15 +124,16 @@ def reduce(
 ) -> Reduction:
     """Make a failing scenario smaller while the signature of its failure stays the same.
 
-    `steps` are tried in their order; with images, those that make a run quicker come first. A candidate counts only if its
-    house is valid and its run fails with the same signature. When `deadline_s` have passed, or on Ctrl-C, the smallest
+    `steps` are tried in their order; with images, the steps that make a run quicker come first. A candidate counts only if
+    its house is valid and its run fails with the same signature. When `deadline_s` have passed, or on Ctrl-C, the smallest
     scenario so far is returned; a run that has begun is completed after the deadline.
 
-    If the scenario has images and also fails on features, the search runs on features. The failing scenarios that it finds
-    are then run on images, from the smallest one up, until one fails. If that is not the smallest one, the search goes on
-    from there with images while time is left.
+    If the scenario has images and also fails on features, the search runs on features first. The failing scenarios that it
+    finds are then run on images, from the smallest one up, until one fails. Unless this is the smallest one, the search goes
+    on from there with images while time is left. If none fails on images, the search begins anew at the original with
+    images.
 
-    Raises `SimError` for a scenario that does not fail, and what `fails` raises for it.
+    Raises `SimError` for a scenario that does not fail, and what `fails` raises for this scenario.
     """
     end = clock() + deadline_s
     original = with_listed_house(scenario)
@@ -173,7 +174,7 @@ class _Search:
     outcomes: dict[str, Outcome] = field(default_factory=dict)
     """Outcome of every scenario that was tried; the key is the content hash of the scenario."""
     last_passing: tuple[Scenario, Change] | None = None
-    """A failing scenario and a candidate made from it: the last candidate that was run and passed."""
+    """The last run that passed: the failing scenario from which its candidate was made, and the candidate."""
     best: Scenario | None = None
     """The failing scenario whose candidates are being tried."""
     passing: dict[str, Change] = field(default_factory=dict)
@@ -195,14 +196,14 @@ class _Search:
                 moved |= self._descend_by(name, step, path, until)
 
     def steps_on(self, fidelity: Fidelity) -> Mapping[str, Step]:
-        """The steps in the order in which they are tried on scenarios of the given fidelity."""
+        """Return the steps in the order in which they are tried on scenarios of the given fidelity."""
         return for_images(self.steps) if fidelity == "render" else self.steps
 
     def _descend_by(self, name: str, step: Step, path: list[Change], until: float) -> bool:
         """Append smaller failing scenarios to the path by one step until it finds no more; return whether it found any.
 
-        The step is repeated for every found scenario. Its candidates are tried from the position at which the last one was
-        found.
+        After each success, the step is applied to the scenario that it found. Candidates before the position of the
+        successful one are not tried again.
         """
         place, moved = 0, False
         while (found := self._first_failing(name, step, path[-1].scenario, place, until)) is not None:
@@ -252,9 +253,9 @@ class _Search:
     def descend_on_features(self, start: Scenario, found: list[Change], path: list[Change]) -> None:
         """Search on features, then run the found scenarios on images, from the smallest one up, until one fails there.
 
-        `found` gets the scenarios that fail on features, from large to small. The last one is run on images first, then
-        those 1, 3, 7, ... places before it. The scenarios up to the one that fails on images are appended to `path`. If none
-        of those that were run fails on images, `found` is emptied.
+        `found` gets the scenarios that fail on features, from large to small. The last scenario of `found` is run on images
+        first, then the scenarios 1, 3, 7, ... places before it. The scenarios up to the one that fails on images are
+        appended to `path`. If none of the scenarios that were run fails on images, `found` is emptied.
         """
         self.on_features = self.outcome(_TO_FEATURES, start, self.end)
         if self.on_features != "fails":
@@ -262,7 +263,7 @@ class _Search:
         found.append(Change(_TO_FEATURES, start))
         try:
             self.descend(found, self.begin + _SEARCH_SHARE * (self.end - self.begin))
-        except _TimeUpError:  # of this part of the search; the rest of the time is for images
+        except _TimeUpError:  # the time for features is up; the rest is for images
             self.is_cut = True
         back = 1
         while back < len(found):
@@ -276,7 +277,8 @@ class _Search:
     def reduction(self, original: Scenario, path: list[Change], on_features: list[Change], ended: Ending) -> Reduction:
         """Make the result of the search from its `path`.
 
-        If time was up before a run on images confirmed anything, it is the unconfirmed result of the search on features.
+        If time was up before any smaller scenario failed on images, the result is the unconfirmed result of the search on
+        features.
         """
         unconfirmed = len(path) == 1 and len(on_features) > 1
         accepted = on_features if unconfirmed else path
@@ -296,9 +298,9 @@ class _Search:
         )
 
     def _passing(self, best: Scenario) -> list[Change]:
-        """The scenarios one step smaller than `best` that passed, in the order of the steps, with the fidelity of `best`.
+        """Return the scenarios one step smaller than `best` that passed, in the order of the steps.
 
-        Only outcomes that the search knows are used, because time may be up.
+        They have the fidelity of `best`. Only outcomes that the search already knows are used, because time may be up.
         """
         if self.best not in (best, with_features(best)):
             return []
@@ -309,7 +311,7 @@ class _Search:
 
 
 def is_valid(scenario: Scenario) -> bool:
-    """Whether the house of a scenario can be saved and loaded, can be built, and is valid; see `worlds.validation`."""
+    """Return whether the house of a scenario can be saved, loaded and built, and is valid; see `worlds.validation`."""
     try:
         if scenario.house is not None:
             built_and_checked(HouseSpec.from_json(scenario.house.to_json()))

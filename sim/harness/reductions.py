@@ -25,11 +25,11 @@ _FIRST_LENGTHS_M = (10.0, 20.0, 40.0)
 """Lengths that `shorter_tour` tries for scenarios without a requested length [m]."""
 _SMALL_PX = (240, 180)
 _FEW_HZ = 4.0
+"""Frame rate to which `fewer_frames` goes down [Hz]. LEXIS adds a keyframe every 0.7 s, and needs two frames for each."""
 _PLAIN_MOTION: Mapping[str, Any] = MappingProxyType(
     {"sway": "none", "start_manoeuvre": False, "tour_kind": "rooms", "reverse": False}
 )
 """The simplest motion, as fields of a scenario."""
-"""Frame rate to which `fewer_frames` goes down [Hz]. LEXIS adds a keyframe every 0.7 s, and needs two frames for each."""
 
 
 class ScenarioSize(NamedTuple):
@@ -54,7 +54,7 @@ class ScenarioSize(NamedTuple):
     labels: int
     """Sum of the rooms' label indices in `ROOM_LABELS`, where simple labels come first."""
     appearance: int
-    """Number of unusual looks: light that is not daylight, and textures that are not rich."""
+    """Number of unusual looks: lighting other than daylight, and textures that are not rich."""
     frame_rate_hz: float
     rig: tuple[int, int, int]
     """Index of the rig in `RIGS`, 1 if the rig is displaced on the body (else 0), and number of pixels of an image."""
@@ -115,12 +115,18 @@ def _on_house(step: house_steps.HouseStep) -> Step:
 
 
 def fewer_faults(scenario: Scenario) -> Iterator[Scenario]:
-    """Yield the scenario without any faults, without each half of the faults, each quarter, and so on down to each fault."""
+    """Yield the scenario with fewer faults.
+
+    All faults are left out first, then each half of the faults, each quarter, and so on down to each single fault.
+    """
     return (replace(scenario, faults=tuple(left)) for left in house_steps.without_parts(scenario.faults))
 
 
 def no_drift(scenario: Scenario) -> Iterator[Scenario]:
-    """Yield the scenario with perfect odometry, then with covariances that are consistent with the odometry's errors."""
+    """Yield the scenario with simpler errors of the odometry.
+
+    First the odometry is perfect and its covariances match its errors, then each of these changes is made alone.
+    """
     if scenario.odometry != "perfect":
         yield replace(scenario, odometry="perfect", overconfidence=1.0)
         yield replace(scenario, odometry="perfect")
@@ -164,7 +170,7 @@ def smaller_rig(scenario: Scenario) -> Iterator[Scenario]:
 
 
 def _with_small_images(rig: RigConfig) -> RigConfig:
-    """The rig with images of size `_SMALL_PX`; unchanged if its images have no more pixels than that."""
+    """Return the rig with images of size `_SMALL_PX`, or unchanged if its images have no more pixels than that."""
     width, height = _SMALL_PX
     return replace(rig, width=width, height=height) if rig.width * rig.height > width * height else rig
 
@@ -194,7 +200,10 @@ def _if_shorter(scenario: Scenario, length_m: float) -> Iterator[Scenario]:
 
 
 def _least_length_m(scenario: Scenario) -> float:
-    """Length of the shortest possible tour [m], rounded up, at least `_MIN_LENGTH_M`; infinite if no tour is possible."""
+    """Return the length of the shortest possible tour [m], rounded up.
+
+    It is at least `_MIN_LENGTH_M`, and infinite if no tour is possible.
+    """
     try:
         return max(_MIN_LENGTH_M, float(math.ceil(shortest_walk_m(scenario))))
     except (SimError, WorldsError):
@@ -202,9 +211,9 @@ def _least_length_m(scenario: Scenario) -> float:
 
 
 def _also_walking_least(step: Step) -> Step:
-    """Extend a step: for a scenario with the shortest possible tour, candidates come with their own shortest tours first.
+    """Extend a step: if a scenario has the shortest possible tour, its candidates first get their own shortest tours.
 
-    Then, and for all other scenarios, the candidates come with the scenario's own requested length.
+    Then, and for all other scenarios, the candidates keep the requested length of the scenario.
     """
 
     def apply(scenario: Scenario) -> Iterator[Scenario]:
@@ -234,7 +243,7 @@ STEPS: dict[str, Step] = {
     "fewer frames": fewer_frames,
     "smaller rig": smaller_rig,
 }
-"""All steps by name, in the order in which the reducer tries them: the steps that remove most come first."""
+"""All steps by name, in the order in which the reducer tries them: the steps that remove the most come first."""
 _LEAST_RENDERED = ("drop storeys", "drop rooms")
 """Steps whose candidates are first tried with their shortest tours in a search on images."""
 _COSTLY_FIRST = ("fewer frames", "smaller rig", "shorten the tour")

@@ -57,7 +57,7 @@ def _keyframes(run: Run) -> KeyframeTable:
 
 
 def _room_of_frames(run: Run) -> tuple[str, ...]:
-    """Name of the claimed room instance of every frame; "" for a frame in no room."""
+    """Return the name of the claimed room instance of every frame; "" for a frame in no room."""
     rooms = run.estimate.rooms
     if rooms is None:
         return ("",) * len(run.estimate.frames)
@@ -77,7 +77,7 @@ def _why_failed(run: Run, trial: Trial) -> str:
         return "no plan was found"
     if trial.touched:
         return "came to a drop" if DROP in trial.touched else f"ran into {trial.touched[0]}"
-    # Keyframes sway up and down with the walk: asked for at eye height, the room above the right floor is found.
+    # Heights of keyframes sway with the walk: a point at eye height is in the room, a point near its floor may be below it.
     intended = _room(run, trial.planned[-1] + [0.0, 0.0, run.session.tour.eye_height_m])
     if intended is None or run.house.room_by_id[intended].label != trial.goal:
         return f"the plan itself ends in {intended or 'no room'}, which the SLAM labels {trial.goal}"
@@ -86,7 +86,7 @@ def _why_failed(run: Run, trial: Trial) -> str:
 
 
 def _room(run: Run, point: Float64[np.ndarray, "3"]) -> str | None:
-    """Id of the room that contains a point in W [m]; None outside of all rooms."""
+    """Return the id of the room that contains a point in W [m]; None outside of all rooms."""
     room = int(room_at(run.house, point[None])[0])
     return None if room == NOWHERE else run.house.rooms[room].id
 
@@ -95,7 +95,8 @@ def _loops(run: Run) -> tuple[LoopMark, ...]:
     loops = run.estimate.loops
     if loops is None:
         return ()
-    marks = zip(loops.query.tolist(), loops.match.tolist(), edge_truth(run).tolist(), loops.weights.tolist(), strict=True)
+    weights = np.ones(len(loops.query)) if loops.weights is None else loops.weights
+    marks = zip(loops.query.tolist(), loops.match.tolist(), edge_truth(run).tolist(), weights.tolist(), strict=True)
     return tuple(LoopMark(*mark) for mark in marks)
 
 
@@ -112,7 +113,10 @@ def _candidates(run: Run) -> tuple[CandidateMark, ...]:
 
 
 def _samples(run: Run) -> tuple[SampleFrame, ...]:
-    """Up to six frames with a right and six with a wrong label, of which the SLAM was most sure, rendered once more."""
+    """Render up to six frames with a right label and six with a wrong label, those of which the SLAM was most sure.
+
+    The labels are those before refinement.
+    """
     similarities, baseline = run.estimate.similarities, run.estimate.baseline_labels
     if run.scenario.fidelity != "render" or similarities is None or baseline is None:
         return ()
@@ -125,7 +129,10 @@ def _samples(run: Run) -> tuple[SampleFrame, ...]:
 
 
 def _surest(margin: Float[np.ndarray, "n"], eligible: Bool[np.ndarray, "n"], rooms: Int[np.ndarray, "n"]) -> list[int]:
-    """Rows of the eligible frames with the largest margin, at most one per room and six in all, in the order of time."""
+    """Return the rows of the eligible frames with the largest margins, in the order of time.
+
+    At most six rows are chosen, and at most one of each true room.
+    """
     best: dict[int, int] = {}
     for k in np.argsort(-margin):
         if eligible[k]:

@@ -21,7 +21,7 @@ class HouseFigures:
 
 @dataclass(frozen=True)
 class WalkFigures:
-    """The tour of a run, its number of frames, and the number of frames that the SLAM makes claims about (`keyframes`)."""
+    """The tour of a run: length [m], duration [s], number of frames, and number of frames of the estimate (`keyframes`)."""
 
     path_m: float
     duration_s: float
@@ -182,7 +182,7 @@ class RunResult:
     faults: FaultFigures | None = None
 
     def data(self) -> dict[str, Any]:
-        """The contents of result.json. Runs without faults have no entry "faults"."""
+        """Return the contents of result.json. Runs without faults have no entry "faults"."""
         data = {"schema": SCHEMA} | asdict(self)
         if self.faults is None:
             del data["faults"]

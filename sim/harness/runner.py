@@ -193,20 +193,26 @@ def scene_of(scenario: Scenario) -> Session:
 
 
 def _session(scenario: Scenario, walked: Walk, model: FeatureModel | None) -> Session:
-    """The session that yields a scenario's observations; with a feature model, they contain percepts instead of images."""
+    """Return the session that yields a scenario's observations: percepts with a feature model, images without one."""
     camera = build_rig(scenario.rig).front
     sensor = None if model is None else FeatureSensor(model, camera, scenario.seed, scenario.encoder == ORACLE)
     return Session(walked.house, walked.tour, walked.odometry, camera, scenario.faults, scenario.seed, sensor)
 
 
 def _is_remembered(scenario: Scenario) -> bool:
-    """Whether runs of a scenario share a session. A feature model in the user's file may change between two runs."""
+    """Return whether all runs of a scenario share one session.
+
+    Only runs on features with the included feature model do. The file of another feature model may change between two runs.
+    """
     return scenario.fidelity == "features" and scenario.feature_model is None
 
 
 @lru_cache(maxsize=2)
 def _remembered_session(scenario: Scenario) -> Session:
-    """The session of a scenario on features, whose percepts are computed once although laws run the scenario often."""
+    """Return the session of a scenario on features.
+
+    Successive runs of the scenario share the session, so that percepts are computed only once when several laws run it.
+    """
     return _new_session(scenario)
 
 
@@ -215,7 +221,7 @@ def _new_session(scenario: Scenario) -> Session:
 
 
 def _feature_model(scenario: Scenario) -> FeatureModel | None:
-    """The model by which the feature sensor draws embeddings; None if the SLAM gets images."""
+    """Return the model by which the feature sensor draws embeddings; None if the SLAM gets images."""
     return None if scenario.fidelity == "render" else load_features(scenario.feature_model or MINI_FEATURES)
 
 

@@ -87,7 +87,7 @@ class Scenario(Settings, place="scenario", error=SimError):
             raise SimError(f"fault {unseen[0]!r} is seen in images only; valid: with fidelity 'render'")
 
     def data(self) -> dict[str, Any]:
-        """The scenario as plain data for JSON; `scenario_of` is the inverse."""
+        """Return the scenario as plain data for JSON; `scenario_of` is the inverse."""
         plain = {each.name: getattr(self, each.name) for each in fields(self)}
         return (
             {"format": FORMAT, "version": VERSION}
@@ -147,7 +147,7 @@ def _with_whole_numbers(data: Any) -> Any:
 
 
 def _fault_data(fault: Fault) -> dict[str, Any]:
-    """A fault's name and the fields that differ from their defaults. Some defaults are infinite, which JSON cannot hold."""
+    """Return a fault's name and the fields that differ from their defaults. JSON cannot hold defaults that are infinite."""
     return {"name": fault.name} | {
         each.name: getattr(fault, each.name) for each in fields(fault) if getattr(fault, each.name) != each.default
     }

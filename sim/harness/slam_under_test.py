@@ -64,7 +64,10 @@ class SavesFiles(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class FeatureInput:
-    """What a SLAM needs in runs of fidelity "features", in which there are no images to encode or to verify loops with."""
+    """What the harness gives to a SLAM in a run of fidelity "features": the feature model and a loop verifier.
+
+    Such a run has no images, so the SLAM can neither encode images nor compare them to verify loops.
+    """
 
     model: FeatureModel
     source: str
@@ -74,7 +77,10 @@ class FeatureInput:
     verifier: Verifier
 
     def renumbered(self, original: Callable[[int], int]) -> "FeatureInput":
-        """Return this input for a SLAM that gets observations under other indices; `original` maps those to the run's."""
+        """Return this input for a SLAM that gets observations under other indices.
+
+        `original` maps an index that the SLAM gets to the index in the run.
+        """
         if not isinstance(self.verifier, CovisibilityVerifier):
             raise SimError("feature input: its verifier cannot be renumbered; valid: the verifier of the feature sensor")
         return replace(self, verifier=self.verifier.renumbered(original))

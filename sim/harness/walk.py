@@ -26,7 +26,7 @@ class Walk:
 
 
 def shortest_walk_m(scenario: Scenario) -> float:
-    """Length of the shortest tour of the scenario's kind through its house [m].
+    """Return the length of the shortest tour of the scenario's kind through its house [m].
 
     Raises `WorldsError` for a house that is not valid, and `SimError` where no walk is possible.
     """
@@ -37,8 +37,8 @@ def shortest_walk_m(scenario: Scenario) -> float:
 def walk(scenario: Scenario) -> Walk:
     """Build and validate the house, plan the tour, and draw the odometry. Raises `WorldsError` or `SimError`.
 
-    The last walks are remembered, because many scenarios that are run one after the other differ in faults, cameras or the
-    SLAM alone.
+    The four walks that were used last are remembered, because scenarios that are run one after the other often differ only
+    in faults, cameras or the SLAM.
     """
     usual = Scenario()
     return _walk(replace(scenario, **{name: getattr(usual, name) for name in _IRRELEVANT}))

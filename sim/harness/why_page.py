@@ -148,7 +148,11 @@ def _search_sections(reduction: Reduction | None, blamed: BlameTable | None, fig
 
 
 def _mends(blamed: BlameTable, figure: str) -> Iterator[str]:
-    """Yield a table: for each substitution whether the failure is gone and, if a figure is given, the figure's value."""
+    """Yield the lines of a table that shows, for each part of the run that was replaced, whether the failure is gone.
+
+    The table has one row for each replacement, for example by perfect odometry. If `figure` is given, the row also has the
+    value of the figure with the replacement.
+    """
     yield "## What mends it"
     yield ""
     yield f"{str(blamed)[0].upper()}{str(blamed)[1:]}"
@@ -207,7 +211,7 @@ def _size_table(before: ScenarioSize, after: ScenarioSize) -> Iterator[str]:
 
 
 def _size(value: object) -> str:
-    """A size as text; an infinite length stands for a tour as long as the house needs."""
+    """Return a size as text; an infinite length becomes "as long as needed"."""
     return "as long as needed" if value == math.inf else f"{value:g}"
 
 

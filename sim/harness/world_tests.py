@@ -153,7 +153,10 @@ def slug_of(name: str) -> str:
 
 
 def stored_failures(out: Path, name: str) -> list[StoredWorld]:
-    """Return the scenarios of a test's earlier failures, whatever its parameters, sorted by the failure folders' names."""
+    """Return the scenarios of a test's earlier failures, each once, sorted by the names of the failure folders.
+
+    Failures with any parameters of the test are included.
+    """
     pattern = re.compile(re.escape(slug_of(name)) + "(?:-.+)?-([0-9a-f]{16})")
     folders = sorted(out.iterdir()) if out.is_dir() else []
     matches = [(folder / SCENARIO, pattern.fullmatch(folder.name)) for folder in folders]
@@ -180,15 +183,15 @@ def worlds(
 
     Args:
         presets: families of houses, taken in turn.
-        openness: share of the inner walls that is open, or the two ends of a range to draw it from; None: as the preset
-            draws it.
+        openness: share of the inner walls that is open, or the two ends of a range from which the share is drawn; None: as
+            the preset draws it.
         storeys: number of storeys; None: as the preset draws it.
         max_rooms: greatest number of rooms, to which corridors, halls and stairs are added; None: as the preset draws it.
         n: number of houses.
         fidelity: "features" and "render" say what the SLAM gets (see `Scenario.fidelity`); with "layout" no SLAM runs.
         plans: whether a robot drives the plans of the SLAM; None: with fidelity "render" only.
-        length_m: length of the tour [m], or that of the shortest tour through all rooms if this is longer; None: the
-            length that is usual for the house.
+        length_m: length of the tour [m]. If the shortest tour through all rooms is longer, the tour has that length. None:
+            the length that is usual for the house.
         frame_rate_hz: observations per second [Hz]; None: 10 with fidelity "render", otherwise 2.
         odometry: how the odometry drifts: a key of `sim.odometry.ODOMETRY_PRESETS`.
         encoder: the vision-language model; see `Scenario.encoder`.

@@ -1,4 +1,4 @@
-"""Settings of simulated odometry, and presets with the drift that was measured for each of them."""
+"""Settings of simulated odometry, and presets with the measured drift of each preset."""
 
 import math
 from dataclasses import dataclass
@@ -15,9 +15,9 @@ class OdometryConfig(Settings, place="odometry", error=SimError):
     """Parameters of the error of simulated odometry, which grows with the path's length; see `sim.odometry.simulation`."""
 
     position_walk_m: Annotated[float, Ge(0)] = 0.0
-    """White noise of the increments: standard deviation of the position's random walk after 1 m, per axis [m/√m]."""
+    """White noise of translation: standard deviation of the position's random walk after 1 m of path, per axis [m/√m]."""
     yaw_walk_rad: Annotated[float, Ge(0)] = 0.0
-    """White noise of the yaw increments: standard deviation of yaw's random walk after 1 m [rad/√m]."""
+    """White noise of yaw: standard deviation of the yaw's random walk after 1 m of path [rad/√m]."""
     scale_error: Annotated[float, Ge(0)] = 0.0
     """Standard deviation of the relative error of scale. The error is constant in a run and differs between runs."""
     velocity_bias: Annotated[float, Ge(0)] = 0.0
@@ -31,10 +31,10 @@ class OdometryConfig(Settings, place="odometry", error=SimError):
     tilt_correlation_m: Annotated[float, Gt(0)] = 2.0
     """Length of path over which the correlation of the errors of roll and pitch falls to 1/e [m]."""
     overconfidence: Annotated[float, Ge(1)] = 1.0
-    """Factor by which the reported covariance is too small. It equals the NEES (normalised estimation error squared) per
-    degree of freedom of an increment. At 1, covariances match the errors; published filters reach 200 in orientation."""
+    """Factor by which the reported covariance is too small. This is also the NEES (normalised estimation error squared) of
+    an increment, per degree of freedom. At 1, covariances match the errors; published filters reach 200 in orientation."""
     rate_hz: Annotated[float, Ge(100)] = 100.0
-    """Least rate of the increments of motion from which poses are integrated along a tour [Hz]."""
+    """Least rate of the increments of motion that are added up along a tour [Hz]."""
 
 
 def _preset(
@@ -76,7 +76,7 @@ openvins      0.07 m  0.85 deg   0.13 m  1.06 deg   0.19 m  1.26 deg   0.11 m
   0.184 m 1.43 deg). These sequences stay in one small room. The preset drifts too little over a house to show the difference
   between a good and a bad back end, so the other presets do not follow this curve.
 
-`overconfidence` is the NEES per degree of freedom of single increments. If increments are composed over 8 to 96 m as though
-they were independent, the NEES is 0.8 to 1.0 times `overconfidence` (`openvins`: 0.5 to 0.8). The reason is that tilt errors
-cancel each other, which lowers the NEES. Biases add up and raise the NEES, but less.
+`overconfidence` is the NEES per degree of freedom of single increments. If the increments of 8 to 96 m of path are composed
+as though they were independent, the NEES is 0.8 to 1.0 times `overconfidence` (`openvins`: 0.5 to 0.8). The reason is that
+tilt errors cancel each other, which lowers the NEES. Biases add up and raise the NEES, but by less.
 """

@@ -44,11 +44,11 @@ class Imu:
     """Measurements of an inertial sensor in the body frame B, and its biases."""
 
     stamps: Float64[np.ndarray, "n"]
-    """Times of the measurements [s]."""
+    """Times of the measurements, from the start of the motion [s]."""
     angular_velocity: Float64[np.ndarray, "n 3"]
     """Angular velocity of B relative to W, expressed in B [rad/s]."""
     specific_force: Float64[np.ndarray, "n 3"]
-    """Acceleration minus gravity, expressed in B: +9.81 along z when B is level and at rest [m/s²]."""
+    """Acceleration of B minus gravity, expressed in B [m/s²]: +9.81 along z if B is level and at rest."""
     gyroscope_bias: Float64[np.ndarray, "n 3"]
     """Bias that `angular_velocity` contains [rad/s]."""
     accelerometer_bias: Float64[np.ndarray, "n 3"]
@@ -58,9 +58,9 @@ class Imu:
 def ideal_imu(motion: Motion, rate_hz: float = 200.0) -> Imu:
     """Compute error-free measurements from the start to the end of a motion, from the motion's exact derivatives.
 
-    Fourth-order integration of measurements at 200 Hz (cubics through four samples, two terms of Magnus's series for the
-    rotation) reproduces a minute of the trajectory to 0.2 mm, with or without sway. The trapezoidal rule reproduces it to
-    2 to 7 cm.
+    If measurements at 200 Hz are integrated to fourth order (cubics through four samples, two terms of Magnus's series for
+    the rotation), the result is within 0.2 mm of the trajectory after a minute, with or without sway. With the trapezoidal
+    rule, the error is 2 to 7 cm.
     """
     t = np.arange(round(motion.duration_s * rate_hz) + 1) / rate_hz
     force = motion.acceleration(t) + [0.0, 0.0, GRAVITY_M_S2]
@@ -71,8 +71,8 @@ def ideal_imu(motion: Motion, rate_hz: float = 200.0) -> Imu:
 def corrupted(imu: Imu, config: ImuConfig, rng: np.random.Generator) -> Imu:
     """Add white noise and biases to measurements.
 
-    Each bias starts with a random value, drawn with the turn-on deviation of `config`, and then drifts as a random walk.
-    Raises `SimError` if the measurements are not at the config's rate.
+    Each bias starts with a random value, whose standard deviation is the turn-on value in `config`, and then drifts as a
+    random walk. Raises `SimError` if the measurements do not have the rate in `config`.
     """
     step = 1.0 / config.rate_hz
     if not np.allclose(np.diff(imu.stamps), step, rtol=0.0, atol=1e-9):
@@ -80,7 +80,7 @@ def corrupted(imu: Imu, config: ImuConfig, rng: np.random.Generator) -> Imu:
     shape = (2, len(imu.stamps), 3)
     noise = rng.standard_normal(shape) * np.sqrt(config.rate_hz)
     walk = np.cumsum(rng.standard_normal(shape) * np.sqrt(step), axis=1)
-    turn_on = rng.standard_normal((2, 3))  # drawn last: the noise is the same with and without
+    turn_on = rng.standard_normal((2, 3))  # drawn last, so that initial biases do not change the noise
     gyroscope_bias = config.gyroscope_walk * (walk[0] - walk[0, 0]) + config.gyroscope_turn_on * turn_on[0]
     accelerometer_bias = config.accelerometer_walk * (walk[1] - walk[1, 0]) + config.accelerometer_turn_on * turn_on[1]
     return Imu(

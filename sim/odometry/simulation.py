@@ -1,6 +1,6 @@
 """Simulated visual-inertial odometry, whose pose estimate drifts in position and yaw but not in roll and pitch.
 
-Errors are added to each increment of the motion, 100 or more in a second:
+Errors are added to each increment of the motion (`OdometryConfig.rate_hz` or more in a second):
 
 - Translation and yaw have white noise and slowly varying biases, which are first-order Gauss-Markov processes.
 - The scale has a relative error that is constant through a run.
@@ -25,9 +25,9 @@ from sim.tours.tour import Tour
 __all__ = ["ODOMETRY_PRESETS", "Odometry", "OdometryConfig", "simulate_odometry", "tour_odometry"]
 
 METRES_PER_RADIAN = 0.3
-"""Distance that a rotation by one radian counts as, where errors grow with distance [m/rad]."""
+"""Distance that makes errors grow as much as a rotation by one radian does [m/rad]."""
 _VARIANCE_FLOOR = 1e-10
-"""Added variance that keeps covariances invertible if the body stands or does not drift [rad², m²]."""
+"""Variance that is added to keep covariances invertible where the body stands still or does not drift [rad², m²]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class Odometry:
     """Output of the odometry at each reported stamp."""
 
     T_O_B: Float64[np.ndarray, "n 4 4"]
-    """Estimated poses in the odometry frame O, which coincides with W at the first pose."""
+    """Estimated poses in the odometry frame O. O equals W at the first pose, and drifts away from W afterwards."""
     increment_covariance: Float64[np.ndarray, "n 6 6"]
     """Covariance of the error `xi` of the motion since the previous pose, rotation first [rad², m²].
 
@@ -44,7 +44,7 @@ class Odometry:
 
 
 def tour_odometry(tour: Tour, config: OdometryConfig, rng: np.random.Generator) -> Odometry:
-    """Simulate odometry along a tour. It integrates `config.rate_hz` or more increments a second and reports each frame."""
+    """Simulate odometry along a tour. It adds up at least `config.rate_hz` increments a second, and reports every frame."""
     pieces = np.ceil(np.diff(tour.stamps) * config.rate_hz - 1e-6).astype(int)
     frames = np.append(0, np.cumsum(pieces))
     stamps = np.interp(np.arange(frames[-1] + 1), frames, tour.stamps)
@@ -60,8 +60,8 @@ def simulate_odometry(
 ) -> Odometry:
     """Simulate odometry along true poses, with one increment between consecutive poses.
 
-    `reported` holds the indices of the poses to report, in ascending order from 0 (None: all). Raises `SimError` if poses
-    are not rigid, or if stamps or indices do not ascend.
+    `reported` has the indices of the poses to report, in ascending order from 0; None stands for all poses. Raises
+    `SimError` if poses are not rigid, or if stamps or indices do not ascend.
     """
     reported = np.arange(len(T_W_B)) if reported is None else reported
     _check(T_W_B, stamps, reported)
@@ -87,7 +87,10 @@ def simulate_odometry(
 def _drift(
     R_W_B: Float64[np.ndarray, "m 3 3"], moved: Float64[np.ndarray, "m"], config: OdometryConfig, rng: np.random.Generator
 ) -> tuple[Float64[np.ndarray, "m_plus_1"], Float64[np.ndarray, "m 3"]]:
-    """Return each pose's yaw error [rad], and each step's translation error in W [m] apart from effects of scale and yaw."""
+    """Return the yaw error of each pose [rad] and the translation error of each step in W [m].
+
+    The translation errors do not include the effects of the errors of scale and yaw.
+    """
     bias = _gauss_markov(rng.standard_normal(4), moved, config.bias_correlation_m, rng)[:-1]
     root = np.sqrt(moved)
     yaw = config.yaw_walk_rad * root * rng.standard_normal(len(moved)) + config.yaw_bias_rad_m * bias[:, 0] * moved
@@ -99,7 +102,11 @@ def _drift(
 def _gauss_markov(
     start: Float64[np.ndarray, "k"], moved: Float64[np.ndarray, "m"], correlation_m: float, rng: np.random.Generator
 ) -> Float64[np.ndarray, "m_plus_1 k"]:
-    """Draw `k` independent first-order Gauss-Markov processes of unit variance, exact for steps of any length."""
+    """Draw `k` independent first-order Gauss-Markov processes of unit variance, with the values `start` at the first pose.
+
+    `moved` are the lengths of the steps [m], and `correlation_m` is the length over which the correlation falls to 1/e [m].
+    The processes are exact for steps of any length.
+    """
     kept = np.exp(-moved / correlation_m)
     fresh = np.sqrt(1.0 - kept**2)[:, None] * rng.standard_normal((len(moved), len(start)))
     # The banded system solves x[i + 1] - kept[i] x[i] = fresh[i] for all i at once.
@@ -110,7 +117,7 @@ def _gauss_markov(
 def _covariance(
     T_W_B: Float64[np.ndarray, "n 4 4"], moved: Float64[np.ndarray, "n_minus_1"], config: OdometryConfig
 ) -> Float64[np.ndarray, "n 6 6"]:
-    """Return the covariance of each increment's error: computed in the axes of W, then rotated into the axes of B."""
+    """Return the covariance of the error of each increment in the axes of B. It is first computed in the axes of W."""
     step = np.diff(T_W_B[:, :3, 3], axis=0)
     horizontal = np.diag([1.0, 1.0, 0.0])
     kept = np.exp(-moved / config.tilt_correlation_m)

@@ -26,7 +26,7 @@ from sim.record.take import RecordedFrame, Take, prepare
 from sim.truth import Truth
 
 TIMEOUT_S, MEMORY_MB = 600.0, 8192.0
-"""Usual limits of a program: wall time [s], and memory that each of its processes may allocate [MB]."""
+"""Usual limits of a program: wall time [s], and the memory that each of its processes may allocate [MB]."""
 DATASET, OUT = "{dataset}", "{out}"
 """Placeholders in a command for the folder of the recording and the folder of the claims."""
 _KEPT_BYTES = 1_000_000
@@ -194,7 +194,8 @@ def _execute(words: Sequence[str], work: Path, timeout_s: float, memory_mb: floa
 def _exit_status(words: Sequence[str], timeout_s: float, memory_mb: float, stdout: BinaryIO, stderr: BinaryIO) -> int | None:
     """Run a program in a process group of its own; return its exit status, or None if it took too long.
 
-    A negative status is the signal that ended the program. At the end, all processes of the group are killed.
+    A negative status is the number of the signal that ended the program, with a minus sign. At the end, all processes of the
+    group are killed.
     """
     memory = int(memory_mb * 1e6)
 
@@ -221,7 +222,7 @@ def _exit_status(words: Sequence[str], timeout_s: float, memory_mb: float, stdou
 
 
 def _end_of(path: Path) -> bytes:
-    """The last megabyte of a file."""
+    """Return the last megabyte of a file."""
     with path.open("rb") as file:
         file.seek(max(0, path.stat().st_size - _KEPT_BYTES))
         return file.read()

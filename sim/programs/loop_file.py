@@ -20,7 +20,8 @@ _UNIT = 0.01
 """Largest accepted deviation of a quaternion's norm from 1."""
 
 RowsOf: TypeAlias = Callable[[Sequence[float]], Int[np.ndarray, "k"]]
-"""Finds the rows of the estimate for stamps [s]. It raises `SimError` for a stamp without a frame in the estimate."""
+"""A function that finds the rows of the estimate for stamps [s]. It raises `SimError` for a stamp without a frame in the
+estimate."""
 
 
 class _Strict(BaseModel):
@@ -36,12 +37,12 @@ class LoopClaim(_Strict):
     """Stamp of the earlier frame [s]."""
     T_match_query: Annotated[list[float], Field(min_length=7, max_length=7)]
     """Measured pose of the body at the later frame, in the body frame of the earlier frame: tx ty tz [m], qx qy qz qw."""
-    weight: Annotated[float, Field(ge=0.0, le=1.0)] = 1.0
-    """Final confidence of the program in the loop."""
+    weight: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
+    """Final confidence of the program in the loop; 1 if only other loops of the file have a weight."""
 
 
 class RevisitClaim(_Strict):
-    """Earlier frames that may show the same place as one later frame, as proposed by the program before verification."""
+    """Earlier frames that may show the same place as one later frame. The program proposed them before verification."""
 
     query: float
     """Stamp of the later frame [s]."""
@@ -60,7 +61,7 @@ class LoopFile(_Strict):
 
 
 def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
-    """Read loops.json as the fields of `Estimate` that it claims: `loops`, and `candidates` if it lists them.
+    """Read loops.json, and return its claims as fields of `Estimate`: `loops`, and `candidates` if the file lists them.
 
     Raises `SimError` for a file that is not valid, a stamp that belongs to no frame, a loop whose match is not earlier than
     its query, and a quaternion whose norm is not 1.
@@ -69,14 +70,19 @@ def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
     query, match = (rows_of([getattr(loop, name) for loop in file.loops]) for name in ("query", "match"))
     rows = np.array([loop.T_match_query for loop in file.loops], float).reshape(-1, 7)
     _check(file.loops, query <= match, np.linalg.norm(rows[:, 3:], axis=1))
-    claims: dict[str, Any] = {
-        "loops": LoopClaims(query, match, poses_of(rows), np.array([loop.weight for loop in file.loops], float))
-    }
+    claims: dict[str, Any] = {"loops": LoopClaims(query, match, poses_of(rows), _weights(file.loops))}
     if file.candidates is not None:
         queries = rows_of([revisit.query for revisit in file.candidates]).tolist()
         matches = [tuple(rows_of(revisit.matches).tolist()) for revisit in file.candidates]
         claims["candidates"] = tuple(zip(queries, matches, strict=True))
     return claims
+
+
+def _weights(loops: Sequence[LoopClaim]) -> Float64[np.ndarray, "m"] | None:
+    """Return the weights of all loops, or None if no loop has a weight."""
+    if all(loop.weight is None for loop in loops):
+        return None
+    return np.array([1.0 if loop.weight is None else loop.weight for loop in loops])
 
 
 def _check(loops: Sequence[LoopClaim], forward: Bool[np.ndarray, "m"], norms: Float64[np.ndarray, "m"]) -> None:

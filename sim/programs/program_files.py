@@ -43,7 +43,7 @@ class FrameClaim(BaseModel):
 
 
 class RoomClaims(BaseModel):
-    """The content of a program's rooms.json. If one frame has a label, all frames need one; likewise room and floor."""
+    """The content of a program's rooms.json. Labels, rooms and floors each have to be given for all frames or for none."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
 
@@ -53,7 +53,7 @@ class RoomClaims(BaseModel):
 
 @dataclass(frozen=True, eq=False)
 class RecordedTimes:
-    """The stamps of a recording. They assign each output of a SLAM program, such as a pose, to its observation."""
+    """The stamps of a recording. They relate each output of a SLAM program, such as a pose, to its observation."""
 
     stamps: Float64[np.ndarray, "n"]
     """Stamps of all frames as they were recorded [s]."""
@@ -71,7 +71,7 @@ class RecordedTimes:
         return self.indices[order[near]], np.abs(ordered[near] - stamps)
 
     def span(self) -> str:
-        """The first and the last stamp, for messages."""
+        """Return the first and the last stamp as text for messages."""
         return f"{self.stamps.min():.6f} to {self.stamps.max():.6f} s"
 
 
@@ -93,7 +93,10 @@ def read_estimate(folder: Path, times: RecordedTimes, room_names: Sequence[str])
 
 
 def _rows(stamps: Float64[np.ndarray, "k"], times: RecordedTimes, frames: Sequence[int]) -> Int[np.ndarray, "k"]:
-    """Return the rows of the estimate for stamps in loops.json. Raises `SimError` for a stamp of none of the `frames`."""
+    """Return the rows of the estimate for stamps in loops.json.
+
+    Raises `SimError` for a stamp that belongs to none of the `frames` of the estimate.
+    """
     if not len(stamps):
         return np.zeros(0, int)
     found, away_s = times.nearest(stamps)
@@ -108,7 +111,10 @@ def _rows(stamps: Float64[np.ndarray, "k"], times: RecordedTimes, frames: Sequen
 
 
 def _poses(path: Path, times: RecordedTimes) -> dict[int, Pose]:
-    """Return the claimed pose of each frame, by its index: the nearest in time that is at most half a frame period away."""
+    """Return the claimed pose of each frame, by the index of the frame.
+
+    It is the claimed pose that is nearest in time, and at most half a frame period away.
+    """
     if not path.exists():
         raise SimError(f"command: the program wrote no {{out}}/{TRAJECTORY}; valid: poses at stamps of frames")
     stamps, poses = read_tum(path)

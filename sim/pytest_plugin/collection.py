@@ -47,23 +47,23 @@ def pytest_collection_finish(session: pytest.Session) -> None:
 
 
 def family_of(item: pytest.Item) -> WorldFamily | None:
-    """What a test that is decorated with `worlds` requires of its houses and runs; None for any other test."""
+    """Return what a test decorated with `worlds` requires of its houses and runs; None for any other test."""
     return _family(getattr(item, "function", None))
 
 
 def world_of(item: pytest.Item) -> World:
-    """The world for which `pytest_generate_tests` has made a decorated test."""
+    """Return the world for which `pytest_generate_tests` has made a decorated test."""
     world: World = item.callspec.params["scenario"]  # type: ignore[attr-defined]
     return world
 
 
 def name_of(item: pytest.Item) -> str:
-    """File and function of a test. If the test is not decorated, the id of its parameters follows."""
+    """Return file and function of a test. If the test is not decorated, the id of its parameters follows."""
     return item.nodeid if family_of(item) is None else item.nodeid.removesuffix(f"[{item.callspec.id}]")  # type: ignore[attr-defined]
 
 
 def parameters_of(item: pytest.Item) -> str:
-    """The pytest id of the parameters that a decorated test has besides its world; empty if there are none."""
+    """Return the pytest id of the parameters that a decorated test has besides its world; empty if there are none."""
     if family_of(item) is None:
         return ""
     ids: str = item.callspec.id  # type: ignore[attr-defined]

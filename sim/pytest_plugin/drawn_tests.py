@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 def replay_of_draws(item: pytest.Item, scenario: "Scenario | None") -> Iterator[None]:
     """While the block runs, let a test with `@given` run once, on the stored scenario and its house instead of drawn ones.
 
-    Hypothesis still draws the other arguments. An exception of the test is held back and raised at the end of the block,
-    because Hypothesis would draw further examples if it saw the exception. Tests without `@given` run as usual, and so do
-    all tests if `scenario` is None.
+    Hypothesis still draws the other arguments. An exception of the test is raised at the end of the block only: if
+    Hypothesis saw the exception, it would draw further examples. Tests without `@given` run as usual, and so do all tests if
+    `scenario` is None.
     """
     handle = getattr(getattr(item, "obj", None), "hypothesis", None)
     if scenario is None or handle is None:

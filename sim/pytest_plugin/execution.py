@@ -1,4 +1,4 @@
-"""Executes a test once, and records its runs and the reason of its failure."""
+"""Executes a test once, and records its runs and the reason for its failure."""
 
 from collections.abc import Generator
 from dataclasses import dataclass, field
@@ -78,11 +78,11 @@ EXECUTION = pytest.StashKey[Execution]()
 
 def execute(item: pytest.Item, nextitem: pytest.Item | None, world: World) -> tuple[list[pytest.TestReport], Execution]:
     """Set up, run and tear down a decorated test in one world; return pytest's reports and the record of the execution."""
-    item._report_sections.clear()  # otherwise what every execution prints piles up
+    item._report_sections.clear()  # otherwise the printed output of all executions adds up
     execution = item.stash[EXECUTION] = Execution(world)
     try:
         return runtestprotocol(item, log=False, nextitem=nextitem), execution
-    except KeyboardInterrupt:  # pytest goes no further, and the fixtures would stay
+    except KeyboardInterrupt:  # pytest stops here and would leave the fixtures set up
         item.session._setupstate.teardown_exact(nextitem)
         raise
     finally:
@@ -93,8 +93,8 @@ def execute(item: pytest.Item, nextitem: pytest.Item | None, world: World) -> tu
 def pytest_runtest_setup(item: pytest.Item) -> Generator[None, None, None]:
     """Record the runs that fixtures start.
 
-    An exception of the SLAM in the fixture `run` is kept. `pytest_runtest_call` then raises it, so that the test fails and
-    not its setup.
+    If the SLAM raises an exception in the fixture `run`, the exception is stored, and `pytest_runtest_call` raises it.
+    pytest then reports a failure of the test, not an error of its setup.
     """
     if EXECUTION not in item.stash:
         item.stash[EXECUTION] = Execution()
@@ -131,7 +131,7 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
 
 
 def reason_of(item: pytest.Item, error: pytest.ExceptionInfo[BaseException]) -> Reason:
-    """Describe a failure by its exception and the last line of the user's own code in the traceback."""
+    """Describe a failure by its exception and by the last line of the user's own code in the traceback."""
     own = [entry for entry in error.traceback if _is_own(Path(entry.path), item.config.rootpath)]
     entry = own[-1] if own else error.traceback[-1]
     where = f"{relpath(entry.path, item.config.invocation_params.dir)}:{entry.lineno + 1}"

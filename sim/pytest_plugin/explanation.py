@@ -1,4 +1,4 @@
-"""What pytest shows of a failure: what failed, where it first went wrong, the folder of the failure, and the replay."""
+"""What pytest shows of a failure: what failed, where it first went wrong, the failure's folder, and how to replay it."""
 
 import re
 import shlex
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from sim.harness.scenario import Scenario
 
 _FIGURE = re.compile(r"\b((?:labels|rooms|floors|loops|trajectory)\.\w+)")
-"""The dotted name of a figure in a statement, whatever the test calls its result."""
+"""The dotted name of a figure in a statement, whatever name the result has in the test."""
 
 
 def add_text(item: pytest.Item, execution: Execution, report: pytest.TestReport, search: "Search | None" = None) -> None:
@@ -36,7 +36,7 @@ def add_text(item: pytest.Item, execution: Execution, report: pytest.TestReport,
     rest = _lines(item, execution, scenario, search)
     if family_of(item) is not None and item.config.option.tbstyle == "auto":
         report.longrepr = "\n".join([*lines, *rest])
-    elif isinstance(report.longrepr, ExceptionRepr):  # whose sections junit shows too
+    elif isinstance(report.longrepr, ExceptionRepr):  # JUnit reports show sections of this object, too
         report.longrepr.addsection("lexis", "\n".join(rest))
     else:
         report.sections.append(("lexis", "\n".join(rest)))
@@ -63,13 +63,16 @@ def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search
 
 
 def _figure(execution: Execution) -> str | None:
-    """The figure in the failing statement, such as "floors.accuracy" in "assert run.floors.accuracy > 0.9"; None without."""
+    """Return the figure in the failing statement; None if there is none.
+
+    An example is "floors.accuracy" in "assert run.floors.accuracy > 0.9".
+    """
     found = None if execution.failure is None else _FIGURE.search(execution.failure.statement)
     return found and found[1]
 
 
 def _first_wrong(outcome: "FinishedRun | Crash", figure: str | None) -> str:
-    """Room and time of the first error that the figure counts; "" if nothing is known about them."""
+    """Return room, time and kind of the first error that affects the figure, as text; "" if nothing is known about it."""
     from sim.harness.crash import Crash
     from sim.harness.first_wrong import crash_frame, first_wrong
     from sim.harness.runner import scene_of
@@ -99,7 +102,10 @@ def _folder(item: pytest.Item, execution: Execution, outcome: "FinishedRun | Cra
 
 
 def _is_in_its_folder(item: pytest.Item, scenario: "Scenario") -> bool:
-    """Whether the test is the test_replay.py in a folder of `lexis-sim shrink` or `check`, with its scenario beside it."""
+    """Return whether the test is test_replay.py in the folder of a failure, with its scenario beside it.
+
+    Such folders are written by `lexis-sim shrink` and `lexis-sim check`.
+    """
     from sim.errors import SimError
     from sim.harness.scenario import Scenario
 
@@ -116,7 +122,7 @@ def _error(execution: Execution) -> BaseException:
 
 
 def _replayed(item: pytest.Item, execution: Execution) -> Path | None:
-    """The scenario file that this execution replays; None if it is no replay."""
+    """Return the scenario file that this execution replays; None if it is no replay."""
     if execution.world is None:
         return replayed_file(item.config)
     return execution.world.file if isinstance(execution.world, StoredWorld) else None

@@ -36,7 +36,7 @@ def house(scenario: "Scenario") -> "House":
 
 @pytest.fixture
 def slam(scenario: "Scenario") -> "SlamUnderTest":
-    """The SLAM under test. Override this fixture to test your own; here it is LEXIS."""
+    """The SLAM under test: LEXIS, unless you override this fixture to test your own."""
     from sim.harness.adapters.lexis import Lexis
 
     return Lexis(scenario.encoder)
@@ -44,7 +44,7 @@ def slam(scenario: "Scenario") -> "SlamUnderTest":
 
 @pytest.fixture
 def run(request: pytest.FixtureRequest, scenario: "Scenario", slam: "SlamUnderTest") -> "RunResult":
-    """The result of running the SLAM on the scenario. If the SLAM raises an exception, the test fails with it."""
+    """The result of the SLAM on the scenario. If the SLAM raises an exception, the test fails with this exception."""
     from sim.harness.figures import evaluate
     from sim.harness.planning import try_plans
     from sim.harness.runner import run as run_scenario

@@ -1,4 +1,4 @@
-"""The options of the plugin, and what follows from them: the seed of all houses, the markers and the folders of failures."""
+"""The options of the plugin, and the settings that follow: the seed of all houses, the markers and the failure folders."""
 
 import argparse
 import secrets
@@ -98,7 +98,7 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 
 def replayed_file(config: pytest.Config) -> Path | None:
-    """The scenario file that `--lexis-replay` names; None without the option."""
+    """Return the scenario file that `--lexis-replay` names; None without the option."""
     path: Path | None = config.option.lexis_replay
     if path is None:
         return None
@@ -107,17 +107,17 @@ def replayed_file(config: pytest.Config) -> Path | None:
 
 
 def out_folder(config: pytest.Config) -> Path:
-    """The folder that holds the folders of all failures."""
+    """Return the folder that holds the folders of all failures."""
     return Path(config.invocation_params.dir / config.option.lexis_out)
 
 
 def wants_to_shrink(config: pytest.Config) -> bool:
-    """Whether failing scenarios are made smaller: by default yes, except in a replay; under a debugger never."""
+    """Return whether failing scenarios are made smaller: by default yes, except in a replay; never under a debugger."""
     option: bool | None = config.option.lexis_shrink
     wanted = config.option.lexis_replay is None if option is None else option
     return wanted and not config.option.usepdb
 
 
 def loading_options(config: pytest.Config) -> list[str]:
-    """The options with which a pytest command loads this plugin; empty unless the user has loaded it by `-p`."""
+    """Return the options with which pytest loads this plugin; empty unless the user has loaded the plugin by `-p`."""
     return ["-p", MODULE] if MODULE in config.option.plugins else []

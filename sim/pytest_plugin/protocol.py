@@ -1,6 +1,7 @@
 """Decides how pytest runs and reports tests.
 
-A decorated test runs in its own house and in further houses within the time budget; if it fails, also in smaller ones.
+A decorated test runs in its own house, and then in further houses within the time budget. If the test fails, it runs
+again in smaller houses.
 """
 
 import time

@@ -24,7 +24,7 @@ class _Chosen:
     name: str = "chosen"
 
     def scenario(self) -> "Scenario":
-        """Return the stored scenario."""
+        """Return the existing scenario."""
         return self.chosen
 
 
@@ -33,9 +33,8 @@ def shrunk(
 ) -> "tuple[Execution, Search | None]":
     """Search for the smallest scenario in which the test fails in the same way.
 
-    Returns the execution of the test in this scenario, and the search. If the failure does not recur, the execution is
-    `found`, and the search is None. After Ctrl-C, the smallest failure so far is returned, and pytest is told to stop after
-    this test.
+    Returns the execution of the test in this scenario, and the search. If the failure does not recur, `found` and None are
+    returned. After Ctrl-C, the smallest failure so far is returned, and pytest is told to stop after this test.
     """
     from sim.harness.failed_test import Search
     from sim.harness.reducer import reduce
@@ -54,7 +53,7 @@ def shrunk(
 
     try:
         reduction = reduce(scenario, fails)
-    except (SimError, WorldsError):  # it does not fail again, or its house has no list of furniture
+    except (SimError, WorldsError):  # the failure does not recur, or the house cannot be built
         return found, None
     except KeyboardInterrupt:  # before the reducer has anything to keep
         _stop(item)
@@ -86,7 +85,7 @@ def _stop(item: pytest.Item) -> None:
 
 
 def _signature(execution: Execution) -> "Signature | None":
-    """The signature of a failure: the type of the exception and the line that raised it."""
+    """Return the signature of a failure: the type of the exception and the line that raised it; None without a failure."""
     from sim.harness.failure_signature import Signature
 
     failure = execution.failure

@@ -38,8 +38,8 @@ ODOMETRY_COLUMNS = ("#timestamp [ns]", *POSE_COLUMNS, *(f"cov_{row}{column}" for
 def write_euroc(folder: Path, take: Take, frames: Iterable[RecordedFrame], images: str) -> None:
     """Write a take (the sensor data of one walk) to `folder`. Raises OSError.
 
-    The folder gets the data in `mav0`, a list of image stamps for ORB-SLAM3, and settings files for other systems. `images`
-    is png or jpg.
+    The folder gets the data in `mav0`, a list of image stamps for ORB-SLAM3, and settings files for other SLAM systems.
+    `images` is the kind of images, png or jpg.
     """
     sensors = folder / SENSORS
     sensors.mkdir()
@@ -99,7 +99,7 @@ def _state_rows(poses: Float64[np.ndarray, "n 4 4"]) -> Float64[np.ndarray, "n 7
 
 
 def _write_csv(path: Path, columns: Iterable[str], rows: Iterable[Sequence[object]]) -> None:
-    """Write rows as CSV. Floats have enough digits, so that reading gives the same values bit by bit."""
+    """Write rows as CSV. Floats have so many digits that a reader gets exactly the same values."""
     with open(path, "w", newline="", encoding="utf-8") as file:
         file.write(",".join(columns) + "\n")
         csv.writer(file, lineterminator="\n").writerows(rows)

@@ -48,7 +48,7 @@ class Messages:
     def __init__(self, types: Any, latched: Any) -> None:
         self.types = types
         self.latched = latched
-        """Quality-of-service profile of latched topics, whose last message late subscribers receive, too."""
+        """Quality-of-service profile of latched topics: those who subscribe later receive the last message, too."""
         self._of = {name.rsplit("/", 1)[1]: types.types[name] for name in _TYPES}
 
     @staticmethod
@@ -81,7 +81,7 @@ class Messages:
     def camera_info(self, stamp_ns: int, name: str, camera: Camera, first: Camera, distortion: Distortion) -> Any:
         """Return the CameraInfo message with the calibration of a camera.
 
-        Entry (0, 3) of P is -fx times the distance by which the camera is to the right of the camera `first` [px m].
+        Entry (0, 3) of the matrix P is -fx b [px m], where b is how far the camera is to the right of the camera `first`.
         """
         k = camera.intrinsics
         to_the_right = (inverse(first.T_B_C) @ camera.T_B_C)[0, 3]
@@ -119,7 +119,7 @@ class Messages:
         specific_force: Float64[np.ndarray, "3"],
         config: ImuConfig,
     ) -> Any:
-        """Return the message of an IMU measurement, without orientation. Its covariances follow from `config`."""
+        """Return the message of an IMU measurement, without an orientation. `config` determines the covariances."""
         unknown = np.zeros(9)
         unknown[0] = -1.0  # how sensor_msgs/Imu marks an orientation that is not measured
         gyroscope, accelerometer = (

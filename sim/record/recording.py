@@ -1,4 +1,4 @@
-"""`record`: writes a run as a dataset. The folder appears complete or not at all."""
+"""`record`: writes a run as a dataset. If writing fails, no incomplete folder is left."""
 
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -28,11 +28,11 @@ class Format:
     """A dataset format: the function that writes it, and the kinds of images that it supports."""
 
     write: Write
-    """Function that writes the sensor data of one walk to a folder; the last argument is the kind of images, such as png."""
+    """Function that writes the sensor data of one walk to a folder. Its last argument is the kind of images, such as png."""
     images: tuple[str, ...]
     """Kinds of images that the format supports."""
     depth: bool = False
-    """Whether recordings contain only cam0, with image and depth, instead of the images of several cameras."""
+    """Whether recordings have images and depth maps of cam0 only, instead of the images of several cameras."""
 
 
 FORMATS: Mapping[str, Format] = MappingProxyType(
@@ -45,7 +45,7 @@ FORMATS: Mapping[str, Format] = MappingProxyType(
 )
 
 _BYTES_PER_PIXEL = {"png": 1.5, "jpg": 0.4, "raw": 3.0}
-"""Approximate size of an image of a rendered room [bytes per pixel], for the check of free disk space."""
+"""Approximate size of the image of a rendered room, for the check of free disk space [bytes per pixel]."""
 _DEPTH_BYTES_PER_PIXEL = 1.0
 
 
@@ -68,8 +68,8 @@ def record(
         format: a key of `FORMATS`.
         images: png, jpg or, in bags only, raw.
         progress: called after every frame with the share of frames done, in [0, 1].
-        imu_config: noise of the IMU; by default, the noise of EuRoC's IMU.
-        distortion: lens distortion of every camera, by default none.
+        imu_config: rate and noise of the IMU; by default, those of EuRoC's IMU.
+        distortion: lens distortion of every camera; by default, none.
 
     Returns the number of bytes written. Raises `LexisError` if `out` contains anything but a recording or cannot be written;
     `SimError` for an unknown format or kind of images, a distortion that cannot be rendered, or too little disk space; and
@@ -91,8 +91,8 @@ def write_take(
 ) -> None:
     """Write a take (the sensor data of one walk) to an empty folder. `note` is called with every written frame.
 
-    If the take is without truth, `rooms.json` only lists the labels that rooms may have, and the house is left out. Raises
-    `SimError` as `record` does.
+    If the take is without ground truth, `rooms.json` only lists the labels that rooms may have, and `house.json` is not
+    written. Raises `SimError` as `record` does.
     """
     form = check_format(format, images)
     _check_space(folder, take, form, images)
@@ -108,7 +108,7 @@ def write_take(
 
 
 def check_format(name: str, images: str = "png") -> Format:
-    """Look up a format by name. Raises `SimError` for an unknown name, or if it does not support that kind of images."""
+    """Look up a format by name. Raises `SimError` for an unknown name, or a kind of images that the format lacks."""
     if name not in FORMATS:
         raise SimError(f"unknown format {name!r}; valid: {', '.join(FORMATS)}")
     if images not in FORMATS[name].images:

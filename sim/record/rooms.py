@@ -28,7 +28,7 @@ class FrameRooms:
         self._faults: dict[int, list[str]] = {}
 
     def note(self, frames: Iterable[RecordedFrame]) -> Iterable[RecordedFrame]:
-        """Yield the frames unchanged, and collect the ground truth of each."""
+        """Yield the frames unchanged, and collect the ground truth of each frame."""
         for frame in frames:
             if frame.truth.faults:
                 self._faults[len(self._stamps)] = list(frame.truth.faults)
@@ -56,7 +56,7 @@ class FrameRooms:
 
 
 def write_labels(path: Path, house: House) -> None:
-    """Write a `rooms.json` with only the labels that rooms may have. It reveals nothing about the house to a SLAM."""
+    """Write a `rooms.json` that lists only the labels that rooms may have, so that a SLAM learns nothing about the house."""
     path.write_text(json.dumps({"schema": 1, "labels": house.spec.room_labels}) + "\n", encoding="utf-8")
 
 

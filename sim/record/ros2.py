@@ -26,17 +26,18 @@ if TYPE_CHECKING:
     from rosbags.rosbag2 import Writer
 
 _VERSION: Literal[8] = 8
-"""Version of the bag's metadata that every supported ROS 2 release can read."""
+"""Version of the format of the bag's metadata. Every supported ROS 2 release can read this version."""
 
 
 def write_bag(folder: Path, take: Take, frames: Iterable[RecordedFrame], images: str, storage: str = "sqlite3") -> None:
     """Write a take (the sensor data of one walk) as a bag in `folder / "bag"`. `storage` is sqlite3 or mcap.
 
-    Raises `SimError` if `rosbags` is not installed or the disk is full.
+    Settings files of other SLAM systems are written beside the bag. Raises `SimError` if `rosbags` is not installed, or if a
+    file cannot be written, for example because the disk is full.
     """
     messages = Messages.load()
-    write_settings(folder / "settings", take)
     with _writer(folder / "bag", storage) as writer:
+        write_settings(folder / "settings", take)
         bag = _Bag(writer, messages)
         start = int(take.imu_ns[0])
         bag.write(start, "/tf_static", messages.static_transforms(start, take.cameras))
@@ -56,12 +57,12 @@ def _writer(path: Path, storage: str) -> Iterator["Writer"]:
     try:
         with Writer(path, version=_VERSION, storage_plugin=StoragePlugin[storage.upper()]) as writer:
             yield writer
-    except sqlite3.Error as error:
+    except (sqlite3.Error, OSError) as error:
         raise SimError(f"{path}: cannot be written: {error}; valid: a place with room for it") from None
 
 
 class _Bag:
-    """Writes messages to their topics and opens each topic at its first message."""
+    """Writes messages to their topics. A topic is added to the bag at its first message."""
 
     def __init__(self, writer: "Writer", messages: Messages) -> None:
         self._writer, self.messages = writer, messages
@@ -79,7 +80,7 @@ class _Bag:
 
 
 class _Inertial:
-    """Writes IMU measurements and true poses between the frames, so that messages are in the order of time."""
+    """Writes IMU measurements and true poses in turn with the frames, so that messages are in the order of their stamps."""
 
     def __init__(self, take: Take, bag: _Bag) -> None:
         self._take, self._bag = take, bag
@@ -100,10 +101,11 @@ class _Inertial:
 
 
 class _Odometry:
-    """Writes the odometry twice: as a standard message with the covariance of its pose, and as the input of LEXIS.
+    """Writes the odometry as two messages: a standard message, and the covariance that LEXIS needs.
 
-    The input of LEXIS is the covariance of the increment since the last message. The standard message contains this
-    covariance only scaled and reordered, from which LEXIS could not restore it bit by bit. It therefore has its own topic.
+    LEXIS needs the covariance of the increment since the last message. The standard message contains the covariance of the
+    pose, and the covariance of the increment only in a scaled and reordered form, from which LEXIS could not restore it bit
+    by bit. The exact covariance of the increment is therefore written to a topic of its own.
     """
 
     def __init__(self, bag: _Bag) -> None:
@@ -112,7 +114,7 @@ class _Odometry:
         self._covariance = np.zeros((6, 6))
 
     def write(self, stamp_ns: int, seen: Observation) -> None:
-        """Write the odometry of one observation. The covariance of the pose accumulates over the increments."""
+        """Write the odometry of one observation. The covariance of its pose is composed from the increments so far."""
         increment, seconds = np.eye(4), 0.0
         if self._last is not None:
             increment, seconds = between(self._last.T_O_B, seen.T_O_B), seen.stamp - self._last.stamp

@@ -1,7 +1,7 @@
 """Writes settings files with which other SLAM systems run on a recording: ORB-SLAM3, VINS-Fusion and OpenVINS.
 
-Calibrations and the IMU's noise are the true ones of the recording. Tuning parameters have the values that the systems ship
-for EuRoC.
+Calibrations and the IMU's noise are the true values of the recording. Tuning parameters have the values in the settings for
+EuRoC that come with these systems.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,11 +18,9 @@ from sim.render.image_files import DEPTH_FACTOR
 from sim.render.lens import Distortion
 
 _YAML = "%YAML:1.0\n---\n"
-_OPENVINS_JERK_M_S2 = 0.2
-"""Standard deviation of the accelerometer above which OpenVINS assumes that the rest at the start has ended [m/s^2].
-
-It is lower than in OpenVINS's settings for EuRoC, since a walker starts more gently than a drone.
-"""
+_OPENVINS_ACCELERATION_STD_M_S2 = 0.2
+"""Standard deviation of accelerations above which OpenVINS takes the rest at the start to be over [m/s²]. It is lower than
+in OpenVINS's settings for EuRoC, since a walker starts more gently than a drone."""
 
 
 def write_settings(folder: Path, take: Take) -> None:
@@ -148,7 +146,7 @@ def _kalibr_imu(imu: ImuConfig) -> str:
 
 
 def _openvins(rate_hz: float) -> str:
-    """Return OpenVINS's settings for EuRoC, with the rest at the start and the frame rate of recordings.
+    """Return OpenVINS's settings for EuRoC, adapted to the rest at the start of recordings and to their frame rate.
 
     Settings that EuRoC does not need are left out. The settings refer to the two files in Kalibr's format.
     """
@@ -162,7 +160,7 @@ def _openvins(rate_hz: float) -> str:
         'feat_rep_aruco: "ANCHORED_MSCKF_INVERSE_DEPTH"\n'
         "try_zupt: false\nzupt_chi2_multipler: 0\nzupt_max_velocity: 0.1\nzupt_noise_multiplier: 10\n"
         "zupt_max_disparity: 0.5\nzupt_only_at_beginning: false\n"
-        f"init_window_time: {REST_S}\ninit_imu_thresh: {_OPENVINS_JERK_M_S2}\ninit_max_disparity: 10.0\n"
+        f"init_window_time: {REST_S}\ninit_imu_thresh: {_OPENVINS_ACCELERATION_STD_M_S2}\ninit_max_disparity: 10.0\n"
         "init_max_features: 75\ninit_dyn_use: false\ninit_dyn_mle_opt_calib: false\ninit_dyn_mle_max_iter: 50\n"
         "init_dyn_mle_max_time: 0.05\ninit_dyn_mle_max_threads: 6\ninit_dyn_num_pose: 6\ninit_dyn_min_deg: 10.0\n"
         "init_dyn_inflation_ori: 10\ninit_dyn_inflation_vel: 100\ninit_dyn_inflation_bg: 10\n"
@@ -181,9 +179,10 @@ def _openvins(rate_hz: float) -> str:
 
 
 def _discrete(density: float, imu: ImuConfig) -> float:
-    """Convert a noise density to noise per sample at the IMU's rate.
+    """Convert a noise density to the standard deviation of the noise of one sample, at the IMU's rate.
 
-    VINS-Fusion expects noise per sample even for the random walks of the biases: it multiplies all noise by the time step.
+    VINS-Fusion expects noise per sample even for the random walks of the biases, because it multiplies all noise by the time
+    step.
     """
     return float(density * np.sqrt(imu.rate_hz))
 

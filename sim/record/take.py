@@ -31,12 +31,12 @@ EPOCH_NS = 10**18
 REST_S = 2.0
 """Duration of the rest at the start [s]."""
 _MARGIN_S = 0.1
-"""Time by which the IMU starts before the first frame and stops after the end of the walk [s]."""
+"""Time that the IMU measures before the first frame, and again after the end of the walk [s]."""
 
 
 @dataclass(frozen=True, eq=False)
 class RecordedFrame:
-    """All data that is recorded with one camera frame."""
+    """All data that are recorded with one camera frame."""
 
     stamp_ns: int
     observation: Observation
@@ -91,7 +91,7 @@ class Take:
 
     @property
     def T_W_B(self) -> Float64[np.ndarray, "n 4 4"]:
-        """True body poses at the stamps of the IMU."""
+        """True poses of the body at the stamps of the IMU."""
         return self.walk.tour.motion.poses_at(self.imu.stamps, self.walk.tour.eye_height_m)
 
     @property
@@ -103,8 +103,8 @@ class Take:
     def frames(self, cameras: tuple[str, ...] = (), depth: bool = False) -> Generator[RecordedFrame, None, None]:
         """Render and yield the frames in order, beginning with the frames at rest before the walk.
 
-        A frame has the images of cam0 and of the further `cameras`, and with `depth` the depth of cam0. Image faults affect
-        only cam0, the camera that LEXIS uses. Faults of the world are visible to all cameras.
+        A frame has the images of cam0 and of the further `cameras`. With `depth`, it also has the depth of cam0. Faults of
+        images affect only cam0, the camera that LEXIS uses. Faults of the world are visible to all cameras.
 
         Raises `GraphicsError` if off-screen OpenGL is not available.
         """
@@ -132,7 +132,7 @@ class Take:
                 yield from self._at_rest(frame) if k == 0 else [frame]
 
     def _at_rest(self, first: RecordedFrame) -> Iterator[RecordedFrame]:
-        """Yield copies of the first frame during the rest, then the frame itself. All have zero covariance of odometry."""
+        """Yield copies of the first frame during the rest, then this frame itself. Their odometry has zero covariance."""
         still = replace(first.observation, increment_covariance=np.zeros((6, 6)))
         for k in range(-self.rest_frames, 1):
             stamp = first.observation.stamp + k * self.frame_s
@@ -145,9 +145,9 @@ def prepare(
     """Plan the walk of the run `config`, and simulate odometry and IMU. Nothing is rendered yet.
 
     The cameras are the pinhole cameras of the config's rig. If there is only one, a second camera is added on its right.
-    All cameras have the same `distortion`, by default none.
+    All cameras have the same `distortion`; by default, there is none.
 
-    Raises the errors of `sim.harness.run` and `Lens`, and `SimError` for a camera too far from the IMU.
+    Raises the errors of `sim.harness.run` and `Lens`, and `SimError` for a camera that is too far from the IMU.
     """
     imu_config, distortion = imu_config or ImuConfig(), distortion or Distortion()
     rig = build_rig(config.rig)
@@ -166,7 +166,7 @@ def prepare(
 
 
 def _check_places(cameras: Sequence[Camera]) -> None:
-    """Raise `SimError` for a camera outside of the space around the body that walks keep free of obstacles."""
+    """Raise `SimError` for a camera outside of the space around the IMU that is always free of obstacles during a walk."""
     for k, camera in enumerate(cameras):
         if (distance_m := float(np.linalg.norm(camera.T_B_C[:2, 3]))) > FREE_M:
             raise SimError(
@@ -176,7 +176,7 @@ def _check_places(cameras: Sequence[Camera]) -> None:
 
 
 def stereo_partner(camera: Camera) -> Camera:
-    """Return the right camera of a stereo pair: parallel to the left one, `camera`, and `STEREO_BASELINE_M` to its right."""
+    """Return the right camera of a stereo pair. It is parallel to `camera`, and `STEREO_BASELINE_M` to the right of it."""
     step = np.eye(4)
     step[0, 3] = STEREO_BASELINE_M
     return Camera(camera.intrinsics, camera.T_B_C @ step)
@@ -188,7 +188,7 @@ def stamp_ns(seconds: float) -> int:
 
 
 def _with_rest(imu: Imu, rate_hz: float) -> Imu:
-    """Add measurements at rest before and after the walk. The motion starts and ends upright and at rest."""
+    """Add measurements at rest before and after the walk, which itself starts and ends upright and at rest."""
     before, after = round((REST_S + _MARGIN_S) * rate_hz), round(_MARGIN_S * rate_hz)
     stamps = np.arange(-before, len(imu.stamps) + after) / rate_hz
     pad = ((before, after), (0, 0))

@@ -18,10 +18,8 @@ from sim.record.take import RecordedFrame, Take
 from sim.render.image_files import SUFFIXES, encoded, encoded_depth
 
 ASSOCIATIONS = "associations.txt"
-"""File that lists each image with its depth map, as the benchmark's `associate.py` writes it for ORB-SLAM3.
-
-The file has no header, since ORB-SLAM3 cannot read comments in it.
-"""
+"""File that lists each image with its depth map, in the format of the benchmark's script `associate.py`. ORB-SLAM3 reads
+this file. The file has no header, since ORB-SLAM3 cannot read comments in it."""
 _HEADERS = {
     IMAGE_LIST: "# color images\n# timestamp filename\n",
     "depth.txt": "# depth maps, 16 bit, 5000 per metre along the optical axis, 0 where unknown\n# timestamp filename\n",

@@ -1,4 +1,4 @@
-"""`Actor`: base class of things that move in a house during a run. They are drawn into images, and are not in the model."""
+"""`Actor`: base class of things that move in a house during a run. They are drawn, but are not part of the model."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -14,4 +14,7 @@ class Actor(ABC):
 
     @abstractmethod
     def solids_at(self, stamp: float, T_W_B: Float64[ndarray, "4 4"]) -> Sequence[Solid]:
-        """Return the actor's shape and place at time `stamp` [s]. The body that carries the camera is then at `T_W_B`."""
+        """Return the actor's parts and its pose at time `stamp` [s].
+
+        `T_W_B` is the pose of the body that carries the camera at this time.
+        """

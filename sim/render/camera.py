@@ -24,7 +24,7 @@ def wide_camera(width: int = 480, height: int = 360, hfov_deg: float = 100.0) ->
 
 
 def fovy_deg(intrinsics: Intrinsics) -> float:
-    """Return a camera's vertical field of view [deg], which defines a camera in MuJoCo."""
+    """Return a camera's vertical field of view [deg]. MuJoCo describes cameras by this angle instead of a focal length."""
     return float(np.degrees(2 * np.arctan(intrinsics.height / 2 / intrinsics.fy)))
 
 

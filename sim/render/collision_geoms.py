@@ -16,7 +16,7 @@ GROUP = 3
 _FLOOR_M = 0.1
 """Thickness of the floors [m]."""
 _LEAST_M = 1e-3
-"""Smallest half size of a geom [m], because MuJoCo needs positive sizes."""
+"""Smallest half size that a geom gets [m], because MuJoCo accepts positive sizes only."""
 _TYPES = {
     "box": mujoco.mjtGeom.mjGEOM_BOX,
     "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
@@ -43,7 +43,10 @@ def add_ground(spec: "mujoco.MjSpec", house: House) -> list["mujoco.MjsGeom"]:
 
 
 def add_obstacles(spec: "mujoco.MjSpec", house: House) -> list["mujoco.MjsGeom"]:
-    """Add walls, railings, doors at their opening angle and solid furniture, as static geoms named "<id>#<number>"."""
+    """Add the obstacles of a house to `spec`, as static geoms named "<id>#<number>".
+
+    Obstacles are walls, railings, solid furniture, and door leaves at their opening angles.
+    """
     geoms = []
     for i, wall in enumerate(house.walls):
         x0, y0, x1, y1 = wall.bounds

@@ -20,7 +20,7 @@ _SHAPES: Mapping[str, "mujoco.mjtGeom"] = MappingProxyType(
 
 
 def draw(scene: "mujoco.MjvScene", solids: Sequence[Solid]) -> None:
-    """Append solids in plain colours to a scene that is about to be rendered. Their parts are boxes, cylinders and balls.
+    """Append solids in plain colours to a scene that is about to be rendered. Their parts may be boxes, cylinders and balls.
 
     In segmentation images, pixels of these parts have the id -1, because the parts are no geoms of the model. The parts
     occlude what is behind them.

@@ -3,7 +3,7 @@
 MuJoCo renders pinhole images only, and their field of view has to be well below 180 degrees. A frame is made in two steps:
 
 1. Imagine a cube around the camera. Render a pinhole image of each face of the cube that is in the field of view.
-2. Look up each fisheye pixel's ray in the face that the ray passes through.
+2. For each pixel of the fisheye image, find the face through which the pixel's ray passes, and look up the pixel there.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from sim.errors import SimError
 from sim.render.raster import NO_GEOM, Raster, RenderedFrame
 
 _RIM_PX = 2
-"""Width of a border around the 90 degrees of each face [px], so that a bilinear interpolation needs one face only."""
+"""Width of a border around the 90 degrees of each face [px], so that bilinear interpolation needs one face's image only."""
 _FACES = np.array(
     [
         [[1, 0, 0], [0, 1, 0], [0, 0, 1]],  # ahead
@@ -28,7 +28,7 @@ _FACES = np.array(
     ],
     float,
 )
-"""Rotations from the fisheye's frame to each face's frame. The third row is the optical axis of the face."""
+"""Rotation from the fisheye's frame to each face's frame. The third row of a matrix is the optical axis of the face."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ class Fisheye:
 
     size_px: int
     fov_deg: float
-    """Field of view across the circle that touches the image's edges [deg]."""
+    """Angle that the image covers from its left edge to its right edge, through its centre [deg]."""
     T_B_C: Pose
 
     def __post_init__(self) -> None:
@@ -57,7 +57,7 @@ class Fisheye:
 
     @property
     def face(self) -> Intrinsics:
-        """Intrinsics of the pinhole image of each cube face. At its centre it has the resolution of the fisheye's centre."""
+        """Intrinsics of the pinhole image of each cube face. Its centre is resolved as well as the fisheye's centre."""
         focal = self.focal_px
         size = 2 * int(np.ceil(focal) + _RIM_PX)
         return Intrinsics(size, size, focal, focal, size / 2 - 0.5, size / 2 - 0.5)
@@ -83,11 +83,11 @@ class FisheyeRenderer:
         self._turns = [_FACES[i] for i in range(len(_FACES)) if (face == i).any()]
 
     def frame(self, T_W_B: Pose) -> RenderedFrame:
-        """Render from a body pose: the image, the distance along each pixel's ray [m] as `depth`, and geom ids.
+        """Render image, depth and geom ids from a body pose. `depth` is the distance along each pixel's ray [m].
 
-        Pixels outside of the field of view are black and have distance 0 and id `NO_GEOM`. Inverse depth is interpolated,
-        which is linear in a pinhole image of a plane; distances are therefore exact on planes. Where the four interpolated
-        pixels belong to several geoms, the pixel that is closest in the image gives distance and id.
+        Pixels outside of the field of view are black, with the distance 0 and the id `NO_GEOM`. The inverse of the depth is
+        interpolated between four pixels. It is linear in a pinhole image of a plane, so distances are exact on planes. Where
+        the four pixels belong to several geoms, the pixel that is closest in the image gives the distance instead.
         """
         n, T_W_C = self._fisheye.size_px, T_W_B @ self._fisheye.T_B_C
         rgb, depth, ids = np.zeros((n, n, 3), np.uint8), np.zeros((n, n), np.float32), np.full((n, n), NO_GEOM, np.int32)
@@ -102,13 +102,13 @@ class FisheyeRenderer:
 
 @dataclass(frozen=True, eq=False)
 class _Map:
-    """Coordinates of fisheye pixels in the image of one cube face. `mask` marks the pixels that this face covers."""
+    """Coordinates (u, v) [px] of fisheye pixels in the image of one cube face. `mask` marks the pixels on this face."""
 
     mask: Bool[np.ndarray, "n n"]
     u: Float32[np.ndarray, "n n"]
     v: Float32[np.ndarray, "n n"]
     stretch: Float64[np.ndarray, "k"]
-    """Distance along the ray divided by depth, for each pixel of `mask`."""
+    """For each pixel in `mask`, the ratio of the distance along the pixel's ray to the depth in the face's image."""
 
     @staticmethod
     def of(rays: Float64[np.ndarray, "n n 3"], mask: Bool[np.ndarray, "n n"], face: Intrinsics) -> "_Map":

@@ -17,7 +17,7 @@ from sim.render.gl_probe import PROBES
 from sim.render.llvm_order import load_triton_library
 
 PROBE_TIMEOUT_S = 20.0
-"""Longest time to wait for the child process that tries a back end [s]."""
+"""Longest time to wait for the child process that tests a back end [s]."""
 
 DISABLED = "disabled"
 """Value of ``MUJOCO_GL`` where no back end works. Physics and geometry still work then."""
@@ -32,7 +32,7 @@ _SYNONYMS = (*_OFF, "enable", "enabled", "on", "true", "1", "glx", "")
 
 
 def choose_backend() -> str:
-    """Set ``MUJOCO_GL`` to the first back end that works, unless the variable is set already; return the back end.
+    """Return the back end in ``MUJOCO_GL``. If the variable is not set, set it to the first back end that works.
 
     EGL is tried before OSMesa, which new Mesa releases no longer have. If neither works, the result is `DISABLED`. On
     systems other than Linux, MuJoCo chooses. Raises `GraphicsError` if the variable has a value that MuJoCo does not know.
@@ -55,9 +55,9 @@ def require_rendering() -> None:
 
 @contextmanager
 def graphics_errors(task: str) -> Iterator[None]:
-    """Context manager that turns exceptions of MuJoCo and OpenGL into a `GraphicsError` that says what to change.
+    """Turn exceptions of MuJoCo and OpenGL in a `with` block into a `GraphicsError` that says what to change.
 
-    `task` names, for the message, what is done inside the `with` block.
+    `task` names, for the message, what the `with` block does.
     """
     try:
         yield
@@ -72,7 +72,7 @@ def graphics_errors(task: str) -> Iterator[None]:
 
 
 def _works(backend: str) -> bool:
-    """Try a back end in a child process, because a broken driver may crash or hang the process."""
+    """Return whether a back end works. It is tested in a child process, which a broken driver may crash or hang."""
     command = [sys.executable, "-I", "-S", str(Path(__file__).with_name("gl_probe.py")), backend]
     try:
         return subprocess.run(command, capture_output=True, timeout=PROBE_TIMEOUT_S).returncode == 0

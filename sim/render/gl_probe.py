@@ -16,7 +16,7 @@ _OSMESA_RGBA = 0x1908
 
 
 def _egl_works() -> bool:
-    """Whether a desktop GL context can be created on any EGL device, in the way in which MuJoCo creates it."""
+    """Return whether a desktop GL context can be created on any EGL device, in the same way as MuJoCo creates one."""
     egl = ctypes.CDLL(ctypes.util.find_library("EGL") or "libEGL.so.1")
     for name in ("eglGetProcAddress", "eglCreateContext"):
         getattr(egl, name).restype = ctypes.c_void_p
@@ -51,7 +51,7 @@ def _osmesa_works() -> bool:
 
 
 PROBES: dict[str, Callable[[], bool]] = {"egl": _egl_works, "osmesa": _osmesa_works}
-"""Functions that test each back end, in order of preference. OSMesa comes last, because Mesa 25.1 dropped it."""
+"""Function that tests each back end, in order of preference. OSMesa comes last, because Mesa 25.1 no longer has it."""
 
 
 def works(backend: str) -> bool:

@@ -16,9 +16,9 @@ from sim.errors import SimError
 _ITERATIONS = 30
 """Number of steps of Newton's method."""
 _RESIDUAL = 1e-9
-"""Largest error of the inverted distortion, on the image plane at distance 1."""
+"""Largest error of an undistorted point after it is distorted again, on the image plane at distance 1."""
 _MARGIN_PX = 2
-"""Margin of the pinhole image beyond the outermost point that is looked up [px], for interpolation."""
+"""Margin that the pinhole image has around all points that are looked up in it [px], for interpolation."""
 _WIDEST = 4
 """Largest width and height of the rendered pinhole image, as multiples of the distorted image's width and height."""
 _STEPS = 50
@@ -29,7 +29,7 @@ _STEPS = 50
 class Distortion:
     """Coefficients of the radial-tangential model of OpenCV and EuRoC. Raises `SimError` unless they are finite.
 
-    As a truth value, a distortion is false if all its coefficients are zero.
+    `bool(distortion)` is False if all coefficients are zero.
     """
 
     k1: float = 0.0
@@ -48,7 +48,7 @@ class Distortion:
 
     @property
     def decimals(self) -> tuple[str, str, str, str]:
-        """The coefficients as text without exponents, because some YAML readers take 1e-05 for a string."""
+        """The coefficients as text without exponents, because some YAML readers take 1e-05 as a string."""
         k1, k2, p1, p2 = (np.format_float_positional(value, trim="0") for value in self.coefficients)
         return k1, k2, p1, p2
 
@@ -56,7 +56,7 @@ class Distortion:
         return any(self.coefficients)
 
     def distort(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
-        """Return the distorted positions of points on the image plane at distance 1."""
+        """Return the distorted positions of points; all points are on the image plane at distance 1."""
         square = (points**2).sum(axis=1, keepdims=True)
         twice = 2.0 * points.prod(axis=1, keepdims=True)
         tangential = twice * [self.p1, self.p2] + (square + 2.0 * points**2) * [self.p2, self.p1]
@@ -74,9 +74,10 @@ class Distortion:
         return straight
 
     def check_no_fold(self, straight: Float64[np.ndarray, "n 2"]) -> None:
-        """Raise `SimError` if the distorted image folds over between its centre and any of the undistorted points.
+        """Raise `SimError` if the distorted image folds over between its centre and any of the points `straight`.
 
-        The image folds over, and shows parts of the view twice, where the distortion's Jacobian is not positive definite.
+        `straight` are undistorted points. Where an image folds over, it shows parts of the view twice. It does so where the
+        Jacobian of the distortion is not positive definite.
         """
         for share in np.linspace(0.0, 1.0, _STEPS).tolist():
             along_x, mixed, along_y = self._slopes(share * straight)
@@ -92,7 +93,7 @@ class Distortion:
         return np.asarray(solved / (along_x * along_y - mixed**2)[:, None])
 
     def _slopes(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "3 n"]:
-        """Return the Jacobian of `distort`, which is symmetric: dx/dx, dx/dy = dy/dx, dy/dy."""
+        """Return three entries of the Jacobian of `distort`, which is symmetric: dx/dx, dx/dy = dy/dx, and dy/dy."""
         x, y = points.T
         square = x**2 + y**2
         radial, slope = 1.0 + square * (self.k1 + square * self.k2), 2.0 * (self.k1 + 2.0 * self.k2 * square)
@@ -109,7 +110,7 @@ class Distortion:
 
 
 class Lens:
-    """Distorts images of a wider camera, `pinhole`, as if a camera with these intrinsics and this distortion took them.
+    """Distorts images of a wider pinhole camera, as if they were taken with the given intrinsics and distortion.
 
     Raises `SimError` if the distortion cannot be inverted in the image, or if `pinhole` would be too wide.
     """
@@ -138,7 +139,7 @@ class Lens:
         return np.asarray(cv2.remap(image, self._at[..., 0], self._at[..., 1], cv2.INTER_CUBIC), np.uint8)
 
     def nearest(self, values: Shaped[np.ndarray, "h w"]) -> Shaped[np.ndarray, "i j"]:
-        """Distort a depth image or an image of ids. Pixels take the nearest value, because mixed values would be wrong."""
+        """Distort a depth image or an image of ids. Pixels get the nearest value; interpolated values would be wrong."""
         u, v = np.moveaxis(np.rint(self._at).astype(int), -1, 0)
         return np.asarray(values[v, u])
 

@@ -1,10 +1,10 @@
 """Loads the LLVM of torch's compiler Triton before the LLVM of Mesa's drivers, because the reverse order crashes.
 
 Mesa's software renderer is linked against the system's LLVM and loaded with RTLD_GLOBAL. The symbols of that LLVM are then
-visible to every library loaded later. Triton's library contains an LLVM of another version. If it is loaded after Mesa, some
-of its symbols resolve to symbols of the system's LLVM, and the process ends with SIGSEGV while Triton is imported (Mesa 22.3
-with LLVM 15; Triton 3.8 and 3.9). If Triton's library is loaded first, it finds only its own symbols and does not export
-them.
+visible to every library loaded later. Triton's library contains an LLVM of another version. If Triton's library is loaded
+after Mesa, some of its symbols resolve to symbols of the system's LLVM, and the process ends with SIGSEGV while Triton is
+imported (Mesa 22.3 with LLVM 15; Triton 3.8 and 3.9). If Triton's library is loaded first, it uses its own symbols only, and
+does not make them visible to Mesa.
 """
 
 import ctypes

@@ -36,7 +36,7 @@ def cells_of(part: Visual, visibility: Visibility) -> Cells:
 def merge(parts: Sequence[Visual], visibility: Visibility) -> tuple[Merged, ...]:
     """Merge the parts that have equal texture images and visibility cells.
 
-    The order of `parts` is preserved, so that of two coplanar faces the same one is on top as without merging.
+    The order of `parts` is kept. Where two faces are coplanar, the same face is therefore visible as without merging.
     """
     groups: dict[tuple[str, Cells], list[Visual]] = defaultdict(list)
     for part in parts:

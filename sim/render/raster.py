@@ -24,7 +24,7 @@ from worlds.visuals.meshes import Solid
 _HIDDEN = -1
 """Mesh id of a geom that MuJoCo does not draw."""
 _SPARE = 1024
-"""Number of further geoms for which a scene (`mujoco.MjvScene`) has memory: the parts of moving things."""
+"""Number of geoms for which a scene (`mujoco.MjvScene`) has memory beyond its own geoms, for the parts of moving things."""
 NO_GEOM = -1
 
 
@@ -40,10 +40,10 @@ class RenderedFrame:
 
 
 class Raster:
-    """Renders a scene with any pinhole camera. Use it as a context manager, or call `close`, in the thread that created it.
+    """Renders a scene with any pinhole camera. Use it as a context manager, or call `close` at the end.
 
-    It holds a GL context. Raises `GraphicsError` if off-screen OpenGL is missing or fails, and for images that are larger
-    than the scene was built for.
+    A raster holds a GL context, so that only the thread that created it can use and close it. Raises `GraphicsError` if
+    off-screen OpenGL is missing or fails, and for images that are larger than the scene was built for.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -134,7 +134,7 @@ class Raster:
         image: UInt8[np.ndarray, "h w 3"] | None,
         buffer: Float32[np.ndarray, "h w"] | None,
     ) -> None:
-        """Render the scene, and write colours to `image` and depths to `buffer`, whose first row is the bottom row."""
+        """Render the scene. Write colours to `image` and depths to `buffer` (bottom row first), unless these are None."""
         if not self._open:
             raise GraphicsError("renderer: it is closed; valid: rendering before close()")
         if intrinsics.width > self._size[0] or intrinsics.height > self._size[1]:
@@ -148,7 +148,7 @@ class Raster:
             mujoco.mjr_readPixels(image, buffer, area, self._context)
 
     def _metres(self, buffer: Float32[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
-        """Convert a reversed depth buffer (1 at the near plane, 0 at the far plane) to depth [m], top row first."""
+        """Convert a depth buffer (1 at the near plane, 0 at the far plane, bottom row first) to depth [m], top row first."""
         camera = self._merged.camera[0]
         near, far = np.float32(camera.frustum_near), np.float32(camera.frustum_far)
         return np.asarray(near * far / (near + buffer[::-1] * (far - near)))
@@ -182,7 +182,7 @@ def _merged_scene(scene: Scene) -> "mujoco.MjvScene":
 
 
 def _aim(scene: "mujoco.MjvScene", T_W_C: Pose, intrinsics: Intrinsics) -> None:
-    """Set pose and intrinsics of the scene's cameras. Only this function handles MuJoCo's camera conventions."""
+    """Set the pose and the intrinsics of the scene's cameras. No other function deals with MuJoCo's camera conventions."""
     k = intrinsics
     for camera in scene.camera:  # MuJoCo renders from the mean of a left and a right camera
         near = camera.frustum_near

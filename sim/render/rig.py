@@ -27,7 +27,7 @@ STEREO_BASELINE_M = 0.11
 LEVER_ARM_M = 0.15
 """Largest distance between the IMU and the cameras that `displaced` accepts [m]."""
 FREE_M = 0.24
-"""Horizontal distance from the IMU within which no camera gets into an obstacle [m], as the body keeps 0.25 m away."""
+"""Horizontal distance from the IMU within which cameras are free of obstacles [m]: the body keeps 0.25 m away from these."""
 _FISHEYE_PX = 480
 _FISHEYE_DEG = 180.0
 
@@ -53,7 +53,7 @@ class Rig:
 
 
 def displaced(rig: Rig, offset_m: Vector, rpy_deg: Vector = (0.0, 0.0, 0.0)) -> Rig:
-    """Return the rig, moved and rotated on the body, to simulate a lever arm from the IMU (the origin of B) to the cameras.
+    """Return the rig, moved and rotated on the body, to simulate a lever arm from the origin of B (the IMU) to the cameras.
 
     The offset is in B [m]; the rotation is `Rz(yaw) Ry(pitch) Rx(roll)` [deg]. Raises `SimError` for values that are not
     finite, and for an offset longer than `LEVER_ARM_M`.
@@ -92,7 +92,7 @@ class RigConfig(Settings, place="rig", error=SimError):
     """Rotation of the whole rig on the body: roll, pitch, yaw [deg]."""
 
     def __post_init__(self) -> None:
-        """Raise SimError for values that are not valid."""
+        """Raise `SimError` for values that are not valid."""
         super().__post_init__()
         if self.name not in RIGS:
             raise SimError(f"unknown rig {self.name!r}{did_you_mean(self.name, RIGS)}; valid: {', '.join(RIGS)}")
@@ -145,9 +145,10 @@ def _fisheye(camera: Camera) -> Rig:
 RIGS: Mapping[str, Callable[[Camera], Rig]] = MappingProxyType(
     {"wide": _wide, "stereo": _stereo, "front-rear": _front_rear, "four": _four, "fisheye": _fisheye}
 )
-"""Functions that build each preset from one pinhole camera. `four` is the rig of the LEXIS paper: two cameras look ahead and
-one to either side. `front-rear` recognises revisits in the opposite direction. `fisheye` adds a fisheye camera of 180
-degrees to the front pinhole camera, for tests of other software. LEXIS receives only the images of the front camera."""
+"""Function that builds each preset from one pinhole camera. `four` is the rig of the LEXIS paper: two cameras look ahead,
+one looks to the left and one to the right. The rear camera of `front-rear` can recognise revisits in the opposite direction.
+`fisheye` adds a fisheye camera of 180 degrees to the front pinhole camera, for tests of other software. In every rig, LEXIS
+receives only the images of the first camera."""
 
 
 def _mounted(camera: Camera, x_m: float = 0.0, y_m: float = 0.0, yaw: float = 0.0) -> Camera:
@@ -161,7 +162,8 @@ def _mounted(camera: Camera, x_m: float = 0.0, y_m: float = 0.0, yaw: float = 0.
 class RigRenderer:
     """Renders all cameras of a rig from poses of the body. Use it as a context manager, or call `close` at the end.
 
-    It holds one GL context. Raises `GraphicsError` if off-screen OpenGL is missing, or if the scene is for smaller images.
+    It holds one GL context. Raises `GraphicsError` if off-screen OpenGL is missing, or if the scene was built for smaller
+    images.
     """
 
     def __init__(self, scene: Scene, rig: Rig) -> None:
@@ -170,12 +172,12 @@ class RigRenderer:
         self._fisheyes = {name: FisheyeRenderer(self._raster, eye) for name, eye in rig.fisheyes.items()}
 
     def rgb(self, T_W_B: Pose) -> dict[str, UInt8[np.ndarray, "h w 3"]]:
-        """Render the images of all cameras and return them by camera name, fisheyes last."""
+        """Render the images of all cameras. Return them by the name of the camera, with fisheyes last."""
         images = {name: self._raster.rgb(T_W_B @ eye.T_B_C, eye.intrinsics) for name, eye in self._rig.cameras.items()}
         return images | {name: eye.frame(T_W_B).rgb for name, eye in self._fisheyes.items()}
 
     def frames(self, T_W_B: Pose) -> dict[str, RenderedFrame]:
-        """Render image, depth and geom ids of each camera, by name. A fisheye's depth is measured along each pixel's ray."""
+        """Render image, depth and geom ids of each camera, by name. A fisheye's depth is the distance along pixels' rays."""
         frames = {name: self._raster.frame(T_W_B @ eye.T_B_C, eye.intrinsics) for name, eye in self._rig.cameras.items()}
         return frames | {name: eye.frame(T_W_B) for name, eye in self._fisheyes.items()}
 

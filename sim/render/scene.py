@@ -37,7 +37,7 @@ class Light:
 
 
 NO_ROOM = -1
-"""Room index of geoms that belong to no single room."""
+"""Index in place of a room's index, for geoms that belong to no room or to several rooms."""
 
 LIGHTS: Mapping[str, Light] = MappingProxyType(
     {
@@ -74,15 +74,15 @@ class Scene:
     model: "mujoco.MjModel"
     data: "mujoco.MjData"
     object_of_geom: tuple[str, ...]
-    """What each geom belongs to, by geom id: the id of a piece of furniture, a door or a window; `STAIRS_OBJECT`; or
-    "<room id>/<wall|floor|ceiling>"."""
+    """For each geom id, what the geom belongs to: the id of a piece of furniture, a door leaf or a window; `STAIRS_OBJECT`
+    for stairs; or "<room id>/<wall|floor|ceiling>"."""
     merged: tuple[Merged, ...]
     """Meshes to draw in place of the geoms. In the model, these meshes come after the meshes of the geoms."""
     visibility: Visibility
 
 
 def build_scene(house: House, size_px: tuple[int, int], fovy_deg: float) -> Scene:
-    """Compile `house` with one camera, of the image size `size_px` (width, height) and a vertical field of view [deg].
+    """Compile `house` with one camera, which has images of up to `size_px` (width, height) and the field of view `fovy_deg`.
 
     Shadows and multi-sampling are off, because they make a software renderer ten times slower.
     """
@@ -104,7 +104,8 @@ def build_scene(house: House, size_px: tuple[int, int], fovy_deg: float) -> Scen
 def room_of_geom(house: House, scene: Scene) -> Int32[np.ndarray, "geoms"]:
     """Return the room of each geom as an index into `house.rooms`; `NO_ROOM` for doors, windows and flights of stairs.
 
-    `room_of_geom(house, scene)[frame.geom_ids]` is an image's segmentation by rooms. Mask pixels of the sky (id -1) first.
+    `room_of_geom(house, scene)[frame.geom_ids]` segments an image by rooms, except for pixels with the id -1 (sky and moving
+    things), whose values are wrong.
     """
     place = {room.id: i for i, room in enumerate(house.rooms)}
     of = {piece.id: place[piece.room] for piece in house.furniture}
@@ -113,9 +114,10 @@ def room_of_geom(house: House, scene: Scene) -> Int32[np.ndarray, "geoms"]:
 
 
 def house_mjspec(house: House, seen: Visuals, texture_files: Mapping[str, str] | None = None) -> "mujoco.MjSpec":
-    """Build the MuJoCo model of a house, ready to compile, with lighting but no camera. Geoms are in the order of `seen`.
+    """Build the MuJoCo model of a house, ready to compile, with lighting but without a camera.
 
-    For a model that is saved as XML, textures have to be in files: `texture_files` maps the name of each image to its file.
+    The geoms are in the order of `seen.parts`. If the model is to be saved as XML, textures have to be in files:
+    `texture_files` then maps the name of each image to its file.
     """
     spec = mujoco.MjSpec()
     bounds = np.array([room.polygon.bounds for room in house.rooms])

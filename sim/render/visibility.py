@@ -2,12 +2,12 @@
 
 Cells are the indoor rooms, and one cell for everything outdoors. Portals are the openings between cells.
 
-1. Start in each cell that holds the camera, with the camera's view as a range of azimuths and slopes.
-2. Clip the view by each opening of the cell. If part of the view remains, enter the cell behind the opening with this part.
-3. Repeat until no part of the view remains at any opening.
+1. Start in each cell that contains the camera, with the camera's view as a range of azimuths and slopes.
+2. Clip the view at each opening of the cell. If part of the view remains, enter the cell behind the opening with this part.
+3. Repeat step 2 in all cells that are entered, until no part of the view remains at any opening.
 
-The result never misses a visible cell: door leaves and furniture are ignored, and openings count as boxes slightly larger
-than they are.
+The result contains every visible cell, and possibly others: door leaves and furniture are ignored, and openings count as
+boxes that are slightly larger than the openings.
 """
 
 import math
@@ -46,7 +46,7 @@ class _Box:
 
 @dataclass(frozen=True)
 class _View:
-    """A range of azimuths and of slopes (rise over run) around a point."""
+    """A range of azimuths [rad] and a range of slopes (height over horizontal distance), as seen from one point."""
 
     left: float
     right: float
@@ -93,11 +93,11 @@ class Visibility:
             self._openings[b].append((box, a))
 
     def cell_of_room(self, room: str) -> int:
-        """Return the index of the cell for a room id in `House.rooms`. Outdoor rooms and other ids give the outdoor cell."""
+        """Return the index of a room's cell; the cell of the outdoors for outdoor rooms and for ids of no room."""
         return self._names.get(room, self.outdoors)
 
     def cells_of(self, points: Float64[np.ndarray, "*n 3"]) -> Cells:
-        """Return the cells into which the bounding box of points in W [m] reaches; if there are none, the outdoor cell."""
+        """Return the cells into which the bounding box of points in W [m] reaches; if it is in none, the outdoor cell."""
         x0, y0, z0 = (points.reshape(-1, 3).min(axis=0) + _TOLERANCE_M).tolist()
         x1, y1, z1 = (points.reshape(-1, 3).max(axis=0) - _TOLERANCE_M).tolist()
         reached = (
@@ -106,14 +106,14 @@ class Visibility:
         return frozenset(reached) or frozenset([self.outdoors])
 
     def seen(self, T_W_C: Pose, intrinsics: Intrinsics) -> Cells:
-        """Return all cells that a camera sees, and possibly further ones; all cells if the camera is in no room."""
+        """Return all cells that a camera sees, and possibly others; all cells if the camera is in no room."""
         x, y, z = T_W_C[:3, 3].tolist()
         own = {cell for cell, box in self._boxes if box.holds(x, y, z)}
         if not own:
             return self.all
         view = _horizontal(T_W_C, intrinsics)
         seen: set[int] = set()
-        # Cells of the current path are not entered again: the rest of the view is a part of the view they had already.
+        # Cells on the current path are not entered again: the view that is left is part of the view at their first visit.
         todo = [(cell, view, frozenset([cell])) for cell in own]
         while todo:
             cell, view, path = todo.pop()
@@ -139,7 +139,7 @@ class Visibility:
 
 
 def _horizontal(T_W_C: Pose, intrinsics: Intrinsics) -> _View:
-    """Return the azimuths that the image covers; all azimuths if the vertical direction (up or down) is in the image."""
+    """Return a view of the azimuths in the image; of all azimuths if straight up or straight down is in the image."""
     k = intrinsics
     x0, x1 = (-0.5 - k.cx) / k.fx, (k.width - 0.5 - k.cx) / k.fx
     y0, y1 = (-0.5 - k.cy) / k.fy, (k.height - 0.5 - k.cy) / k.fy

@@ -2,10 +2,12 @@
 
 `data` defines the content of a report, as plain data that any SLAM can fill. `page` writes the HTML from `findings`
 (sentences on what went wrong), `figures` (names and meanings of the figures), `timeline`, `confusion`, `room_errors`,
-`loop_candidates` (why they were accepted or refused) and floor plans (`house_plan`). `table` makes a table of the figures. A
-plan is drawn as marks (`drawing`) by `plan`, `symbols` and `overlay`, and becomes SVG (`svg`) or PNG (`png`,
-`inline_image`). `palette` gives every label a colour. `drive_picture` draws a drive of the robot. `frame_picture` shows the
-camera's image at a frame, and the camera's place on the plan.
+`loop_candidates` (why loop candidates were accepted or refused) and floor plans (`house_plan`). `table` makes a table of the
+figures.
+
+A plan is drawn as marks (`drawing`) by `plan`, `symbols` and `overlay`, and becomes SVG (`svg`) or a raster image (`png`).
+`inline_image` encodes camera images for the page. `palette` gives every label a colour. `drive_picture` draws a drive of the
+robot. `frame_picture` shows the camera's image at a frame, and the camera's place on the plan.
 """
 
 import lazy_loader

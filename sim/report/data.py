@@ -1,4 +1,4 @@
-"""The input of a report, as plain data. It needs no types of LEXIS, so that runs of any SLAM system can be reported."""
+"""The input of a report, as plain data without types of LEXIS, so that runs of any SLAM system can be reported."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -117,7 +117,7 @@ class LoopMark:
 
 @dataclass(frozen=True)
 class CandidateMark:
-    """A loop candidate: the keyframes `query` and `match` (row numbers), what became of it, and what it truly is."""
+    """A loop candidate: the keyframes `query` and `match` (row numbers), the SLAM's decision, and the truth."""
 
     query: int
     match: int
@@ -125,11 +125,11 @@ class CandidateMark:
     reason: str
     """Why the SLAM accepted or refused the candidate."""
     figures: Mapping[str, float]
-    """The figures that decided, by name."""
+    """The figures on which the decision was based, by name."""
     distance_m: float
     """Distance between the true positions of both keyframes [m]."""
     revisit: bool
-    """Whether both keyframes were truly taken at one place: within 1 m and 0.5 rad."""
+    """Whether both keyframes were truly taken at the same place: within 1 m and 0.5 rad."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +153,7 @@ class PlanPath:
     success: bool | None = None
     """Whether the robot reached the goal; None if the plan was not driven."""
     reason: str = ""
-    """Reason why the robot did not reach the goal; empty if the robot reached it."""
+    """Reason why the robot did not reach the goal; empty if the robot reached the goal."""
     ended: str | None = None
     """Name of the room that the robot ended in; None if it ended outside of all rooms or the plan was not driven."""
     shortest_m: float | None = None

@@ -1,4 +1,4 @@
-"""The figures (measured numbers) of result.json, with the name, format and meaning that reports show for each."""
+"""The figures (measured numbers) of result.json, with the name, format and meaning that reports show for each figure."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -29,7 +29,8 @@ class Figure:
 _SHARE, _COUNT, _METRES, _SECONDS, _SCORE = "{:.1%}", "{:,}", "{:.3f} m", "{:.2f} s", "{:.3f}"
 _SIGNED = "{:+d}"
 PLACES = "place_recognition"
-"""Section of result.json on place recognition. Its keys are the numbers of best matches that are considered per query."""
+"""Section of result.json on place recognition. Its keys are numbers N: a query counts as found if at least N of its proposed
+matches are right."""
 
 SECTIONS: dict[str, dict[str, Definition]] = {
     "coverage": {
@@ -195,7 +196,7 @@ def figures(result: Mapping[str, Any], section: str) -> list[Figure]:
 
 
 def _places(result: Mapping[str, Any]) -> list[Figure]:
-    """Return a figure for each N, a number of matches per query: how many queries found N of those that could have."""
+    """Return a figure for each number N of right matches: how many queries found N, of how many that could have found N."""
     return [
         Figure(
             f"found, N = {n}",
@@ -212,7 +213,7 @@ def figure(result: Mapping[str, Any], section: str, key: str) -> str:
 
 
 def shown(value: object, form: str) -> str:
-    """Format a value by the format string `form`. None, for a figure that the run cannot have, becomes a dash."""
+    """Format a value by the format string `form`. None, which means that the run has no such figure, becomes a dash."""
     if value is None:
         return MISSING
     if value == 0 and form == _SIGNED:

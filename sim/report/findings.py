@@ -13,14 +13,14 @@ from sim.report.data import UNKNOWN, KeyframeTable, PlanPath, ReportData
 from sim.report.room_errors import SUBSTANTIAL, Groups, room_errors, surplus
 
 WELL_COVERED = 0.95
-"""Share of the walk that the map has to cover to count as complete. The report then mentions no uncovered parts."""
+"""The map counts as complete if it covers at least this share of the walk. The report then mentions no missing share."""
 _STRETCHES_M = (8.0, 24.0)
-"""Lengths of path over which the relative pose error is reported, as in result.json [m]."""
+"""Lengths of path [m] over which the relative pose error is reported, as in result.json."""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """A sentence about a run, whether it reports good news, and a keyframe that illustrates it (None: none)."""
+    """A sentence about a run, whether the sentence is good news, and a keyframe that illustrates it, if there is one."""
 
     good: bool
     text: str
@@ -28,7 +28,7 @@ class Finding:
 
 
 def findings(data: ReportData) -> list[Finding]:
-    """List the findings about a run: bad ones first, then good ones, each in the order of the SLAM's stages."""
+    """Return the findings about a run: first bad news, then good news, both in the order of the SLAM's stages."""
     stages = (_coverage, _confusions, _refinement, _rooms, _loops, _trajectory, _plans)
     return sorted((finding for stage in stages for finding in stage(data)), key=lambda finding: finding.good)
 

@@ -18,7 +18,7 @@ from worlds.parts import Part
 
 _PIXELS_PER_METRE = 60
 _MOST_PIXELS = 12e6
-"""Limit on the pixels of one storey's picture; larger plans are drawn at a smaller scale."""
+"""Largest number of pixels of one storey's picture; larger plans are drawn at a smaller scale."""
 
 
 def floor_plans(house: House) -> tuple[FloorPlan, ...]:

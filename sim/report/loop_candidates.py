@@ -1,4 +1,4 @@
-"""Why loop candidates were accepted or refused: counts by reason, and the figures of false loops and of missed revisits."""
+"""Shows why loop candidates were accepted or refused: counts by reason, and lists of false loops and of missed revisits."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ _MOST = 12
 
 @dataclass(frozen=True)
 class ReasonCount:
-    """Number of loop candidates with one reason, and how many of them were truly at one place."""
+    """Numbers of loop candidates with the same reason: `revisits` are truly at the same place, `others` are not."""
 
     reason: str
     accepted: bool
@@ -27,14 +27,14 @@ class CandidateList:
     title: str
     meaning: str
     figures: tuple[str, ...]
-    """Names of the figures that any of the candidates has."""
+    """Names of all figures that occur among the shown candidates."""
     shown: tuple[CandidateMark, ...]
     more: int
     """Number of candidates that are not shown."""
 
 
 def reason_counts(data: ReportData) -> list[ReasonCount]:
-    """Count the candidates by reason: the accepted ones first, then the most frequent reason first."""
+    """Count the candidates by reason: reasons for acceptance before reasons for refusal, then frequent reasons first."""
     counts = Counter((mark.accepted, mark.reason, mark.revisit) for mark in data.candidates)
     reasons = {(accepted, reason) for accepted, reason, _ in counts}
     rows = [
@@ -45,7 +45,7 @@ def reason_counts(data: ReportData) -> list[ReasonCount]:
 
 
 def candidate_lists(data: ReportData) -> list[CandidateList]:
-    """The lists of false loops and of missed revisits; empty lists are left out."""
+    """Return the lists of false loops and of missed revisits; empty lists are left out."""
     false = {(loop.query, loop.match) for loop in data.loops if not loop.true}
     closed = {loop.query for loop in data.loops if loop.true}
     wrong = [mark for mark in data.candidates if mark.accepted and (mark.query, mark.match) in false]
@@ -58,7 +58,7 @@ def candidate_lists(data: ReportData) -> list[CandidateList]:
 
 
 def _list(title: str, meaning: str, marks: Sequence[CandidateMark]) -> CandidateList:
-    """A list of the candidates with the largest figures, which are the most instructive, in the order of time."""
+    """Return a list of the candidates with the largest figures, which are the most instructive, in the order of time."""
     best = sorted(marks, key=lambda mark: (-len(mark.figures), *(-value for value in mark.figures.values())))[:_MOST]
     shown = sorted(best, key=lambda mark: (mark.query, mark.match))
     figures = tuple(dict.fromkeys(name for mark in shown for name in mark.figures))

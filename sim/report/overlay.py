@@ -13,7 +13,7 @@ from worlds.truth import storey_of
 _HEADING_M = 0.28
 """Length of the tick that shows where a keyframe's camera looks [m]."""
 _CROSS_M = 0.16
-"""Half the width of the cross where a failed plan ended [m]."""
+"""Half the width of the cross that marks the end of a failed drive [m]."""
 _NUMBER_M = 0.3
 """Height of the number beside the cross [m]."""
 

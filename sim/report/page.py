@@ -1,4 +1,4 @@
-"""`write_report`: one HTML file that shows a run and can be read offline."""
+"""Writes the report of a run as one HTML file that can be read offline (`write_report`)."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -31,7 +31,8 @@ _ENVIRONMENT = jinja2.Environment(
 )
 
 _LEAST_PAGE_M, _MOST_PAGE_M = 17.0, 36.0
-"""Least and largest width of plan that fills the page's width [m]: less looks coarse, more is too small to read."""
+"""The width of the page shows at least the first length of a house [m], since larger plans would look coarse. Plans stand
+side by side only if their total width is at most the second length [m], since smaller plans could not be read."""
 
 _HEADLINES = (
     ("walk covered", "coverage", "path_covered", "{rooms_with_keyframe} of {rooms_walked} rooms"),
@@ -119,7 +120,7 @@ def _present(data: ReportData) -> list[str]:
 
 
 def _samples(data: ReportData) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """Return the template's data on sample frames that were labelled right before refinement, and on the wrong ones."""
+    """Return the template's data on two lists of sample frames: labelled right before refinement, and labelled wrong."""
     cards = [_sample(data, sample) for sample in data.samples]
     return [card for card in cards if card["seen"] == card["true"]], [card for card in cards if card["seen"] != card["true"]]
 

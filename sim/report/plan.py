@@ -82,7 +82,7 @@ def _corners(outline: Float64[np.ndarray, "corners 2"]) -> Iterator[tuple[Float6
 
 
 def _legend(plan: FloorPlan, start: Float64[np.ndarray, "2"], right: float) -> Iterator[Mark]:
-    """Yield the legend: each symbol of the plan with its name, in rows as wide as the plan, above the scale bar."""
+    """Yield the marks of the legend: each symbol of the plan with its name, in rows as wide as the plan."""
     kinds = {opening.kind for opening in plan.openings}
     names = [NAMES[kind] for kind in NAMES if kind in kinds] + ([WINDOW] if plan.windows else [])
     x, y = start

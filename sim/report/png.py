@@ -12,7 +12,7 @@ _OVERSAMPLING = 3
 
 
 def to_image(drawing: Drawing, *, pixels_per_metre: int = 60) -> UInt8[np.ndarray, "h w 3"]:
-    """Paint a drawing on a white background, at three times the size, and scale it down, which smooths edges."""
+    """Paint a drawing on a white background, at three times the size. It is then scaled down, which smooths edges."""
     painter = _Painter(drawing, pixels_per_metre * _OVERSAMPLING)
     for mark in drawing.layers:
         painter.paint(mark)

@@ -1,7 +1,8 @@
 """Finds errors of room segmentation: the splits and merges that result.json counts, and partial losses.
 
 A partial loss is a true room of which a substantial part was assigned to a predicted room that lies mostly elsewhere.
-result.json counts it as neither split nor merge. A true room that is merged with another one is no partial loss.
+result.json counts partial losses as neither splits nor merges. A true room that is merged with another room is no partial
+loss.
 """
 
 from collections.abc import Sequence
@@ -37,7 +38,7 @@ class RoomErrors:
 
 
 def room_errors(true: Sequence[str], predicted: Sequence[str]) -> RoomErrors:
-    """Find the errors from the names of the true and of the predicted room of each keyframe."""
+    """Find the errors of room segmentation. `true` and `predicted` name the true and the predicted room of each keyframe."""
     true_names, true_ids = _numbered(true)
     predicted_names, predicted_ids = _numbered(predicted)
     table = overlap(predicted_ids, true_ids)
@@ -67,6 +68,9 @@ def _numbered(rooms: Sequence[str]) -> tuple[list[str], Int[np.ndarray, "n"]]:
 
 
 def _groups(belongs: Bool[np.ndarray, "a b"], names: Sequence[str], others: Sequence[str], least: int) -> Groups:
-    """Map the name of each row to its columns with a true entry; rows with fewer than `least` such columns are left out."""
+    """Map the name of each row to the names of the columns in which the row is true.
+
+    Rows with fewer than `least` true columns are left out.
+    """
     rows = zip(names, belongs, strict=True)
     return {name: tuple(compress(others, row)) for name, row in rows if row.sum() >= least}

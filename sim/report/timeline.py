@@ -36,7 +36,7 @@ def timeline_svg(data: ReportData, colours: Mapping[str, str]) -> str:
 
 
 def positions(stamps: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"]:
-    """Return the x coordinates of keyframes with these time stamps, in the units of the timeline's SVG."""
+    """Return the x coordinates of keyframes with the time stamps `stamps` [s], in the units of the timeline's SVG."""
     span = max(float(stamps[-1] - stamps[0]), 1e-9)
     return np.asarray(LEFT + (stamps - stamps[0]) / span * (WIDTH - LEFT - 6))
 

@@ -14,18 +14,18 @@ HEIGHT_M = 1.5
 STEP_M = 0.25
 """Largest height of a step that the robot can climb [m]."""
 _CLEAR_OF_GROUND_M = 0.03
-"""Height of the robot's underside above the ground [m], so that the robot never touches the floor that it stands on."""
+"""Height of the robot's underside above the ground [m]. It is above 0, so that the robot never touches its own floor."""
 _ROBOT = "robot"
 _OBSTACLE, _GROUND = 1, 2
-"""Bits of MuJoCo's contact types. The legs collide with obstacles only, so that they can stand on steps. The body above them
-also collides with the ground, such as the side of a flight of stairs."""
+"""Bits of MuJoCo's contact types. The lower part of the robot, up to `STEP_M`, collides with obstacles only, so that it can
+stand over steps. The part above also collides with the ground, such as the side of a flight of stairs."""
 GROUND_GROUP, OUTLINE_GROUP = 4, 5
 """Geom groups for ray casts: the ground, to find the height at which the robot stands, and the outlines of obstacles, for
 the range scan."""
 
 
 class Body:
-    """A cylinder of `RADIUS_M` and `HEIGHT_M` on slide joints along x, y and z. It has a position but no dynamics.
+    """A cylinder of `RADIUS_M` and `HEIGHT_M` that slides along x, y and z. It has a position, but no dynamics.
 
     The model has collision geoms only, so that it compiles in about 0.1 s. `place` moves the robot anywhere, even into an
     obstacle, and reports the contacts.

@@ -3,8 +3,9 @@
 At each step:
 
 1. Advance the progress along the route to the point nearest to the robot.
-2. If the straight line to the look-ahead point has enough clearance, steer to this point. Otherwise plan a local path in the
-   map of recent scans (`LocalMap`), and steer to the farthest of the path's next cells that a straight line reaches.
+2. If the straight line to the look-ahead point on the route has enough clearance, steer to this point. Otherwise, plan a
+   local path in the map of recent scans (`LocalMap`). Steer to the farthest of the path's next cells to which the straight
+   line has enough clearance.
 3. Turn in proportion to the heading error. The larger this error, the slower the robot drives. Stop in front of obstacles.
 """
 
@@ -27,26 +28,28 @@ _LOOKAHEAD_M = 0.7
 HORIZON_M = 1.7
 """Length of the part of the route ahead of the robot that local planning considers [m]."""
 _KEEP_M = RADIUS_M + 0.05
-"""Clearance of the straight line to the next target on a local path, if possible [m]."""
+"""Clearance that the straight line to the next target on a local path has, if possible [m]."""
 LEAST_M = RADIUS_M + 0.03
 """Distance that the robot's centre keeps from obstacles on local paths [m], except if no such path exists."""
 _REACH = 6
-"""Number of cells of the local path by which the robot looks ahead."""
+"""Number of cells of the local path within which the next target lies."""
 _EASY_M = RADIUS_M + 0.15
-"""Clearance at which the route itself is followed [m]. With less, a local path is planned, which prefers more clearance."""
+"""Clearance that is enough to follow the route itself [m]. With less clearance, a local path is planned."""
 _CLOSE_M = RADIUS_M + 0.02
-"""Clearance below which the robot does not move closer to an obstacle [m]."""
+"""Clearance below which the robot makes no step that brings it closer to an obstacle [m]."""
 _REPLAN_M = 0.16
-"""Distance after which the local path is planned again [m]."""
+"""Distance that the robot drives before the local path is planned again [m]."""
 _ARRIVED_M, _NEARLY_M = 0.1, 0.5
-"""Largest horizontal distance from the route's end, and largest length of route left, at which the robot has arrived [m]."""
+"""The robot has arrived if it is at most `_ARRIVED_M` from the route's end, in the plan, and at most `_NEARLY_M` of the
+route is left [m]."""
 _HESITATION_S, _PATIENCE_S = 4.0, 12.0
 _SKIP_M = 0.5
-"""Length of route that is skipped after `_HESITATION_S` without progress [m]. After `_PATIENCE_S` the robot gives up."""
+"""Length of route that is skipped after `_HESITATION_S` without progress [m]. After `_PATIENCE_S` without progress, the
+robot gives up."""
 
 
 class Controller:
-    """Computes a robot's next step from its estimated pose and range scans, so that it follows the waypoints."""
+    """Computes the next step of a robot from its estimated pose and its range scans, so that the robot follows waypoints."""
 
     def __init__(self, waypoints: Float64[np.ndarray, "k 3"]) -> None:
         self._route, self._map = Route(waypoints), LocalMap(LEAST_M)
@@ -64,7 +67,7 @@ class Controller:
         self._has_new_scan = True
 
     def step(self, pose: DeadReckoning) -> tuple[float, float] | None:
-        """Return forward motion [m] and left turn [rad] for the next `STEP_S`; None if the robot has arrived or given up."""
+        """Return forward motion [m] and left turn [rad] for the next `STEP_S`; None if the robot has arrived or gives up."""
         here = np.array([pose.x, pose.y])
         self._route.follow(here)
         if self._has_arrived(here) or self._has_lost_patience():
@@ -92,7 +95,7 @@ class Controller:
         return self._since_s > _PATIENCE_S
 
     def _target(self, here: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "2"] | None:
-        """Return the point to steer to; None if the local path ends at the robot, so that it stays where it is."""
+        """Return the point to steer to; None if the robot should stay where it is, because the local path ends there."""
         carrot = self._route.ahead(_LOOKAHEAD_M)[-1]
         if self._map.clearance(here, carrot) >= _EASY_M:
             self._planned_at = np.full(2, np.inf)

@@ -7,14 +7,14 @@ import numpy as np
 from sim.odometry.simulation import METRES_PER_RADIAN, OdometryConfig
 
 _BLOCK = 512
-"""Number of normal draws that are made at a time, for speed."""
+"""Number of normally distributed numbers that are drawn at a time, for speed."""
 
 
 class DeadReckoning:
     """An estimated pose (x, y, yaw) in the plane, to which increments of the true motion are added with errors.
 
-    The errors follow the model of `simulate_odometry`, limited to the plane, for a trajectory that is not known in advance.
-    The error of scale and the biases are drawn at random for each object.
+    The errors follow the model of `simulate_odometry` in the plane, but the trajectory need not be known in advance. The
+    error of scale and the biases are drawn at random for each object.
     """
 
     def __init__(self, x: float, y: float, yaw: float, config: OdometryConfig, rng: np.random.Generator) -> None:
@@ -25,7 +25,7 @@ class DeadReckoning:
         self._draws: list[float] = []
 
     def advance(self, forward: float, turn: float) -> None:
-        """Add a step of the true motion, with errors: half of `turn` [rad], then `forward` [m], then the other half."""
+        """Add a step of the true motion, with errors: half of `turn` [rad], `forward` [m], and the other half of `turn`."""
         config, moved = self._config, abs(forward) + METRES_PER_RADIAN * abs(turn)
         if moved == 0.0:
             return

@@ -17,12 +17,12 @@ from worlds.truth import NOWHERE, room_at
 _SCAN_EVERY_M = 0.1
 """Distance that the robot drives between two range scans [m]."""
 _SCAN_EVERY_S = 0.5
-"""Longest time between two scans, for a slow robot [s]."""
+"""Longest time between two range scans [s], even if the robot is slow or stands."""
 _LEAST_TIME_S = 60.0
 _TIME_FACTOR = 4.0
 """The time limit of a drive is `_TIME_FACTOR` times the time of the route at full speed, plus `_LEAST_TIME_S` [s]."""
 _KNEE_M = 0.3
-"""Height above the foot at which the room is looked up [m], so that a floor's thickness does not matter."""
+"""Height above the robot's foot of the point whose room is looked up [m], so that a floor's thickness does not matter."""
 DROP = "drop"
 """Entry of `Drive.touched` if the robot came to a place without ground, such as the edge of stairs."""
 
@@ -42,14 +42,14 @@ class Drive:
 
     @property
     def collisions(self) -> int:
-        """Number of collisions: 0 or 1, because the first collision ends the drive."""
+        """Number of collisions: 0 or 1, because the first collision ends the drive. A drop counts as a collision."""
         return int(bool(self.touched))
 
 
 class Robot:
     """A robot with a range scanner in a house, which can drive any number of plans.
 
-    If `blind`, the robot ignores the scanner and follows the waypoints by its estimated pose alone.
+    If `blind`, the robot ignores the scanner, and uses only its estimated pose to follow the waypoints.
     """
 
     def __init__(self, house: House, blind: bool = False) -> None:
@@ -59,9 +59,9 @@ class Robot:
 
     def drive(self, start: Float64[np.ndarray, "3"], yaw: float, pose: DeadReckoning,
               waypoints: Float64[np.ndarray, "k 3"]) -> Drive:  # fmt: skip
-        """Drive through the waypoints. The true pose at first is `start` on the ground and `yaw`, both in W.
+        """Drive through the waypoints, from the true position `start` on the ground [m] and the true `yaw` [rad] in W.
 
-        The waypoints and the estimated `pose` are in the robot's own (drifting) frame. The drive updates `pose`. Raises
+        The waypoints and the estimated `pose` are in the robot's own frame, which drifts. The drive updates `pose`. Raises
         `SimError` if there is no waypoint, if a waypoint is not finite, or if there is no ground at `start`.
         """
         if len(waypoints) == 0 or not np.isfinite(waypoints).all():

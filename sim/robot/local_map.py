@@ -1,7 +1,7 @@
 """`LocalMap`: the obstacle points of recent scans around the robot, and local paths that avoid these points.
 
-A local path is the cheapest path on a grid around the robot (Dijkstra). Cells cost more close to obstacles and far from the
-route. The path may end before the route does, if the rest would cost more than it is worth.
+A local path is the cheapest path on a grid around the robot (Dijkstra). Cells cost more if they are close to obstacles or
+far from the route. The path may end before the route ends, if the rest would cost more than to miss the route's end.
 """
 
 from collections import deque
@@ -19,30 +19,30 @@ from lexis.maths.ties import rounded
 CELL_M = 0.08
 """Side length of a cell of the grid on which local paths are planned [m]."""
 _FINE = 4
-"""Number of divisions of a cell's side. Obstacle points are rounded to this finer grid."""
+"""Number of parts into which a cell's side is divided. Obstacle points are rounded to this finer grid."""
 _HALF = 22
 """Number of cells on either side of the robot's cell."""
 _N = 2 * _HALF + 1
 _SCANS = 12
 """Number of recent scans that are kept."""
 _SAME_M = 0.4
-"""Largest difference between the heights of two scans that are combined [m]. On stairs, higher or lower scans show different
-obstacles."""
+"""Largest difference in height between a scan that is used and the latest scan [m]. On stairs, scans from other heights show
+other obstacles."""
 _PREFERRED_M = 0.25
 """Preferred clearance in addition to the least distance from obstacles [m]; more clearance lowers the cost no further."""
 _BLOCKED = 1000.0
-"""Cost of a metre of path below the least distance from obstacles. The cost is finite, so that a path is always found, but
-any path that keeps the distance is preferred."""
+"""Cost of a metre of path that is closer to obstacles than the least distance. The cost is finite, so that a path is always
+found, but any path that keeps the least distance is preferred."""
 _CROWDING = 5.0
 """Additional cost of a metre of path at the least distance from obstacles."""
 _MISS_COST = 30.0
-"""Cost of each metre between the local path's end and the route's end. It exceeds the cost of a metre of path at the least
-distance from obstacles."""
+"""Cost of each metre between the end of the local path and the end of the route. It exceeds the cost of a metre of path at
+the least distance from obstacles, so that the robot prefers to go on."""
 _STRAYED_M = 0.3
-"""Distance from the route that costs nothing, because drift explains it [m]."""
+"""Distance from the route up to which a path costs no more [m], because drift can cause this distance."""
 _STRAYING = 20.0
-"""Additional cost of a metre of path for every metre that it is farther from the route than `_STRAYED_M`. The robot prefers
-the route because the route was walked before and is therefore free of obstacles."""
+"""Additional cost of a metre of path, for every metre by which the path is farther from the route than `_STRAYED_M`. The
+route is preferred because it was walked before, and is therefore free of obstacles."""
 
 
 class LocalMap:
@@ -77,7 +77,7 @@ class LocalMap:
     def plan_path(self, start: Float64[np.ndarray, "2"], route: Float64[np.ndarray, "k 2"]) -> Float64[np.ndarray, "j 2"]:
         """Plan the cheapest path from `start` along `route`, and return its points.
 
-        A path is cheap if it is clear of obstacles, close to the route, and ends close to the end of the route.
+        A path is cheap if it is short, clear of obstacles and close to the route, and ends close to the end of the route.
         """
         cells = start + _cells() * CELL_M
         strayed = cdist(cells, route).min(axis=1)
@@ -108,7 +108,7 @@ class LocalMap:
 
 @cache
 def _cells() -> Int[np.ndarray, "cells 2"]:
-    """Return each cell's coordinates, in cells relative to the robot's cell."""
+    """Return the coordinates of each cell, as numbers of cells from the robot's cell."""
     cell = np.arange(_N * _N)
     return np.stack([cell % _N, cell // _N], axis=1) - _HALF
 

@@ -1,7 +1,7 @@
 """Adds the outlines of obstacles for the range scan: an upright box for each obstacle within the height of the body.
 
-A real robot makes such a scan by projecting a depth sensor's points onto the plan. A table then appears as its outline, not
-as four legs.
+A real robot makes such a scan by projecting the points of a depth sensor onto the plan. A table then appears as its outline,
+not as four legs.
 """
 
 import numpy as np

@@ -5,9 +5,10 @@ from jaxtyping import Float64
 
 _SAMPLE_M = 0.1
 _LEVEL_M = 0.3
-"""Largest difference in height within one storey [m]. Part of it allows for errors of the map."""
+"""Largest difference in height of route points that count as on one level [m]. It allows for errors of the map."""
 _WINDOW_M = 0.8
-"""Length of route ahead in which the nearest point is searched [m]; short, as routes may pass close to themselves."""
+"""Length of route ahead in which the point nearest to the robot is searched [m]. It is short, because another part of the
+route may pass close by."""
 
 
 class Route:

@@ -12,19 +12,19 @@ _BEAMS = 72
 _HEAD_M = 1.3
 """Height of the sensor above the foot [m]."""
 _RINGS_M = 0.1 * np.arange(1, 7)
-"""Distances from the foot at which downward rays would hit level ground [m]."""
+"""Distances from the robot's foot at which downward rays would hit level ground [m]."""
 _DEEP_M = 20.0
 """Largest length of a downward ray; a ray that hits no ground counts as ending there [m]."""
 _EVERY = 2
-"""Every second beam also has downward rays at its bearing."""
+"""Downward rays are cast at the bearing of every second level beam."""
 _TREAD_M = 0.18
-"""Length of ground over which the height may change by `STEP_M`: the depth of a tread of the steepest stairs [m]."""
+"""Horizontal distance over which the height may change by `STEP_M` [m]: the depth of a tread of the steepest stairs."""
 
 
 class RangeScanner:
     """Casts level beams in all directions at the outlines of obstacles, and downward rays at the ground nearby.
 
-    `outlines` adds the outlines to the model. All rays start at a sensor 1.3 m above the ground. MuJoCo casts the rays.
+    The module `outlines` adds the outlines to the model. MuJoCo casts the rays, from 1.3 m above the ground.
     """
 
     def __init__(self, body: Body) -> None:
@@ -48,9 +48,9 @@ class RangeScanner:
         return np.asarray(bearings[hit] * ranges[hit, None])
 
     def _edges(self, turn: Float64[np.ndarray, "3 3"], level: Float64[np.ndarray, "gazes"]) -> Float64[np.ndarray, "gazes"]:
-        """Return per bearing the distance at which the ground drops or rises too steeply; infinite if it does not [m].
+        """Return, per bearing, the distance at which the ground drops or rises too steeply [m]; infinite if it does not.
 
-        Ground behind the ends of the `level` beams is occluded and ignored.
+        Ground that is farther away than the end of the `level` beam at the same bearing is occluded, and ignored.
         """
         lengths = self._cast((self._gazes @ turn).reshape(-1, 3), GROUND_GROUP, _DEEP_M).reshape(len(self._gazes), -1)
         lengths = np.minimum(lengths, _DEEP_M)
@@ -63,7 +63,7 @@ class RangeScanner:
         return np.where(first < 0, np.inf, np.minimum(_RINGS_M, far)[np.arange(len(first)), first])
 
     def _cast(self, directions: Float64[np.ndarray, "n 3"], group: int, most_m: float) -> Float64[np.ndarray, "n"]:
-        """Return ranges from the head; infinite if nothing is hit within `most_m` [m]."""
+        """Return the ranges of rays from the sensor [m]; infinite where nothing of `group` is hit within `most_m` [m]."""
         n = len(directions)
         geoms, ranges = np.zeros(n, np.int32), np.zeros(n)
         mujoco.mj_multiRay(

@@ -6,20 +6,20 @@
     assert report.ok, report
 
 Read `catalogue` first: it lists the suites, with the scenarios of each. A `suite` consists of parts, and a part of scenarios
-with their `checks`. `laws` lists the laws that relate two runs, and `consistency` those about a single run. Some laws change
-the SLAM's input: `stream_changes`, `frame_changes`, `image_changes` and `false_loops` define the changes, `changed_stream`
-applies them, and `agreement` tells whether the SLAM's outputs in two runs agree. `image_evidence` is a law about
-similarities, and `plans` one about plans. `examination` runs the scenarios in processes, and `report` gives the verdicts,
-with those about means over the whole suite from `suite_means`. `smallest` finds the smallest scenario in which a check
-fails, `figure_table` shows medians of figures, `openness_chart` draws room quality against openness, and `pytest_items`
-makes a test for pytest.
+with their `checks`. `laws` lists the laws that relate two runs, and `consistency` the laws about a single run. Some laws
+change the SLAM's input: `stream_changes`, `frame_changes`, `image_changes` and `false_loops` define the changes,
+`changed_stream` applies them, and `agreement` tells whether the SLAM's outputs in two runs agree. `image_evidence` is a law
+about similarities, and `plans` is a law about plans. `examination` runs the scenarios in processes. `report` gives the
+verdicts; `suite_means` gives the verdicts about means over the whole suite. `smallest` finds the smallest scenario in which
+a check fails, `figure_table` shows medians of figures, `openness_chart` draws room quality against openness, and
+`pytest_items` makes a test for pytest.
 
 Glossary:
 
 - claim: a statement about a figure of one run, such as "rooms.pq >= 0.5".
 - law: a statement about two runs, such as "in the rotated house the claims are the same", or about one run, such as "all
-  frames of a room have one label". It needs no threshold for how good a SLAM is.
-- check: a claim or a law, with the share of scenarios in which it has to hold.
+  frames of a room have one label". A law needs no threshold for how good a SLAM is.
+- check: a claim or a law, and the share of the scenarios in which it has to hold.
 """
 
 import lazy_loader

@@ -14,26 +14,27 @@ from sim.harness.estimate import Estimate
 
 @dataclass(frozen=True)
 class ClaimAgreement:
-    """How well two estimates agree on the frames that both cover; None for a claim that one of them does not make."""
+    """How well two estimates agree on the frames that both cover; None for a claim that at least one of them lacks."""
 
     frames: float
-    """Number of frames that both estimates cover, as a share of those that at least one covers."""
+    """Number of frames that both estimates cover, divided by the number of frames that at least one of them covers."""
     labels: float | None
-    """Share of the frames in both estimates that have the same label in both."""
+    """Share of the common frames that have the same label in both estimates."""
     rooms: float | None
-    """Adjusted Rand index of the two partitions into rooms: 1 if equal, about 0 if unrelated."""
+    """Adjusted Rand index of the two partitions of the common frames into rooms: 1 if equal, about 0 if unrelated."""
     floors: float | None
-    """Share of the frames in both estimates that have the same floor in both."""
+    """Share of the common frames that have the same floor in both estimates."""
     loops: float | None
-    """Number of loop closures that both estimates claim, as a share of those that at least one claims; 1 without loops."""
+    """Number of loop closures that both estimates claim, divided by the number that at least one of them claims; 1 if both
+    claim none."""
     rotation_rad: float | None
-    """Largest angle between the two orientations of a frame, after the trajectories are aligned [rad]."""
+    """Largest angle between the two orientations of a common frame, after the trajectories are aligned [rad]."""
     position_m: float | None
-    """Largest distance between the two positions of a frame, after the trajectories are aligned [m]."""
+    """Largest distance between the two positions of a common frame, after the trajectories are aligned [m]."""
 
 
 def agreement(first: Estimate, second: Estimate) -> ClaimAgreement:
-    """Compare two estimates of one run. Their frames are matched by `Observation.index`."""
+    """Compare two estimates of one run. The frames of both are matched by `Observation.index`."""
     frames, rows_a, rows_b = np.intersect1d(first.frames, second.frames, return_indices=True)
     union = len(first.frames) + len(second.frames) - len(frames)
     largest = _largest_difference(first, second, rows_a, rows_b)
@@ -74,7 +75,7 @@ def _common_loops(first: Estimate, second: Estimate) -> float | None:
 
 
 def _loop_frames(estimate: Estimate) -> list[tuple[int, int]]:
-    """The pairs of frames that loop closures join, the earlier frame first."""
+    """Return the pairs of frames that loop closures join, the earlier frame first."""
     loops = estimate.loops
     if loops is None:
         return []
@@ -85,7 +86,7 @@ def _loop_frames(estimate: Estimate) -> list[tuple[int, int]]:
 def _largest_difference(
     first: Estimate, second: Estimate, rows_a: Int[np.ndarray, "k"], rows_b: Int[np.ndarray, "k"]
 ) -> tuple[float, float] | None:
-    """The largest angle [rad] and the largest distance [m] between the poses of a frame, after alignment."""
+    """Return the largest angle [rad] and the largest distance [m] between the two poses of a frame, after alignment."""
     if first.T_W_B is None or second.T_W_B is None or not len(rows_a):
         return None
     a, b = np.asarray(first.T_W_B, float)[rows_a], np.asarray(second.T_W_B, float)[rows_b]

@@ -1,4 +1,4 @@
-"""The suites that are ready to use. LEXIS keeps their limits with room to spare; `Suite.with_limits` sets others."""
+"""The suites that are ready to use. LEXIS keeps well within their limits; `Suite.with_limits` sets other limits."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -21,7 +21,7 @@ from worlds.valid_names import did_you_mean
 from worlds.variant import in_light, variant
 
 OPENNESS = (0.0, 0.25, 0.5, 0.75, 1.0)
-"""Values of openness of the suite `open-plan`; each house occurs with all of them."""
+"""Values of openness in the suite `open-plan`; each house occurs with all of these values."""
 _FAULTS = ("dropped:0.2", "frozen:0.05,burst=4", "late", "out-of-order", "stamp-jitter", "kidnap:20,skip_s=5")
 _LENGTH_M, _LONG_M = 80.0, 400.0
 _BY_DAY = 0.5
@@ -33,19 +33,19 @@ def _seed(rng: np.random.Generator) -> int:
 
 
 def _scenario(rng: np.random.Generator, rooms: int = 5, preset: str = "home", storeys: int | None = None) -> Scenario:
-    """A walk on features through a house of a preset."""
+    """Draw a walk on features through a house of a preset."""
     seed = _seed(rng)
     house = sample_house(preset, seed, rooms=rooms, storeys=storeys)
     return Scenario(house=house, seed=seed, length_m=_LENGTH_M, frame_rate_hz=FEATURES_FRAME_RATE_HZ, fidelity="features")
 
 
 def small_home(rng: np.random.Generator, number: int) -> Scenario:
-    """A home of one storey."""
+    """Draw a home of one storey."""
     return _scenario(rng, rooms=int(rng.integers(3, 6)), storeys=1)
 
 
 def open_plan(rng: np.random.Generator, number: int) -> Scenario:
-    """A home with one of the values of `OPENNESS`; successive numbers give the same home with the next value."""
+    """Draw a home with one of the values of `OPENNESS`; successive numbers give the same home with the next value."""
     seed = _seed(rng)
     spec = sample_house("home", seed, rooms=5, storeys=1, openness=0.0)
     house = variant(spec, openness=OPENNESS[number % len(OPENNESS)])
@@ -53,30 +53,30 @@ def open_plan(rng: np.random.Generator, number: int) -> Scenario:
 
 
 def twins(rng: np.random.Generator, number: int) -> Scenario:
-    """An office of one or two storeys, most of whose rooms have twins that look alike."""
+    """Draw an office of one or two storeys in which most rooms look like another room."""
     storeys = int(rng.integers(1, 3))
     return replace(_scenario(rng, rooms=8, preset="uh2-office", storeys=storeys), length_m=120.0)
 
 
 def stairs(rng: np.random.Generator, number: int) -> Scenario:
-    """A home of two or three storeys."""
+    """Draw a home of two or three storeys."""
     storeys = int(rng.integers(2, 4))
     return replace(_scenario(rng, rooms=3 * storeys, storeys=storeys), length_m=60.0 * storeys)
 
 
 def revisits(rng: np.random.Generator, number: int) -> Scenario:
-    """A home whose rooms are all visited twice, in opposite directions, with odometry that drifts much."""
+    """Draw a home whose rooms are all visited twice, in opposite directions, with odometry that drifts much."""
     return replace(_scenario(rng, rooms=4, storeys=1), tour_kind="both ways", length_m=None, odometry="degraded")
 
 
 def without_drift(rng: np.random.Generator, number: int) -> Scenario:
-    """A home of one or two storeys, with odometry that has no error."""
+    """Draw a home of one or two storeys, with odometry that has no error."""
     storeys = 1 + number % 2
     return replace(_scenario(rng, rooms=3 * storeys + 1, storeys=storeys), odometry="perfect")
 
 
 def faulty(rng: np.random.Generator, number: int) -> Scenario:
-    """A home with one fault of the stream, or with odometry whose covariances are four times too small."""
+    """Draw a home with one fault of the stream, or with odometry whose covariances are four times too small."""
     plain = _scenario(rng, rooms=4, storeys=1)
     kind = int(rng.integers(len(_FAULTS) + 1))
     return (
@@ -85,12 +85,12 @@ def faulty(rng: np.random.Generator, number: int) -> Scenario:
 
 
 def long_walk(rng: np.random.Generator, number: int) -> Scenario:
-    """A long walk through a home, through all rooms in both directions."""
+    """Draw a long walk through a home, through all rooms in both directions."""
     return replace(_scenario(rng, rooms=8), length_m=_LONG_M, tour_kind="both ways")
 
 
 def images(rng: np.random.Generator, number: int) -> Scenario:
-    """A short walk on rendered images through two rooms, by day or in the evening."""
+    """Draw a short walk on rendered images through two rooms, by day or in the evening."""
     seed = _seed(rng)
     spec = sample_house("home", seed, rooms=2, storeys=1)
     house = in_light(spec, "day" if rng.random() < _BY_DAY else "evening")
@@ -111,7 +111,7 @@ _COVERED = "coverage.path_covered >= 0.99"
 
 
 def _shares_of_odometry(ate: float, rpe_8m: float, rpe_24m: float) -> tuple[str, ...]:
-    """Claims that the errors of the trajectory are at most these shares of the odometry's errors."""
+    """Return claims that each error of the trajectory is at most the given share of the odometry's error."""
     return (
         f"trajectory.ate_m <= {ate} * trajectory.ate_odometry_m",
         f"trajectory.rpe_8m_m <= {rpe_8m} * trajectory.rpe_8m_odometry_m",
@@ -120,7 +120,7 @@ def _shares_of_odometry(ate: float, rpe_8m: float, rpe_24m: float) -> tuple[str,
 
 
 def _labels(accuracy: float, graded: float, of_baseline: float) -> tuple[str, ...]:
-    """Claims about labels; `of_baseline` is the least accuracy as a multiple of the accuracy before refinement."""
+    """Return claims about labels; `of_baseline` is the least ratio of the accuracy to the accuracy before refinement."""
     return (
         f"labels.accuracy >= {accuracy}",
         f"labels.accuracy_graded >= {graded}",
@@ -133,7 +133,7 @@ def _rooms(pq: float, ari: float) -> tuple[str, ...]:
 
 
 def _loops(recall: float, precision: float, of_possible: float) -> tuple[str, ...]:
-    """Claims about loops; `of_possible` is the least share of the possible revisits that place recognition finds."""
+    """Return claims about loops; `of_possible` is the least share of the possible revisits that place recognition finds."""
     return (
         f"loops.recall >= {recall}",
         f"loops.precision >= {precision}",
@@ -147,7 +147,8 @@ PLANS = Consistent(
     plans_can_be_walked,
     rate=0.9,
 )
-"""A law for houses of one storey. A loop closure that is slightly wrong may lead a step through the corner of a table."""
+"""The law that plans are walkable, for houses of one storey. It has to hold only in 90 % of the scenarios, because a loop
+closure that is slightly wrong may lead a step of a plan through the corner of a table."""
 HOMES = SuitePart(
     "homes",
     "Homes of one storey and three to five rooms. LEXIS does well there, so most laws are checked in them.",
@@ -288,8 +289,9 @@ _MEANS = tuple(
         "floors.accuracy >= 0.998",
     )
 )
-"""Claims about the means over all scenarios of the suite `pr`, one standard error worse than those of LEXIS. There is none
-about the trajectory, because a few walks with large errors decide that mean, as those of a robot that is carried away do."""
+"""Claims about the means over all scenarios of the suite `pr`. Each limit is one standard error worse than the mean of
+LEXIS. No claim is about the trajectory: a few walks with large errors decide that mean, such as walks on which the robot is
+carried away."""
 SUITES: Mapping[str, Suite] = MappingProxyType(
     {
         suite.name: suite

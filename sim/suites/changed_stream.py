@@ -1,4 +1,4 @@
-"""`changed`: puts a SLAM behind a change of its input, and converts its claims back."""
+"""`changed`: puts a change between the input and a SLAM, and converts the SLAM's claims back to the unchanged input."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -15,12 +15,12 @@ from sim.suites.stream_changes import StreamChange, copied
 
 
 class ChangedStream:
-    """A SLAM behind a change of its input. It claims what the SLAM claims, about the unchanged observations."""
+    """A SLAM whose input is changed. Its claims are the claims of the SLAM, converted to the unchanged observations."""
 
     def __init__(self, slam: SlamUnderTest, change: StreamChange) -> None:
         self._slam, self._change = slam, change
         self._original_names: list[int] = []
-        """For each room name that the SLAM is told, the index of the unchanged room name; -1 for a name without one."""
+        """For each room name that the SLAM is told, the index of the unchanged room name; -1 for an additional name."""
         self._given: list[int] = []
         """Index of the unchanged observation for each observation that the SLAM got."""
         self._processed = 0
@@ -31,7 +31,7 @@ class ChangedStream:
         self._slam.start(*self._begin(camera, room_names))
 
     def process(self, observation: Observation) -> None:
-        """Give the SLAM what takes the place of the observation."""
+        """Give the SLAM the changed observations that take the place of this observation."""
         number, self._processed = self._processed, self._processed + 1
         previous, self._previous = self._previous, copied(observation)
         for changed in self._change.observations(observation, number, previous):
@@ -43,7 +43,7 @@ class ChangedStream:
         return _restored(self._slam.finish(), np.array(self._given), np.array(self._original_names), self._change)
 
     def _begin(self, camera: Camera, room_names: Sequence[str]) -> tuple[Camera, tuple[str, ...]]:
-        """Forget the run before, and return what the SLAM is started with."""
+        """Forget the previous run, and return the camera and the room names with which the SLAM is started."""
         names = self._change.names(room_names)
         self._original_names = [-1 if name is None else room_names.index(name) for name in names.values()]
         self._given, self._processed, self._previous = [], 0, None
@@ -51,7 +51,7 @@ class ChangedStream:
 
 
 class ChangedFeatureStream(ChangedStream):
-    """A SLAM behind a change of its input, for a SLAM that accepts features."""
+    """A SLAM whose input is changed, for a SLAM that accepts features."""
 
     def start_on_features(self, camera: Camera, room_names: Sequence[str], features: FeatureInput) -> None:
         """Begin a run on percepts with the changed camera and the changed room names."""
@@ -63,14 +63,17 @@ class ChangedFeatureStream(ChangedStream):
 
 
 def changed(slam: SlamUnderTest, change: StreamChange) -> ChangedStream:
-    """Put a SLAM behind a change of its input. It accepts features if the SLAM does."""
+    """Return the SLAM with a changed input. The result accepts features if the SLAM does."""
     return (ChangedFeatureStream if isinstance(slam, AcceptsFeatures) else ChangedStream)(slam, change)
 
 
 def _restored(
     claims: Estimate, given: Int[np.ndarray, "observations"], name_of: Int[np.ndarray, "names"], change: StreamChange
 ) -> Estimate:
-    """Convert claims about changed observations. If several frames stand for one observation, the last is kept."""
+    """Convert claims about changed observations to claims about the unchanged observations.
+
+    If several frames show one observation, only the last of these frames is kept. Candidates and verdicts are left out.
+    """
     frames, from_end = np.unique(given[claims.frames][::-1], return_index=True)
     last = len(claims.frames) - 1 - from_end
     T_old_new, T_N_B = inverse(change.T_new_old), inverse(change.T_B_N)
@@ -103,10 +106,14 @@ def _renamed(
 
 
 def _moved(loops: LoopClaims | None, new_row: Int[np.ndarray, "n"], T_B_N: Pose) -> LoopClaims | None:
-    """Convert loops to the rows of the unchanged observations and to the unchanged body frame."""
+    """Convert claimed loops: their frames to rows of the unchanged observations, their poses to the unchanged body frame.
+
+    A loop between two frames of the same unchanged observation is left out. None stays None.
+    """
     if loops is None:
         return None
     query, match = new_row[loops.query], new_row[loops.match]
     others = query != match  # two frames for one observation may form a loop
     T_match_query = T_B_N @ loops.T_match_query[others] @ inverse(T_B_N)
-    return LoopClaims(query[others], match[others], T_match_query, loops.weights[others])
+    weights = None if loops.weights is None else loops.weights[others]
+    return LoopClaims(query[others], match[others], T_match_query, weights)

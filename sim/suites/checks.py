@@ -1,8 +1,9 @@
 """What a suite checks in each scenario: claims about figures, and laws, most of which relate two runs.
 
-A law needs no threshold for how good a SLAM is. It compares a run with a second run whose input was changed in a way that
-must not matter, that may only help, or that must do harm (metamorphic testing; Chen et al., "Metamorphic testing: a review
-of challenges and opportunities", ACM Computing Surveys 51, 2018). Each law states its tolerance, and why it needs one.
+A law needs no threshold for how good a SLAM is. The laws in this module compare a run with a second run whose input was
+changed. The change must matter little, should do no harm, or must not help (metamorphic testing; Chen et al., "Metamorphic
+testing: a review of challenges and opportunities", ACM Computing Surveys 51, 2018). Each law states its tolerance and the
+reason for this tolerance.
 """
 
 import math
@@ -29,11 +30,11 @@ from sim.suites.stream_changes import StreamChange
 from worlds.errors import WorldsError
 
 NewSlam = Callable[[], SlamUnderTest] | Program
-"""Makes a SLAM that has not run yet; or a program under test, which reads recordings of the scenarios."""
+"""A function that makes a SLAM that has not run yet; or a program under test, which reads recordings of the scenarios."""
 _SMALLER_IS_BETTER = ("trajectory.", "loops.false", "rooms.splits", "rooms.merges")
 _CLAIMS = ("labels", "rooms", "floors", "loops", "T_W_B")
 _SHARES = ("frames", "labels", "rooms", "floors", "loops")
-"""The shares in a `ClaimAgreement`."""
+"""The figures of `ClaimAgreement` that are not distances or angles."""
 
 
 class Examined(NamedTuple):
@@ -62,14 +63,14 @@ class Check(Protocol):
 
     @property
     def says(self) -> str:
-        """What the check demands, and for a law why its tolerance is as it is, in one or two sentences."""
+        """What the check demands and, for a law, the reason for its tolerance, in one or two sentences."""
 
     @property
     def rate(self) -> float | None:
         """Share of scenarios in which the check has to hold, in (0, 1); None: in all of them, and one failure decides."""
 
     def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
-        """Examine one scenario, of which `base` is the unchanged run. Most laws make a second run."""
+        """Examine one scenario; `base` is the unchanged run of this scenario. Most laws run the SLAM a second time."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ class ClaimCheck:
 
     @property
     def says(self) -> str:
-        """The claim and its rate."""
+        """The claim and the share of the scenarios in which it has to hold."""
         return f"{self.claim} in {self.rate:.0%} of the scenarios"
 
     def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
@@ -97,25 +98,29 @@ class ClaimCheck:
 
 @dataclass(frozen=True)
 class SameClaims:
-    """A law about the input: after a change that must matter little, the SLAM makes the same claims about the frames."""
+    """A law about the input: after a change that should hardly matter, the SLAM reports nearly the same results.
+
+    The results are the frames that the SLAM used, their poses, labels, rooms and floors, and the loop closures. Poses always
+    have to agree; `compares` names the other results that have to agree.
+    """
 
     name: str
     says: str
     change: StreamChange
     least: float = 1.0
-    """Least agreement of frames, labels, rooms, floors and loops, in [0, 1]; see `ClaimAgreement`."""
+    """Least agreement of each result in `compares`, in [0, 1]; see `ClaimAgreement`."""
     position_m: float = 1e-3
     """Largest allowed distance between the positions that the two runs report for the same frame [m]."""
     rotation_rad: float = 1e-3
     """Largest allowed angle between the orientations that the two runs report for the same frame [rad]."""
     rate: float | None = None
     compares: tuple[str, ...] = _SHARES
-    """The claims that have to agree besides the poses, by their names in `ClaimAgreement`."""
+    """The results that have to agree besides the poses, by their names in `ClaimAgreement`."""
     needs_loops: bool = False
     """Whether the law is only for runs in which the SLAM closes loops."""
 
     def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
-        """Run the SLAM on the changed input, and compare the claims."""
+        """Run the SLAM on the changed input, and compare the claims of both runs."""
         if not reaches(self.change, base.run):
             return CheckFinding(None, "the change does not reach this SLAM")
         if self.needs_loops and (base.run.estimate.loops is None or not len(base.run.estimate.loops.query)):
@@ -142,14 +147,14 @@ class SameClaims:
 
 @dataclass(frozen=True)
 class NotWorse:
-    """A law about the scenario: after a change that should do no harm, figures are hardly worse than without it."""
+    """A law about the scenario: after a change that should do no harm, figures are hardly worse than before the change."""
 
     name: str
     says: str
     change: Callable[[Scenario], Scenario]
-    """Returns the changed scenario. Raises `SimError` or `WorldsError` where the change is impossible."""
+    """A function that returns the changed scenario. Raises `SimError` or `WorldsError` where the change is impossible."""
     tolerances: tuple[tuple[str, float], ...]
-    """For each figure, how much worse it may be after the change."""
+    """Pairs of a figure and the amount by which the figure may be worse after the change."""
     rate: float | None = 0.7
 
     def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
@@ -181,16 +186,17 @@ class NotWorse:
 
 @dataclass(frozen=True)
 class NotBetter:
-    """A law about the input: after a change that spoils it, a figure is not much better than without the change.
+    """A law about the input: after a change that spoils the input, a figure is not much better than without the change.
 
-    The figure gets better if the SLAM itself spoils its input in the opposite way, such as by taking BGR for RGB.
+    The figure is better after the change if the SLAM itself spoils its input in the opposite way, such as by taking BGR for
+    RGB.
     """
 
     name: str
     says: str
     change: StreamChange
     figure: str
-    """The figure; more is better."""
+    """Name of the figure, of which larger values are better."""
     tolerance: float
     """How much better the figure may be after the change."""
     rate: float | None = None
@@ -211,15 +217,15 @@ class NotBetter:
 
 
 def reaches(change: StreamChange, run: Run) -> bool:
-    """Whether a change of the input reaches the SLAM of a run. It does not reach programs, which read recordings."""
+    """Return whether a change of the input reaches the SLAM of a run. Programs are not reached: they read recordings."""
     return not isinstance(run.slam, CommandSlam) and change.matters(run.scenario, run.slam)
 
 
 def attempted(scenario: Scenario, new_slam: NewSlam, change: StreamChange | None = None) -> Run | CheckFinding:
     """Run a SLAM; return a finding that fails if the SLAM raised an exception or made claims that are not valid.
 
-    With a `change`, the SLAM gets the changed input; a program under test cannot. Raises `SimError` if the scenario is
-    impossible or the machine cannot run it.
+    With a `change`, the SLAM gets the changed input. Raises `SimError` if the scenario is impossible, if the machine cannot
+    run it, or if a `change` is given for a program.
     """
 
     def runner(same: Scenario, progress: Progress | None) -> Run:
@@ -245,7 +251,7 @@ def attempted(scenario: Scenario, new_slam: NewSlam, change: StreamChange | None
 
 
 def examined(scenario: Scenario, new_slam: NewSlam) -> Examined | CheckFinding:
-    """Run a SLAM on an unchanged scenario, and drive its plans if it sees images; otherwise as `attempted`."""
+    """Run a SLAM on an unchanged scenario, like `attempted`. If the SLAM sees images, a robot also drives its plans."""
     finished = attempted(scenario, new_slam)
     if isinstance(finished, CheckFinding):
         return finished
@@ -256,7 +262,10 @@ def examined(scenario: Scenario, new_slam: NewSlam) -> Examined | CheckFinding:
 
 
 def _made(new_slam: Callable[[], SlamUnderTest]) -> SlamUnderTest:
-    """Make a SLAM. Raises `SimError` for what cannot make one; an exception of the SLAM's class counts as the SLAM's."""
+    """Make a SLAM. Raises `SimError` for an argument that cannot make one.
+
+    An exception that is raised while the SLAM is made counts as an exception of the SLAM.
+    """
     if not callable(new_slam):
         raise SimError(f"SLAM under test: {type(new_slam).__name__} is an instance; valid: its class, or a function")
     with last_run().calling_slam():
@@ -270,7 +279,7 @@ def _claims(estimate: Estimate, name: str) -> bool:
 
 
 def _written(found: ClaimAgreement) -> str:
-    """Write an agreement in one line: the shares that agree, and how far apart the positions are."""
+    """Return an agreement in one line: how much of each result agrees, and how far the poses differ."""
     shares = {name: getattr(found, name) for name in _SHARES}
     text = ", ".join(f"{share:.1%} of the {name}" for name, share in shares.items() if share is not None)
     apart = "" if found.position_m is None else f"; poses differ by up to {found.position_m:.2g} m"

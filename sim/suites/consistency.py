@@ -16,29 +16,34 @@ from sim.suites.checks import CheckFinding, Examined, NewSlam
 from worlds.labels import STAIRS
 
 _STEP_M, _STEP_RAD = 0.25, 0.1
-"""Largest correction of the motion between two successive frames of the estimate [m, rad]. A SLAM distributes a correction
-over the loop; corrections of LEXIS reach 0.12 m and 0.03 rad, on odometry that drifts much."""
+"""Largest allowed difference between the estimated motion and the odometry's motion from one frame of the estimate to the
+next [m, rad]. A SLAM distributes a correction over the loop; corrections of LEXIS reach 0.12 m and 0.03 rad, on odometry
+that drifts much."""
 _STEP_SHARE, _STEP_RAD_M = 0.05, 0.01
-"""What is added to these bounds for each metre of a step, for a SLAM whose frames are far apart [m/m, rad/m]."""
+"""Additions to `_STEP_M` and `_STEP_RAD` per metre between successive frames, for SLAMs with sparse frames [m/m, rad/m]."""
 _LOOP_M, _LOOP_RAD = 0.5, 0.15
 """Largest difference between a trusted loop closure and the poses that it joins [m, rad]. LEXIS reaches 0.21 m, 0.03 rad."""
 _FITS_M, _FITS_RAD = 0.06, 0.02
 """Largest difference between a loop closure and the poses that it joins, for which the loop certainly fits [m, rad]."""
 _FITTING_SHARE, _FITTING_LOOPS = 0.5, 5
-"""Least share of the fitting loops that have to be trusted, and the least number of them for which this is judged. LEXIS
-trusts all of them."""
+"""Least share of the fitting loops that has to be trusted, and least number of fitting loops for a judgement. LEXIS trusts
+all fitting loops."""
 _TRUSTED = 0.5
 """A loop closure counts as trusted if its weight is larger than this."""
 _FLOOR_M = 1.0
-"""Largest difference in height between two frames on one floor [m]. It allows for drift; LEXIS reaches 0.4 m."""
+"""Largest difference in height between two frames on one floor [m]. It leaves room for drift; LEXIS reaches 0.4 m."""
 _CLIMB_M = 1.25
 """Length of the path before and after a frame that tells whether the frame is on stairs [m]."""
 _STEEP = 0.45
-"""A frame is certainly on stairs if the path climbs as steeply as this before and after it [m/m]. Stairs of houses do."""
+"""A frame is certainly on stairs if the path is at least as steep as this before and after the frame [m/m]. The stairs of
+houses are steeper."""
 _LANDING_M = 3.0
-"""A level frame is on a half landing if the path climbs in one direction within this length before and after it [m]."""
+"""Length of the path before and after a frame that tells whether the frame is on a half landing [m]. A frame where the path
+is level is on a half landing if the path rises over this length before the frame and again over this length after it, or if
+it falls both times."""
 _LEVEL_M = 0.2
-"""A frame is certainly not on stairs if the heights before and after it differ by no more than this from its own [m]."""
+"""A frame is certainly not on stairs if the heights `_CLIMB_M` before and after it differ by at most this from its own
+height [m]."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +53,7 @@ class Consistent:
     name: str
     says: str
     find: Callable[[Run], CheckFinding]
-    """Examines a run."""
+    """A function that examines a run."""
     rate: float | None = None
 
     def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
@@ -57,7 +62,7 @@ class Consistent:
 
 
 def steps_follow_odometry(run: Run) -> CheckFinding:
-    """Compare the motion between successive frames with the odometry's."""
+    """Compare the motion between successive frames of the estimate with the motion of the odometry."""
     poses = run.estimate.T_W_B
     if poses is None or len(poses) < 2:
         return CheckFinding(None, "the SLAM claims no motion")
@@ -73,9 +78,9 @@ def steps_follow_odometry(run: Run) -> CheckFinding:
 
 
 def trusted_loops_fit(run: Run) -> CheckFinding:
-    """Compare the relative poses of trusted loop closures with those of the trajectory."""
+    """Compare the relative poses of trusted loop closures with the relative poses in the trajectory."""
     poses, loops = run.estimate.T_W_B, run.estimate.loops
-    if poses is None or loops is None or (np.asarray(loops.weights) == 1.0).all():
+    if poses is None or loops is None or loops.weights is None:
         return CheckFinding(None, "the SLAM does not say which loop closures it trusts")
     if not (trusted := np.asarray(loops.weights) > _TRUSTED).any():
         return CheckFinding(None, "the SLAM trusts no loop closure")
@@ -90,7 +95,7 @@ def trusted_loops_fit(run: Run) -> CheckFinding:
 def fitting_loops_are_trusted(run: Run) -> CheckFinding:
     """Look for loop closures that the trajectory satisfies although the SLAM does not trust them."""
     poses, loops = run.estimate.T_W_B, run.estimate.loops
-    if poses is None or loops is None or (np.asarray(loops.weights) == 1.0).all():
+    if poses is None or loops is None or loops.weights is None:
         return CheckFinding(None, "the SLAM does not say which loop closures it trusts")
     moved, turned = _loop_errors(loops, poses)
     fits = (moved <= _FITS_M) & (turned <= _FITS_RAD)
@@ -102,7 +107,7 @@ def fitting_loops_are_trusted(run: Run) -> CheckFinding:
 
 
 def _loop_errors(loops: LoopClaims, poses: Poses) -> tuple[Float64[np.ndarray, "loops"], Float64[np.ndarray, "loops"]]:
-    """Distances [m] and angles [rad] between loop closures and the relative poses in the trajectory."""
+    """Return the distances [m] and angles [rad] between loop closures and the relative poses in the trajectory."""
     return apart(np.asarray(loops.T_match_query, float), between(poses[loops.match], poses[loops.query]))
 
 
@@ -116,7 +121,7 @@ def rooms_are_uniform(run: Run) -> CheckFinding:
 
 
 def floors_are_level(run: Run) -> CheckFinding:
-    """Compare the heights of the frames on each floor, and the order of floors by number with their order by height.
+    """Compare the heights of the frames on each floor, and check that floors with higher numbers are higher.
 
     Heights are measured along the vertical of the odometry, because the world frame of a SLAM need not be upright.
     """
@@ -150,13 +155,16 @@ def stairs_are_climbed(run: Run) -> CheckFinding:
 
 
 def _rises(path: Float64[np.ndarray, "n"], height: Float64[np.ndarray, "n"], length_m: float) -> Float64[np.ndarray, "2 n"]:
-    """The change of height along the path of this length before each frame, and after it [m]."""
+    """Return the change of height over the path of `length_m` before each frame (row 0) and after it (row 1) [m]."""
     before, after = (np.interp(path + offset, path, height) for offset in (-length_m, length_m))
     return np.stack([height - before, after - height])
 
 
 def _mixed(rooms: Int[np.ndarray, "n"], kinds: Int[np.ndarray, "n"]) -> int:
-    """Number of rooms whose frames have several kinds; frames without a room or a kind (-1) do not count."""
+    """Return the number of rooms with frames of several kinds, such as labels.
+
+    Frames without a room or a kind (-1) do not count.
+    """
     pairs = np.unique(np.stack([rooms, kinds], axis=1)[(rooms >= 0) & (kinds >= 0)], axis=0)
     return int((np.unique(pairs[:, 0], return_counts=True)[1] > 1).sum())
 

@@ -51,13 +51,13 @@ class Examination:
     number: int
     scenario: Scenario
     result: RunResult | None
-    """Figures of the unchanged run; None if it did not complete."""
+    """Figures of the unchanged run; None if this run did not complete."""
     findings: Mapping[str, CheckFinding]
     """The findings by the name of the check."""
 
 
 def jobs_of(suite: Suite, seed: int) -> list[Job]:
-    """Return all scenarios of a suite; the parts take turns, so that each of them shows an early failure early.
+    """Return all scenarios of a suite. The parts take turns, so that an early failure in any part shows early.
 
     Raises `SimError` for a negative seed.
     """
@@ -75,7 +75,10 @@ def scenario_of(job: Job) -> Scenario:
 
 @lru_cache(maxsize=64)
 def _drawn_group(part: SuitePart, first: int, seed: int) -> tuple[Scenario, ...]:
-    """Draw the scenarios of the group that begins with number `first`, all again if the draw is unlucky for one of them."""
+    """Draw the scenarios of the group that begins with number `first`.
+
+    If the draw is unlucky for one scenario, the whole group is drawn again.
+    """
     for attempt in range(_DRAWS):
         try:
             group = []
@@ -90,7 +93,7 @@ def _drawn_group(part: SuitePart, first: int, seed: int) -> tuple[Scenario, ...]
 
 
 def examine(job: Job, new_slam: NewSlam) -> Examination:
-    """Run a SLAM on one scenario and make all checks. Raises `SimError` if no scenario can be drawn."""
+    """Run a SLAM on one scenario and evaluate all checks. Raises `SimError` if no scenario can be drawn."""
     scenario = scenario_of(job)
     base = examined(scenario, new_slam)
     if isinstance(base, CheckFinding):
@@ -101,7 +104,7 @@ def examine(job: Job, new_slam: NewSlam) -> Examination:
 
 
 def finding(check: Check | None, scenario: Scenario, new_slam: NewSlam) -> CheckFinding:
-    """Run a SLAM on a scenario and make one check; None stands for the check that the run completes.
+    """Run a SLAM on a scenario and evaluate one check; None stands for the check that the run completes.
 
     Raises `SimError` for an impossible scenario.
     """
@@ -143,7 +146,10 @@ def examinations(
 
 
 def _noted(job: Job, new_slam: NewSlam, notes: Path, end: float) -> Examination | None:
-    """Examine a scenario unless the time is over; meanwhile a file names it, so that it is known if the process dies."""
+    """Examine a scenario unless the time is over.
+
+    Meanwhile, a file names the scenario, so that the scenario is known if the process dies.
+    """
     if time.monotonic() >= end:
         return None
     note = notes / str(os.getpid())
@@ -154,7 +160,10 @@ def _noted(job: Job, new_slam: NewSlam, notes: Path, end: float) -> Examination 
 
 
 def _check_picklable(what: str, thing: object) -> None:
-    """Raise SimError for an object that cannot be sent to other processes, for which the pool might wait for ever."""
+    """Raise SimError for an object that cannot be sent to other processes.
+
+    Without this check, the pool of processes might wait for ever.
+    """
     try:
         pickle.dumps(thing)
     except Exception as error:  # whatever a user's object raises

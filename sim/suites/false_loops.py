@@ -22,9 +22,9 @@ _INLIERS = 40
 
 @dataclass(frozen=True)
 class FalseLoops(NoChange):
-    """Loop verification confirms some loops with a wrong relative pose, as it does where two places look alike.
+    """Loop verification confirms some loops with a wrong relative pose, as happens where two places look alike.
 
-    SLAM systems that verify loops on their own are not affected.
+    SLAM systems that verify loops by their own method are not affected.
     """
 
     share: float = 0.3
@@ -34,17 +34,17 @@ class FalseLoops(NoChange):
     seed: int = 0
 
     def features(self, features: FeatureInput) -> FeatureInput:
-        """Return the input with a verifier that makes mistakes."""
+        """Return the input with a verifier that also confirms false loops."""
         return replace(features, verifier=_Mistaken(features.verifier, self))
 
     def matters(self, scenario: Scenario, slam: object) -> bool:
-        """Whether the SLAM may use the verifier of the feature sensor."""
+        """Return whether the SLAM may use the verifier of the feature sensor."""
         return scenario.fidelity == "features" and isinstance(slam, AcceptsFeatures)
 
 
 @dataclass(frozen=True, eq=False)
 class _Mistaken:
-    """A loop verifier that adds false loops to those of another verifier."""
+    """A loop verifier that adds false loops to the loops of another verifier."""
 
     verifier: Verifier
     mistakes: FalseLoops
@@ -52,7 +52,7 @@ class _Mistaken:
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
     ) -> Verification:
-        """Return the confirmed loops, and for some queries one more that is wrong."""
+        """Return the confirmed loops and, for some queries, a false one as well."""
         verified = self.verifier(query, candidates, graph, camera, config)
         rng = np.random.default_rng((self.mistakes.seed, query.id))
         if not candidates or rng.random() >= self.mistakes.share:

@@ -20,7 +20,7 @@ from sim.suites.stream_changes import NoChange
 
 @dataclass(frozen=True)
 class OtherFrames(NoChange):
-    """The base of changes of frames: observations, camera and loops are converted by `T_new_old` and `T_B_N`."""
+    """Base class of the changes of frames: observations, camera and loops are converted by `T_new_old` and `T_B_N`."""
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation in the new frames."""
@@ -48,7 +48,7 @@ class MovedOrigin(OtherFrames):
 
     @property
     def T_new_old(self) -> Pose:
-        """The motion from the old odometry frame to the new one."""
+        """Transform of coordinates from the old odometry frame to the new odometry frame."""
         T = exp(np.array([0.0, 0.0, self.yaw_rad, 0.0, 0.0, 0.0]))
         T[:3, 3] = self.shift_m
         return T
@@ -56,7 +56,7 @@ class MovedOrigin(OtherFrames):
 
 @dataclass(frozen=True)
 class TurnedBody(OtherFrames):
-    """The body frame has other axes, as data sets whose body frame is that of the IMU have: x up, y left and z backwards."""
+    """The body frame has other axes: x up, y left and z backwards, as in data sets whose body frame is that of the IMU."""
 
     @property
     def T_B_N(self) -> Pose:
@@ -66,7 +66,7 @@ class TurnedBody(OtherFrames):
 
 @dataclass(frozen=True, eq=False)
 class _BetweenOtherBodies:
-    """A loop verifier for a SLAM that works in other frames, around the verifier of the run."""
+    """A loop verifier for a SLAM that works in other frames. It calls the verifier of the run."""
 
     verifier: Verifier
     frames: OtherFrames
@@ -74,7 +74,7 @@ class _BetweenOtherBodies:
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
     ) -> Verification:
-        """Return the loops of the other verifier, converted to the frames of the SLAM."""
+        """Return the loops of the run's verifier, converted to the frames of the SLAM."""
         T_B_N = self.frames.T_B_N
         verified = self.verifier(query, candidates, _OriginalGraph(graph, self.frames), camera, config)
         edges = (
@@ -89,10 +89,10 @@ class _BetweenOtherBodies:
 
 
 class _OriginalGraph(PoseGraph):
-    """The pose graph of a SLAM that works in other frames, in the frames of the run.
+    """The pose graph of a SLAM that works in other frames, converted to the frames of the run.
 
-    It has what the verifier of the feature sensor reads: keyframes (with poses in the other frames), estimated poses and
-    path lengths.
+    It has only what the verifier of the feature sensor reads: keyframes, estimated poses and path lengths. The keyframes
+    keep their odometry poses in the other frames.
     """
 
     def __init__(self, graph: PoseGraph, frames: OtherFrames) -> None:

@@ -1,4 +1,4 @@
-"""Changes of the images, after which a SLAM must claim something else about them, or must not recognise rooms better."""
+"""Changes of the images, after which a SLAM must claim other similarities, or must not label rooms better."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -12,21 +12,24 @@ from sim.suites.stream_changes import NoChange
 
 @dataclass(frozen=True)
 class OtherImages(NoChange):
-    """Every second observation shows another image: one that is black, or an embedding that is the same for all of them."""
+    """The image of every second observation is replaced by a black image.
+
+    In runs on features, every second observation gets one fixed embedding instead, and no points.
+    """
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
-        """Yield the observation, with the other image if its index is odd."""
+        """Yield the observation, with its image replaced if the observation's index is odd."""
         yield replace(observation, image=_other(observation.image)) if self.is_replaced(observation.index) else observation
 
     @staticmethod
     def is_replaced(frame: int) -> bool:
-        """Whether the image of the observation with this index is replaced."""
+        """Return whether the image of the observation with this index is replaced."""
         return frame % 2 == 1
 
 
 @dataclass(frozen=True)
 class _ChangedPixels(NoChange):
-    """The base of changes of pixels, which do not reach a SLAM that is given percepts."""
+    """Base class of the changes of pixels. They do not reach a SLAM that is given percepts."""
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation with the changed image."""
@@ -38,7 +41,7 @@ class _ChangedPixels(NoChange):
         raise NotImplementedError
 
     def matters(self, scenario: Scenario, slam: object) -> bool:
-        """Whether the scenario is rendered."""
+        """Return whether the scenario is rendered."""
         return scenario.fidelity == "render"
 
 

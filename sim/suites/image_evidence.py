@@ -8,12 +8,12 @@ from sim.suites.checks import CheckFinding, Examined, NewSlam, attempted, reache
 from sim.suites.image_changes import OtherImages
 
 _SAME = 1e-5
-"""Largest difference between two similarities of the same image with the same name, as a share of the largest of all."""
+"""Tolerance for rounding: two similarities that should be equal may differ by this share of the largest similarity."""
 
 
 @dataclass(frozen=True)
 class SimilaritiesFollowImages:
-    """A law about claimed similarities: if every second image is replaced, only the similarities of its frame change."""
+    """A law about claimed similarities: if every second image is replaced, the similarities of the other images stay."""
 
     name: str = "similarities follow the images"
     says: str = (

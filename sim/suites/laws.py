@@ -1,7 +1,7 @@
 """The laws that relate two runs of any SLAM: changes that must matter little, that should do no harm, or that must not help.
 
-- `SameClaims` changes the stream of observations and compares the claims frame by frame. It is exact where the SLAM has no
-  reason to notice the change. `SimilaritiesFollowImages` does so for the claims about single images.
+- `SameClaims` changes the stream of observations and compares the claims frame by frame. Where the SLAM has no reason to
+  notice the change, the tolerance is rounding. `SimilaritiesFollowImages` compares the similarities frame by frame.
 - `NotBetter` spoils the images and compares a figure.
 - `NotWorse` changes the house, so that the frames differ and only figures can be compared. Its tolerances allow for the
   differences between two tours.
@@ -38,12 +38,12 @@ from worlds.variant import in_light, variant
 
 
 def taller(scenario: Scenario) -> Scenario:
-    """The scenario in the house with one more storey; the tour has its usual length in the taller house."""
+    """Return the scenario in the same house with one more storey. No length is requested for the tour."""
     return replace(scenario, house=variant(house_spec(scenario), add_storey=True), length_m=None)
 
 
 def in_daylight(scenario: Scenario) -> Scenario:
-    """The scenario in the house by daylight."""
+    """Return the scenario in the same house by daylight."""
     return replace(scenario, house=in_light(house_spec(scenario), "day"))
 
 

@@ -1,6 +1,6 @@
-"""`openness_chart`: draws room quality against the openness of the house, for a SLAM and for the shipped plain SLAMs.
+"""`openness_chart`: draws room quality against the openness of the house, for a SLAM and for the baselines of the harness.
 
-Every point is the mean over the houses of one openness, with the interval that bootstrapping the houses gives.
+Every point is the mean over the houses of one openness, with its confidence interval from bootstrapping the houses.
 """
 
 from collections.abc import Iterator, Sequence
@@ -27,7 +27,7 @@ _STEP = 0.25
 
 
 def openness_chart(report: SuiteReport, workers: int) -> str:
-    """Return the chart as the text of an SVG file. The plain SLAMs are run on the scenarios of the report."""
+    """Return the chart as the text of an SVG file. The baselines are run on the scenarios of the report."""
     examined = {(each.part, each.number) for each in report.examined}
     jobs = [job for job in jobs_of(report.suite, report.seed) if (job.part.name, job.number) in examined]
     bare = [replace(job, is_bare=True) for job in jobs]
@@ -80,7 +80,7 @@ def _curve(x0: float, figure: str, results: Sequence[RunResult], colour: str) ->
 
 
 def _grouped(figure: str, results: Sequence[RunResult]) -> dict[float, list[float]]:
-    """The values of a figure by openness, in ascending order of openness; results without the figure are left out."""
+    """Return the values of a figure by openness, in ascending order; results without the figure are left out."""
     groups: dict[float, list[float]] = {}
     for result in sorted(results, key=lambda each: each.house.openness):
         if result[figure] is not None:

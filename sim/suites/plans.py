@@ -1,4 +1,4 @@
-"""The law that the plans of a SLAM can be walked: judged by geometry, so that plans are checked without driving them."""
+"""The law that the plans of a SLAM can be walked. Geometry decides, so that no robot has to drive the plans."""
 
 import numpy as np
 from jaxtyping import Int
@@ -12,11 +12,14 @@ from sim.suites.checks import CheckFinding
 _MOST_PLANS = 12
 """Largest number of plans that are asked for in one run."""
 _THIN_M = 0.02
-"""Radius of the body for which each step of a plan has to be free [m]. The robot itself avoids what it comes close to."""
+"""Radius of the body for which each step of a plan has to be free [m]. It is small, because the robot itself avoids
+obstacles that are near its path."""
 _LEVEL_M = 0.05
-"""Steps whose ends differ more in height are not judged, because they lead over stairs [m]."""
+"""Largest difference in height between the ends of a step that is judged [m]. Steps with a larger difference lead over
+stairs."""
 _RIGHT_ENDS = 0.5
-"""Least share of the ends of plans that have the label that was asked for. A planner may go beyond the frames of a room."""
+"""Least share of the ends of plans that have the wanted label. It is below 1, because a plan may go beyond the frames of a
+room."""
 
 
 def plans_can_be_walked(run: Run) -> CheckFinding:
@@ -42,7 +45,7 @@ def plans_can_be_walked(run: Run) -> CheckFinding:
 
 
 def _blocked_steps(run: Run, plan: Int[np.ndarray, "k"]) -> int:
-    """Number of level steps of a plan, between the true positions of its frames, that are not free.
+    """Return the number of level steps of a plan that are blocked between the true positions of the plan's frames.
 
     Steps between successive frames of the estimate are not judged: there the robot walked, though perhaps not straight.
     """

@@ -47,8 +47,8 @@ def slam_checks(
 ) -> Callable[..., None]:
     """Make a test that checks a SLAM by a suite; assign it to a name that begins with `test`.
 
-    An item fails if its check fails with the confidence of a suite, and is skipped if the SLAM does not make the claims that
-    the check is about. The first item of a part runs all scenarios of the part.
+    An item fails if its check fails with the confidence of a suite (`sim.suites.report.CONFIDENCE`), and is skipped if the
+    SLAM does not make the claims that the check is about. The first item of a part runs all scenarios of the part.
 
     Args:
         new_slam: makes a SLAM that has not run yet, such as a class that takes no arguments.
@@ -81,7 +81,7 @@ def slam_checks(
 
 
 class _Reports:
-    """The reports of the parts of a suite. A part is examined by all its checks when its first item runs."""
+    """The reports of the parts of a suite. When the first item of a part runs, all checks of the part are made."""
 
     def __init__(self, new_slam: NewSlam, suite: Suite, seed: int) -> None:
         self._new_slam, self._suite, self._seed = new_slam, suite, seed
@@ -91,7 +91,7 @@ class _Reports:
         """Return the verdict about one check."""
         name = item.part.name
         if name not in self._of_part:
-            with watched(LastRun()):  # an item runs many scenarios, of which the plugin would report the last one
+            with watched(LastRun()):  # otherwise the plugin reports the last of the many runs
                 self._of_part[name] = check_slam(self._new_slam, replace(self._suite, parts=(item.part,)), self._seed)
         return next(each for each in self._of_part[name].verdicts if each.check == item.check)
 

@@ -20,7 +20,8 @@ from sim.suites.suite_means import SuiteMean
 from sim.verdicts.rate import RateVerdict
 
 CONFIDENCE = 0.99
-"""Confidence of each verdict by itself. With 0.95, LEXIS failed one of 200 checks in five of eight suites."""
+"""Confidence of each single verdict. A lower confidence is not enough for a suite of many checks: with 0.95, one of the 200
+checks of a suite failed LEXIS for five of eight seeds."""
 SEED = 7
 """Default seed of the scenarios of a suite; `lexis-sim check --suite` uses the same."""
 SuiteOutcome = Literal["holds", "fails", "undecided", "not claimed", "not examined"]
@@ -30,15 +31,15 @@ _EXAMPLES = 3
 
 @dataclass(frozen=True, eq=False)
 class CheckVerdict:
-    """The verdict about one check of one part, over all its scenarios so far."""
+    """The verdict about one check of one part, over all scenarios of the part so far."""
 
     part: SuitePart
     check: str
     says: str
     rate: float | None
-    """Share of scenarios in which the check has to hold; None: one failure decides."""
+    """Share of the scenarios in which the check has to hold; None: in all of them, and one failure decides."""
     examined: tuple[Examination, ...]
-    """The scenarios in which the check said something, in their order."""
+    """The scenarios in which the check holds or fails, in their order. Scenarios without a decision are left out."""
     is_begun: bool = True
     """Whether any scenario of the part has been examined."""
 
@@ -54,9 +55,10 @@ class CheckVerdict:
 
     @cached_property
     def verdict(self) -> RateVerdict | None:
-        """The sequential test of the rate at which the check holds, when it first gave a definite answer, or now.
+        """The result of the sequential test of the rate at which the check holds.
 
-        None for a check that has to hold always.
+        It is the first definite answer or, if there is none yet, the answer after the last scenario so far. The result is
+        None for a check that has to hold in all scenarios.
         """
         if self.rate is None:
             return None
@@ -69,9 +71,9 @@ class CheckVerdict:
 
     @property
     def outcome(self) -> SuiteOutcome:
-        """The outcome of `verdict`; "not claimed" if the check said nothing about any scenario that was examined.
+        """The outcome of `verdict`; "not claimed" if the check could not be decided in any scenario that was examined.
 
-        A check that has to hold always fails at its first failure, and holds as long as there is none.
+        A check that has to hold in all scenarios fails at its first failure, and holds as long as there is none.
         """
         if not self.examined:
             return "not claimed" if self.is_begun else "not examined"
@@ -80,7 +82,11 @@ class CheckVerdict:
         return self.verdict.outcome
 
     def __str__(self) -> str:
-        """Part, check and verdict; if the check fails, also what it says and what it measured in the first scenarios."""
+        """Return part, check and verdict.
+
+        If the check fails, the text also says what the check demands and what it measured in the first scenarios in which it
+        fails.
+        """
         if not self.examined:
             return f"{self.name}: {self.outcome}"
         held = len(self.examined) - len(self.failures)
@@ -96,7 +102,7 @@ class CheckVerdict:
         return "\n".join(lines)
 
     def _independent(self) -> Iterator[bool]:
-        """Yield for each complete group of scenarios whether the check holds in half of them or more."""
+        """Yield, for each complete group of scenarios, whether the check holds in at least half of the group's scenarios."""
         last = len(self.examined) - 1
         for group, members in groupby(enumerate(self.examined), lambda row: row[1].number // self.part.group):
             rows = list(members)
@@ -137,7 +143,10 @@ class SuiteReport:
 
     @property
     def ok(self) -> bool:
-        """Whether no check and no mean fails. What is undecided does not count as failed: too few scenarios tell."""
+        """Whether no check and no claim about a mean fails.
+
+        An undecided check or claim does not count as failed: it would take more scenarios to decide.
+        """
         return not self.failed and not self.failed_means
 
     @property
@@ -146,7 +155,7 @@ class SuiteReport:
         return tuple(each.result for each in self.examined if each.result is not None)
 
     def data(self) -> dict[str, Any]:
-        """The verdicts as plain data for JSON."""
+        """Return the verdicts as plain data for JSON."""
         return {
             "suite": self.suite.name,
             "seed": self.seed,
@@ -206,7 +215,10 @@ def check_slam(
 
 
 def runnable(suite: Suite, new_slam: NewSlam) -> Suite:
-    """Return the suite, on images if `new_slam` is a program, because programs cannot read percepts."""
+    """Return the suite in a form that can be run on the SLAM: for a program, all scenarios have rendered images.
+
+    Programs cannot read percepts (embeddings of views, which replace images). For any other SLAM, the suite does not change.
+    """
     return suite.with_images() if isinstance(new_slam, Program) else suite
 
 

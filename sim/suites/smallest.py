@@ -1,4 +1,4 @@
-"""The smallest scenario in which a check of a suite fails, a test that replays it, and what is to blame for a claim."""
+"""The smallest scenario in which a check of a suite fails, and a test that replays it; for a claim, also its cause."""
 
 from pathlib import Path
 
@@ -34,7 +34,7 @@ def test_replay():
 
 
 def finding_of(part: str, check: str, scenario: Scenario, new_slam: NewSlam | None = None) -> CheckFinding:
-    """Make one check of a suite on a scenario.
+    """Evaluate one check of a suite on a scenario.
 
     Args:
         part: name of the part of a suite that has the check.
@@ -71,11 +71,11 @@ def smallest_failure(
 def write_smallest(
     verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: Replay, is_lexis: bool, out: Path
 ) -> str:
-    """Write the smallest scenario in which a check fails into a folder of its own in `out`, and return what was found.
+    """Write the smallest scenario in which a check fails into a folder of its own in `out`; return what was found, as text.
 
-    For a claim the folder is that of `lexis-sim shrink`, with a page that says why the SLAM fails; for any other check it
-    holds the scenario and a test that replays the failure. `runner` runs the same SLAM as `new_slam`, and `replay` is the
-    code for that. The result also says if the failure did not come back.
+    For a claim, the folder is like one of `lexis-sim shrink`, with a page that says why the SLAM fails. For any other check,
+    the folder holds the scenario and a test that replays the failure. `runner` runs the same SLAM as `new_slam`, and
+    `replay` is Python code that runs this SLAM. If the failure did not come back, the text says so.
 
     Raises `LexisError` if the folder cannot be written.
     """

@@ -1,8 +1,8 @@
 """Changes of a SLAM's input, such as another clock or other room names, after which its claims should stay the same.
 
-A change works on the stream of observations and on the room names, before they reach the SLAM; `changed_stream` converts the
-claims back. The SLAM is not touched, so that the changes apply to any SLAM. `frame_changes` holds changes of the coordinate
-frames, `image_changes` those of images, and `false_loops` wrong loop closures.
+A change is applied to the stream of observations and to the room names, before they reach the SLAM; `changed_stream`
+converts the claims back. The SLAM itself stays the same, so the changes apply to any SLAM. `frame_changes` holds changes of
+the coordinate frames, `image_changes` holds changes of images, and `false_loops` adds wrong loop closures.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -38,52 +38,56 @@ _SYNONYMS = MappingProxyType(
         "storage room": "storeroom",
     }
 )
-"""Other names of rooms. Stairs keep their name, because a SLAM may know them by it."""
+"""Other names of rooms. Stairs keep their name, because a SLAM may recognise stairs by this name."""
 
 
 class StreamChange(Protocol):
-    """Interface of a change. Changes have no state, so one object serves any number of runs."""
+    """Interface of a change of the input. Changes have no state, so one object serves any number of runs."""
 
     @property
     def T_new_old(self) -> Pose:
-        """The motion from the odometry frame of the run to the one in which the SLAM is given its input."""
+        """Transform of coordinates from the odometry frame of the run to the odometry frame that the SLAM is given."""
 
     @property
     def T_B_N(self) -> Pose:
-        """Pose of the body frame in which the SLAM is given its input (N) in the body frame of the run (B)."""
+        """Pose of the body frame that the SLAM is given (N), in the body frame of the run (B)."""
 
     def camera(self, camera: Camera) -> Camera:
         """Return the camera that the SLAM is told."""
 
     def names(self, room_names: Sequence[str]) -> Mapping[str, str | None]:
-        """Return the room names that the SLAM is told, in order, each with the name that it stands for; None: with none."""
+        """Return the room names that the SLAM is told, in order.
+
+        Each is mapped to the unchanged room name for which it stands, or to None if there is no such room name.
+        """
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
         """Yield what the SLAM gets in place of the observation with this number, counted from 0.
 
-        Each has the index of the observation that it shows; of several, the last one counts. `previous` is the unchanged
-        observation before, a copy of its own; None at the beginning.
+        Each yielded observation has the index of the unchanged observation that it shows. If several have the same index,
+        the claims about the last one count. `previous` is a copy of the unchanged observation before this one; None at the
+        beginning.
         """
 
     def features(self, features: FeatureInput) -> FeatureInput:
-        """Return what takes the place of images in runs on features."""
+        """Return the changed feature model and loop verifier, for a run on features."""
 
     def matters(self, scenario: Scenario, slam: object) -> bool:
-        """Whether the change reaches this SLAM in this scenario at all."""
+        """Return whether the change reaches this SLAM in this scenario."""
 
 
 @dataclass(frozen=True)
 class NoChange:
-    """No change: the SLAM is run once more."""
+    """No change: the SLAM is run once more. Other changes derive from this class."""
 
     @property
     def T_new_old(self) -> Pose:
-        """The identity: the odometry frame stays."""
+        """The identity: the odometry frame stays the same."""
         return np.eye(4)
 
     @property
     def T_B_N(self) -> Pose:
-        """The identity: the body frame stays."""
+        """The identity: the body frame stays the same."""
         return np.eye(4)
 
     def camera(self, camera: Camera) -> Camera:
@@ -103,16 +107,16 @@ class NoChange:
         return features
 
     def matters(self, scenario: Scenario, slam: object) -> bool:
-        """Whether the change reaches this SLAM in this scenario at all."""
+        """Return whether the change reaches this SLAM in this scenario."""
         return True
 
 
 @dataclass(frozen=True)
 class OtherClock(NoChange):
-    """The clock shows the time since 1970, as those of robots do, instead of the time since the start."""
+    """Stamps count from 1970, as the clocks of robots do, instead of from the start of the run."""
 
     offset_s: float = 1.75e9
-    """Time by which all stamps are later [s]."""
+    """Time that is added to all stamps [s]."""
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation with its new stamp."""
@@ -121,10 +125,10 @@ class OtherClock(NoChange):
 
 @dataclass(frozen=True)
 class ReusedArrays(NoChange):
-    """Image or percept, pose and covariance are overwritten once the SLAM has processed them, as by a driver's buffers."""
+    """Image or percept, pose and covariance are overwritten after the SLAM has processed them, as in a driver's buffers."""
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
-        """Yield a copy of the observation, and overwrite the copy when the next observation is asked for."""
+        """Yield a copy of the observation, and overwrite the copy when the next observation is requested."""
         lent = copied(observation)
         yield lent
         seen = lent.image
@@ -135,17 +139,17 @@ class ReusedArrays(NoChange):
 
 @dataclass(frozen=True)
 class Pause(NoChange):
-    """The robot stands still now and then: an observation is repeated, and the later ones come later."""
+    """The robot stands still at regular intervals: an observation is repeated, which delays all later ones."""
 
     every: int = 20
     """Number of observations from one pause to the next."""
     repeats: int = 15
-    """How often the observation is repeated at which the robot stands still."""
+    """Number of times that the observation of a pause is repeated."""
     period_s: float = 1.0
-    """Time between the repeated observations [s]."""
+    """Time between two repetitions of an observation [s]."""
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
-        """Yield the observation, and then its repetitions if the robot stands still there."""
+        """Yield the observation and, if the robot pauses there, its repetitions."""
         late = replace(observation, stamp=observation.stamp + number // self.every * self.repeats * self.period_s)
         yield copied(late)
         if number % self.every == self.every - 1:
@@ -156,7 +160,10 @@ class Pause(NoChange):
 
 @dataclass(frozen=True)
 class Slip(NoChange):
-    """The odometry slips once and says so: the covariance of this step is as large as the slip, so loops can mend it."""
+    """The odometry slips once, and states an error as large as the slip for this step.
+
+    Loop closures can therefore mend the slip.
+    """
 
     after: int = 40
     """Number of the last observation before the slip, counted from 0."""
@@ -164,7 +171,7 @@ class Slip(NoChange):
     """Displacement of all later poses in the odometry frame [m]."""
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
-        """Yield the observation, with its displaced pose after the slip."""
+        """Yield the observation; after the slip, with a displaced pose."""
         if number <= self.after:
             yield observation
             return
@@ -178,13 +185,13 @@ class Slip(NoChange):
 
 @dataclass(frozen=True)
 class HeightDrift(NoChange):
-    """The odometry rises all the time, also on level floors. For each step it states an error as large as its rise."""
+    """The odometry rises all the time, also on level floors, and states an additional error as large as each rise."""
 
     rate_m_s: float = 0.02
-    """Speed of the drift [m/s]."""
+    """Speed at which the odometry rises [m/s]."""
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
-        """Yield the observation with its displaced pose."""
+        """Yield the observation with its pose raised by the drift so far, and its covariance by that of the latest rise."""
         T_O_B, covariance = observation.T_O_B.copy(), observation.increment_covariance.copy()
         T_O_B[2, 3] += self.rate_m_s * observation.stamp
         if previous is not None:
@@ -195,13 +202,13 @@ class HeightDrift(NoChange):
 
 @dataclass(frozen=True)
 class StepsInTwoParts(NoChange):
-    """Before each observation, the robot stands still at the place of the one before it, with half of the uncertainty.
+    """The odometry reports each step in two parts: the first without motion, the second with the whole motion.
 
-    The motion since the observation before, and its whole covariance, are the same as without the additional observation.
+    Each part has half of the step's covariance. For the first part, the SLAM gets the previous observation once more.
     """
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
-        """Yield the observation before once more, half a step later, and then this one with half of its covariance."""
+        """Yield the previous observation again, half a step later, and then this observation with half its covariance."""
         if previous is None:
             yield observation
             return
@@ -214,27 +221,27 @@ class StepsInTwoParts(NoChange):
 
 @dataclass(frozen=True)
 class PermutedNames(NoChange):
-    """The room names come in another order, which is neither theirs nor its reverse."""
+    """The room names come in another order, which is neither the original order nor its reverse."""
 
     def names(self, room_names: Sequence[str]) -> Mapping[str, str | None]:
-        """Return the names at odd places, followed by those at even places in the reverse order."""
+        """Return the names at odd positions, followed by the names at even positions in reverse order."""
         return {name: name for name in (*room_names[1::2], *reversed(room_names[::2]))}
 
 
 @dataclass(frozen=True)
 class MoreNames(NoChange):
-    """There are further room names, for rooms that no house has."""
+    """There are additional room names, for rooms that no house has."""
 
     more: tuple[str, ...] = ("swimming pool", "stable")
 
     def names(self, room_names: Sequence[str]) -> Mapping[str, str | None]:
-        """Return the names, followed by the further ones."""
+        """Return the original room names, followed by the additional names in `more`."""
         return {name: name for name in room_names} | dict.fromkeys(self.more)
 
 
 @dataclass(frozen=True)
 class CapitalLetters(NoChange):
-    """Rooms have their names in capital letters, except for stairs."""
+    """Room names are in capital letters, except for stairs."""
 
     def names(self, room_names: Sequence[str]) -> Mapping[str, str | None]:
         """Return the names in capital letters."""
@@ -246,7 +253,7 @@ class Synonyms(NoChange):
     """Rooms have other names of the same meaning."""
 
     def names(self, room_names: Sequence[str]) -> Mapping[str, str | None]:
-        """Return a synonym of each name, or the name itself where none is known or the synonym is a room name as well."""
+        """Return a synonym of each name, or the name itself if it has no synonym or the synonym is a room name, too."""
         free = {name: synonym for name, synonym in _SYNONYMS.items() if synonym not in room_names}
         return {free.get(name, name): name for name in room_names}
 

@@ -1,9 +1,10 @@
-"""`Suite`: scenarios, with what a SLAM has to fulfil in them."""
+"""`Suite`: scenarios, and the checks that a SLAM has to pass in these scenarios."""
 
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 import numpy as np
 
@@ -17,20 +18,21 @@ from worlds.valid_names import did_you_mean
 
 @dataclass(frozen=True)
 class SuitePart:
-    """Scenarios of one distribution, with their checks. Raises `SimError` for checks of equal names, or no scenario."""
+    """Scenarios of one kind, with their checks. Raises `SimError` for two checks of one name, or for no scenario."""
 
     name: str
     about: str
-    """What the scenarios have in common and what they are to show, in one or two sentences."""
+    """What the scenarios have in common and what they show about a SLAM, in one or two sentences."""
     draw: Callable[[np.random.Generator, int], Scenario]
-    """Draws the scenario with a number, counted from 0. Raises `SimError` or `WorldsError` for an unlucky draw."""
+    """A function that draws the scenario with a number, counted from 0. Raises `SimError` or `WorldsError` for an unlucky
+    draw."""
     checks: tuple[Check, ...]
     n: int
     """Number of scenarios."""
     group: int = 1
     """Number of successive scenarios that are drawn with the same random numbers, for houses that differ in one property.
-    The scenarios of a group are not independent. A check therefore counts once in a group: it holds if it holds in half of
-    its scenarios or more."""
+    The scenarios of a group are not independent, so a check counts once for each group: it holds in the group if it holds
+    in at least half of the group's scenarios."""
     on_images: bool = False
     """Whether the scenarios are rendered, whatever their own fidelity is."""
 
@@ -50,7 +52,7 @@ class SuitePart:
     def with_limits(self, limits: Mapping[str, float]) -> "SuitePart":
         """Return the part with new limits; `limits` maps the `quantity` of a claim to its new limit.
 
-        Where the part makes several claims about a quantity, the one with the largest rate stays.
+        If the part makes several claims about a quantity, only the claim with the largest rate is kept.
         """
         claims = [check for check in self.checks if isinstance(check, ClaimCheck)]
         strictest = {check.claim.quantity: check for check in sorted(claims, key=lambda check: check.rate)}
@@ -65,7 +67,7 @@ class SuitePart:
 
 @dataclass(frozen=True)
 class Suite:
-    """A named set of parts, which any SLAM can be checked by. Raises `SimError` for parts of equal names, or no part."""
+    """A named set of parts by which any SLAM can be checked. Raises `SimError` for two parts of one name, or for no part."""
 
     name: str
     about: str
@@ -102,16 +104,23 @@ class Suite:
         return replace(self, parts=tuple(part.with_limits(limits) for part in self.parts), means=tuple(means))
 
     def with_size(self, share: float) -> "Suite":
-        """Return the suite with a multiple of its scenarios, at least one in each part."""
-        return replace(self, parts=tuple(replace(part, n=max(1, round(share * part.n))) for part in self.parts))
+        """Return the suite with `share` times as many scenarios, and at least one in each part.
+
+        The claims about means are left out if rounding changes the proportions of the parts, because their limits were set
+        for the suite's own mixture of parts.
+        """
+        parts = tuple(replace(part, n=max(1, round(share * part.n))) for part in self.parts)
+        shares = {Fraction(new.n, old.n) for new, old in zip(parts, self.parts, strict=True)}
+        return replace(self, parts=parts, means=self.means if len(shares) == 1 else ())
 
     def without_laws(self) -> "Suite":
         """Return the suite with its claims only, which takes less time because laws run the SLAM again.
 
-        Parts that consist of laws only are left out. Raises `SimError` if nothing is left.
+        Parts that consist of laws only are left out, unless the suite makes claims about means: these are about the
+        scenarios of all parts, which are therefore still run. Raises `SimError` if nothing is left.
         """
         claims = ((part, tuple(check for check in part.checks if isinstance(check, ClaimCheck))) for part in self.parts)
-        return replace(self, parts=tuple(replace(part, checks=checks) for part, checks in claims if checks))
+        return replace(self, parts=tuple(replace(part, checks=checks) for part, checks in claims if checks or self.means))
 
     def with_images(self) -> "Suite":
         """Return the suite with rendered images in all scenarios, for a SLAM that does not accept features."""

@@ -17,12 +17,12 @@ from sim.verdicts.rate import RateOutcome
 
 @dataclass(frozen=True, eq=False)
 class SuiteMean:
-    """The verdict about a claim on average over all scenarios of a suite; a group of scenarios counts as one."""
+    """The verdict about a claim on average over all scenarios of a suite; each group of scenarios counts as one scenario."""
 
     suite: Suite
     claim: Claim
     examined: tuple[Examination, ...]
-    """All scenarios so far, of all parts."""
+    """All scenarios that were examined so far, of all parts."""
     confidence: float
 
     @property
@@ -32,7 +32,7 @@ class SuiteMean:
 
     @property
     def is_complete(self) -> bool:
-        """Whether all scenarios have been examined. A mean is judged only then, because it must not be judged repeatedly."""
+        """Whether all scenarios have been examined. A mean must not be judged repeatedly, so it is judged only then."""
         return len(self.examined) == sum(part.n for part in self.suite.parts)
 
     @cached_property
@@ -42,7 +42,7 @@ class SuiteMean:
 
     @property
     def outcome(self) -> RateOutcome | Literal["not claimed", "not examined"]:
-        """The outcome of `verdict`; "not examined" before all scenarios are, and "not claimed" if no run has the figure."""
+        """The outcome of `verdict`; "not examined" until all scenarios are, and "not claimed" if no run has the figure."""
         if not self.is_complete:
             return "not examined"
         return self.verdict.outcome if self.verdict.margins else "not claimed"
@@ -53,7 +53,7 @@ class SuiteMean:
         return f"{self.name} is {self.verdict}"
 
     def _margins(self) -> Iterator[float]:
-        """Yield the mean margin of each group of scenarios that are not independent."""
+        """Yield the mean margin of each group of scenarios; scenarios of one group are not independent."""
         for part in self.suite.parts:
             own = sorted((each for each in self.examined if each.part == part.name), key=lambda each: each.number)
             groups = defaultdict(list)

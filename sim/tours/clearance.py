@@ -1,4 +1,4 @@
-"""`NearbyBoxes`: the obstacles near each point of a path, for exact distances to them while the points move a little."""
+"""`NearbyBoxes`: the obstacles near each point of a path, to compute exact distances while the points move a little."""
 
 from dataclasses import dataclass
 
@@ -11,14 +11,17 @@ from worlds.free_space import BODY_HIGH_M, BODY_LOW_M, Obstacles
 
 @dataclass(frozen=True, eq=False)
 class NearbyBoxes:
-    """Pairs of a path point and an upright box (an obstacle) near it. Points may move: methods take their present places."""
+    """Pairs of a path point and an upright box (an obstacle) near this point.
+
+    The pairs are found once. The points may move a little afterwards: the methods take the present places of all points.
+    """
 
     points: int
     """Number of path points."""
     point: Int[np.ndarray, "p"]
     """Index of the path point of each pair."""
     centre: Float64[np.ndarray, "p 2"]
-    """Centre of each pair's box in W [m]."""
+    """Centre (x, y) of each pair's box in W [m]."""
     half: Float64[np.ndarray, "p 2"]
     """For each pair of a path point and a nearby box, half the width and half the depth of the box, along its axes [m]."""
     axes: Float64[np.ndarray, "p 2 2"]
@@ -47,7 +50,7 @@ class NearbyBoxes:
         return NearbyBoxes(self.points, self.point[keep], self.centre[keep], self.half[keep], self.axes[keep])
 
     def distance(self, places: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n"]:
-        """Return the distance from each path point, if moved to `places`, to its nearest box [m]; infinite without boxes."""
+        """Return the distance from each path point, now at `places`, to its nearest box [m]; infinite without boxes."""
         least = np.full(self.points, np.inf)
         np.minimum.at(least, self.point, np.linalg.norm(self._offset(places), axis=1))
         return least
@@ -55,7 +58,10 @@ class NearbyBoxes:
     def pushed_out(
         self, places: Float64[np.ndarray, "n 2"], distance: Float64[np.ndarray, "n"]
     ) -> Float64[np.ndarray, "n 2"]:
-        """Return the places, each moved straight away from its nearest box so that it keeps `distance` [m] from this box."""
+        """Return the places of the path points, moved away from boxes that are closer than `distance` [m].
+
+        A place that is too close moves in a straight line away from its nearest box, until it is `distance` away.
+        """
         offset = self._offset(places)
         length = np.linalg.norm(offset, axis=1)
         lack = distance[self.point] - length
@@ -67,7 +73,7 @@ class NearbyBoxes:
         return moved
 
     def _offset(self, places: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "p 2"]:
-        """Return, for each pair, the vector in W from the nearest place of the box to the path point."""
+        """Return, for each pair, the vector in W [m] from the nearest point of the box to the path point."""
         x, y = (places[self.point] - self.centre).T
         (ux, uy), (vx, vy) = self.axes[:, 0].T, self.axes[:, 1].T
         along, across = ux * x + uy * y, vx * x + vy * y

@@ -19,20 +19,20 @@ class TourConfig(Settings, place="tour", error=SimError):
     """Settings of a tour: its kind and length, and the speeds, turn rates and gait of the walker."""
 
     kind: TourKind = "rooms"
-    """Kind of tour. rooms: through every room, the lowest storey first, and once more through the lowest storey. both ways:
-    through every room and back along the same path. loop: the same circuit several times. random: between random places.
-    lawn-mower: through every room in parallel lanes."""
+    """Kind of tour. `rooms` goes through every room, the lowest storey first, and then once more through the lowest storey.
+    `both ways` goes through every room and back along the same path. `loop` repeats one circuit several times. `random` goes
+    between random places. `lawn-mower` goes through every room in parallel lanes."""
     length_m: Annotated[float, Gt(0)] | None = None
-    """Requested length of the path [m]. The tour leaves out or repeats stops or lanes to meet it within 3 m or 3 %,
-    whichever is more. None: the length that the kind of tour has in this house."""
+    """Requested length of the path [m]. The tour leaves out or repeats stops or lanes, so that its length is right to 3 m or
+    3 %, whichever is more. None stands for the usual length of this kind of tour in this house."""
     circuit_m: Annotated[float, Gt(0)] | None = None
-    """Length of one lap of a `loop` tour [m]. None: 40 m, or less in a small house."""
+    """Length of one lap of a `loop` tour [m]. None stands for 40 m, or less in a small house."""
     laps: Annotated[int, Ge(1)] = 3
     """Number of laps of a `loop` tour if no length is requested."""
     reverse: bool = False
-    """Whether the path is walked from its end to its start, looking ahead."""
+    """Whether the path is walked from its end to its start. The camera looks ahead in this case, too."""
     lane_m: Annotated[float, Ge(0.3)] = 1.0
-    """Distance between the lanes of a `lawn-mower` tour [m]. It is increased if `length_m` is too short for such lanes."""
+    """Distance between the lanes of a `lawn-mower` tour [m]. It is increased if `length_m` is too short for it."""
     frame_rate_hz: Annotated[float, Gt(0)] = 10.0
     """Images per second [Hz]."""
     speed_m_s: Annotated[float, Gt(0)] = 0.7
@@ -44,11 +44,11 @@ class TourConfig(Settings, place="tour", error=SimError):
     eye_height_m: Annotated[float, Gt(0)] = 1.4
     """Height of the body frame above the walked surface [m]."""
     glance_rad: float = 0.3
-    """Largest angle by which the camera turns to either side of the path [rad]. In rooms it does so about once in 4 m."""
+    """Largest angle by which the camera turns away from the path [rad]. In rooms, it does so about once in 4 m."""
     pitch_on_stairs: bool = False
     """Whether the camera pitches with the slope of stairs. If False, the camera stays level."""
     sway: SwayName = "none"
-    """Kind of gait whose periodic movements are added to the motion. They fade out while the body stands still."""
+    """Kind of gait whose periodic movements are added to the motion. The movements fade out where the body stands still."""
     start_manoeuvre: bool = False
     """Whether the body swings on the spot for five seconds first, so that visual-inertial systems can initialise."""
     prefer_clearance_m: float = 0.6

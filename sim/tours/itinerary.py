@@ -25,30 +25,30 @@ from worlds.walkable import Walkable, polyline_length
 SMOOTHED = 0.95
 """Typical length of a smoothed path, divided by the length of the same path along the walkable graph."""
 _SCATTER_M = 0.25
-"""Largest distance of a repeated visit from its stop [m]. It is above 0, so that revisits have other viewpoints."""
+"""Largest distance of a repeated visit from the stop that it repeats [m], so that revisits have new viewpoints."""
 _CIRCUIT_M = 40.0
 """Default length of one lap of a `loop` tour [m]."""
 _PLACES = 48
 """Number of places that a random tour draws from."""
 _WIDER = 1.25
-"""Factor on the lane spacing of a lawn-mower tour, applied repeatedly until the tour is short enough."""
+"""Factor by which the lanes of a lawn-mower tour are moved apart, again and again, until the tour is short enough."""
 _WIDEST_M = 6.0
 _SHORTEST_LAP_M = 2.0
-"""Least length of a lap that is repeated [m]; to repeat a shorter lap would be to walk on the spot."""
+"""Least length of a lap that is repeated [m]. To repeat a shorter lap would mean to walk on the spot."""
 _NEAR_ENOUGH_M = 0.15
-"""Largest difference in length between the best detour and detours that count as equally good [m]."""
+"""A detour counts as equally good as the best detour if its length is worse by at most this distance [m]."""
 _DRAWN = 0.3
-"""In the choice of a detour, one metre nearer to the next stop of the tour outweighs this much clearance [m]."""
+"""In the choice of a detour, to be one metre nearer to the next stop of the tour is worth this much clearance [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Itinerary:
-    """Nodes of the walkable graph to visit in order. The return to the first node at the end is not included."""
+    """Nodes of the walkable graph that a tour visits, in order. The return to the first node at the end is not included."""
 
     first: Sequence[int]
     """Nodes that are always visited."""
     again: Sequence[int]
-    """Nodes that are visited after `first`, again and again, until the tour has the requested length."""
+    """Nodes that are visited after `first`, in a cycle, until the tour has the requested length."""
     default_repeats: int
     """Number of nodes that are visited after `first` if no length is requested. They are taken from `again` in a cycle."""
     distance: Callable[[int, int], float]
@@ -65,7 +65,7 @@ class Planner:
     stops: Stops
     paths: KnownPaths
     seed: int
-    """Seed of the random numbers. Each call of `nodes` draws the same numbers, whatever the requested length."""
+    """Seed of the random numbers. Every call of `nodes` draws the same numbers, for any requested length."""
 
     @staticmethod
     def of(house: House, walkable: Walkable, config: TourConfig, rng: np.random.Generator) -> "Planner":
@@ -76,8 +76,8 @@ class Planner:
     def nodes(self, length_m: float | None) -> list[int]:
         """Return the nodes to visit in order. The last node equals the first one.
 
-        The tour is about `length_m` long, or longer if no tour of its kind is that short. If `length_m` is None, the tour
-        has the usual length of its kind in this house.
+        The tour is about `length_m` long, or longer if no tour of this kind is that short. If `length_m` is None, the tour
+        has the usual length of tours of this kind in this house.
         """
         rng = np.random.default_rng(self.seed)
         kinds = {
@@ -103,10 +103,10 @@ class Planner:
         return _itinerary(stops, there_and_back, there_and_back[1:])
 
     def _lap(self, most_m: float, rng: np.random.Generator, there_and_back: bool) -> tuple[Stops, list[int], list[int]]:
-        """Return the stops, a lap through all rooms, and the lap's stops on the lowest storey.
+        """Return the stops, a lap through all rooms as a list of stops, and the stops of the lap on the lowest storey.
 
-        The lap is no longer than `most_m` if possible. For this, stops are left out; if that is not enough, the remaining
-        stops are moved closer together.
+        The lap is no longer than `most_m` [m] if possible. To achieve this, stops are left out; if that is not enough, every
+        room keeps one stop, and these stops are moved closer together.
         """
         stops = self.stops
         whole, base = first_lap(self.house, stops, rng)
@@ -118,7 +118,10 @@ class Planner:
         return stops, lap, [k for room, (k,) in stops.of_room.items() if self.house.room_by_id[room].storey == lowest]
 
     def _loop(self, _: float, rng: np.random.Generator) -> Itinerary:
-        """Plan a circuit through as many stops as the length allows, nearest first. A detour fills the remaining length."""
+        """Plan a circuit through as many stops as the length of a lap allows.
+
+        Stops are added in the order of their distance from the first stop. A detour fills the remaining length.
+        """
         base = first_lap(self.house, self.stops, rng)[1]
         home, circuit = base[0], base[:1]
         length_m = (self.config.circuit_m or _CIRCUIT_M) / SMOOTHED
@@ -157,7 +160,8 @@ class Planner:
     def _filled(self, plan: Itinerary, length_m: float, rng: np.random.Generator) -> list[int]:
         """Return the nodes of a tour of the length `length_m`.
 
-        It visits `plan.first`, then nodes of `plan.again` as long as the way home still fits, then makes a detour home.
+        The tour visits `plan.first`, then nodes of `plan.again` as long as enough length is left for the way back to the
+        start. A detour on the way back uses up the remaining length.
         """
         home, here, nodes = plan.first[0], plan.first[-1], list(plan.first)
         to_home = self.walkable.distances_from(home)
@@ -174,9 +178,10 @@ class Planner:
         return [*nodes, *self._detour(nodes[-1], home, left, towards), home]
 
     def _detour(self, here: int, home: int, length_m: float, towards: int) -> list[int]:
-        """Return one node via which the path home has the length `length_m`; no node if the direct path is already longer.
+        """Return a list of one node, via which the path from `here` to `home` has the length `length_m`.
 
-        Nodes with much clearance, in the direction of the node `towards`, are preferred.
+        The list is empty if the direct path is already longer. Nodes that have much clearance and are close to the node
+        `towards` are preferred.
         """
         way = self.walkable.distances_from(here) + self.walkable.distances_from(home)
         if not way[here] < length_m < np.inf:

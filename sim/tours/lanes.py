@@ -8,11 +8,11 @@ from jaxtyping import Float64, Int
 from worlds.walkable import Walkable
 
 _SHORTEST_M = 0.4
-"""Least length of a free stretch of a lane; shorter ones are left out [m]."""
+"""Least length of a free stretch of a lane [m]; shorter stretches are left out."""
 
 
 def lanes_through(walkable: Walkable, rooms: Sequence[str], lane_m: float) -> list[int]:
-    """Return graph nodes to visit in order: both ends of each free part of each lane, room by room.
+    """Return graph nodes to visit in order: room by room and lane by lane, both ends of each free stretch of the lane.
 
     `lane_m` is the distance between lanes [m]. Each room is entered at the corner that is nearest to the last node of the
     previous room.
@@ -32,7 +32,11 @@ def _gap(nodes: Float64[np.ndarray, "n 3"], route: Sequence[int], start: int) ->
 
 
 def _orders(lanes: list[list[tuple[int, int]]]) -> Iterator[list[int]]:
-    """Yield the four orders in which to walk the lanes: from either side of the room, the first lane in either direction."""
+    """Yield the four orders in which to walk the lanes, as the ends of the free stretches.
+
+    The first lane is at one side of the room or at the other, and is walked in one direction or in the other. Directions
+    alternate from lane to lane.
+    """
     for side in (1, -1):
         for first in (0, 1):
             order: list[int] = []
@@ -44,7 +48,7 @@ def _orders(lanes: list[list[tuple[int, int]]]) -> Iterator[list[int]]:
 
 
 def _runs(points: Float64[np.ndarray, "n 2"], lane_m: float, step_m: float) -> list[list[tuple[int, int]]]:
-    """Return, for each lane along the room's longer side, the free parts, as indices of their first and last points."""
+    """Return the lanes along the room's longer side, each as its free stretches: indices of their first and last points."""
     along = int(np.argmax(np.ptp(points, axis=0)))
     across = points[:, 1 - along]
     count = max(1, round(float(np.ptp(across)) / lane_m))

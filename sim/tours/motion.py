@@ -10,20 +10,20 @@ from scipy.interpolate import BSpline
 from sim.tours.sway import Sway
 
 DEGREE = 5
-"""Degree of the spline. The spline is four times continuously differentiable, once more than a continuous jerk needs."""
+"""Degree of the spline. The spline has four continuous derivatives, one more than are needed for a continuous jerk."""
 _X, _YAW, _PITCH, _GAIT = slice(0, 3), 3, 4, 5
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A body's trajectory. Before its start the body rests in the first pose, after its end in the last pose.
+    """A body's trajectory. The body rests in the first pose before the start, and in the last pose after the end.
 
     Without sway, the trajectory is a uniform B-spline. Each derivative of the spline is a weighted mean of the divided
-    differences of the control points. If these differences keep a limit, the derivative therefore keeps it at all times.
+    differences of the control points. If these differences are within a limit, the derivative is within it at all times.
     """
 
     controls: Float64[np.ndarray, "k 6"]
-    """Control points: position on the walked surface in W [m], yaw and pitch [rad], and share of the full sway in [0, 1]."""
+    """Control points: x, y, z on the walked surface in W [m], yaw and pitch [rad], share of the full sway in [0, 1]."""
     knot_s: float
     """Time between the knots of the spline [s]."""
     sway: Sway | None = None
@@ -43,9 +43,10 @@ class Motion:
         return np.asarray(self._splines[derivative](np.clip(t, 0.0, self.duration_s)))
 
     def _swing(self, t: Float64[np.ndarray, "n"], derivative: int) -> Float64[np.ndarray, "n 6"]:
-        """Return the sway scaled by the gait, or a derivative: x, y, z in the level body frame, roll, pitch, yaw.
+        """Return the sway at times `t` [s], or its first or second `derivative`, times the share of sway at these times.
 
-        Derivatives of that product follow Leibniz's rule, hence the binomial coefficients.
+        The columns are x, y, z in the level body frame [m] and roll, pitch, yaw [rad]. The derivatives of the product follow
+        Leibniz's rule, which has binomial coefficients.
         """
         if self.sway is None:
             return np.zeros((len(t), 6))
@@ -55,9 +56,9 @@ class Motion:
         return np.asarray(sum(b * gait[k] * swing[derivative - k] for k, b in enumerate(binomial)))
 
     def position(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
-        """Return positions in W [m] at times `t` [s]: points of the walked surface, displaced by the sway.
+        """Return the positions in W [m] at times `t` [s], without the height of the body above the walked surface.
 
-        The body is above these points, by the height `height_m` that `poses_at` takes.
+        They are points of the walked surface, displaced by the sway. `poses_at` adds the height `height_m`.
         """
         return np.asarray(self._walk(t, 0)[:, _X] + _turned(self._swing(t, 0)[:, _X], self._walk(t, 0)[:, _YAW]))
 

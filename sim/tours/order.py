@@ -1,4 +1,4 @@
-"""Orders the stops of a tour so that a lap through them is short. If it has to be shorter, stops are left out or moved."""
+"""Orders the stops of a tour so that a lap is short. If the lap has to be shorter, stops are left out or moved."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -14,9 +14,9 @@ from worlds.walkable import Walkable
 
 
 def first_lap(house: House, stops: Stops, rng: np.random.Generator) -> tuple[list[int], list[int]]:
-    """Order all stops storey by storey, from the lowest up.
+    """Order all stops for a short lap, storey by storey, from the lowest storey to the highest.
 
-    Returns the numbers of all stops in this order, and those of the stops on the lowest storey.
+    Returns the numbers of all stops in this order, and the numbers of the stops on the lowest storey.
     """
     rooms_on: dict[int, list[str]] = {}
     for room in house.rooms:
@@ -50,15 +50,18 @@ def thinned(stops: Stops, lap: Sequence[int], most_m: float, there_and_back: boo
 
 
 def walked(stops: Stops, lap: Sequence[int], there_and_back: bool) -> float:
-    """Return the length of a lap and the way back to its start [m]: by the same path if `there_and_back`, else directly."""
+    """Return the total length of a lap with the way back to its start [m].
+
+    The way back is the same path if `there_and_back`, and else the direct path from the last stop.
+    """
     return 2 * stops.length(lap) if there_and_back else stops.length([*lap, lap[0]])
 
 
 def shortened_by_moving_stops(house: House, walkable: Walkable, stops: Stops, lap: Sequence[int]) -> tuple[Stops, list[int]]:
     """Keep one stop per room, and move each stop to the place in its room at which the lap becomes shortest.
 
-    The best place of a stop depends on the stops before and after it. Every second stop therefore moves while the others
-    stay, then the others move, then the first ones again. Returns the moved stops and the lap through them.
+    The best place of a stop depends on the stops before and after it. Therefore, only every second stop moves while the
+    others stay, then the others move, and then the first half moves again. Returns the moved stops and the lap through them.
     """
     lap = thinned(stops, lap, 0.0)
     room_of = {stop: room for room, own in stops.of_room.items() for stop in own}
@@ -97,7 +100,10 @@ def short_cycle(between: Float64[np.ndarray, "m m"], start: int, others: Sequenc
 
 
 def _around(stops: Stops, rooms: Sequence[str], here: int | None) -> list[int]:
-    """Order all stops of rooms for a short round trip from the stop `here` (None: from the first stop of the first room)."""
+    """Order all stops of rooms for a short round trip from the stop `here`.
+
+    If `here` is None, the trip starts at the first stop of the first room.
+    """
     room_of: Mapping[int, str] = {stops.of_room[room][0]: room for room in rooms}
     start = next(iter(room_of)) if here is None else here
     centres = short_cycle(stops.between, start, [c for c in room_of if c != start])
@@ -110,7 +116,10 @@ def _around(stops: Stops, rooms: Sequence[str], here: int | None) -> list[int]:
 
 
 def _through(between: Float64[np.ndarray, "m m"], own: Sequence[int], entry: int, towards: int) -> list[int]:
-    """Order a room's few stops for the shortest path from `entry` through all of them to `towards`."""
+    """Order the stops `own` of a room so that the path from the stop `entry` through all stops to `towards` is shortest.
+
+    All orders are tried, because a room has only a few stops. If `entry` is one of these stops, it comes first.
+    """
     orders = [list(order) for order in permutations(own) if entry not in own or order[0] == entry]
     length = [float(between[[entry, *order], [*order, towards]].sum()) for order in orders]
     return orders[int(np.argmin(length))]

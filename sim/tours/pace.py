@@ -1,11 +1,11 @@
 """`paced`: turns a path into a motion over time. It is as fast as the walker's limits allow, and at rest at both ends.
 
-1. Bound the speed at each point of the path by the curvature there and by the turn rate of the view.
+1. Find an upper bound of the speed at each point of the path, from the path's curvature and from how fast the view turns.
 2. Compute the fastest speed profile that keeps these bounds and the limit of tangential acceleration. Sample the path at
    equal steps of time; the samples are the control points of a B-spline.
 3. Check the limits at the control points. Where a limit is exceeded, lower the speed bounds around these points, and go
    back to 2.
-4. Stretch time so much that the limits hold exactly.
+4. Slow down the whole motion as much as is still necessary for the limits to hold exactly.
 """
 
 from dataclasses import dataclass
@@ -17,18 +17,18 @@ from sim.tours.motion import DEGREE, Motion
 from sim.tours.sway import Sway
 
 _KNOT_S = 0.05
-"""Time between control points before stretching [s]."""
+"""Time between control points, before the whole motion is slowed down [s]."""
 _TANGENTIAL, _LATERAL = 0.7, 0.7
-"""Shares of the acceleration limit for changing speed and for turning. Together they keep the limit: 0.7² + 0.7² < 1."""
+"""Shares of the acceleration limit for changes of speed and for curves. Both together keep the limit: 0.7² + 0.7² < 1."""
 _ROUNDS = 25
 _SLOWER = 0.93
-"""Additional factor on speeds that are lowered because of an excess, so that few rounds suffice."""
+"""Additional factor on speeds that are lowered because a limit is exceeded, so that few rounds are enough."""
 _ROUNDING = 1e-9
-"""Largest relative excess over a limit that is ignored as rounding."""
+"""Largest excess over a limit, as a share of the limit, that is ignored as a rounding error."""
 _GAIT_S = 0.6
-"""Time over which the speed is averaged to scale the sway [s]."""
+"""Duration over which the speed is averaged, before the sway is scaled by this speed [s]."""
 _DIGITS = 9
-"""Decimals of the gait. Sums that BLAS computes differ between processors in their last bits."""
+"""Number of decimals to which the share of sway is rounded. The last bits of sums by BLAS differ between processors."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def paced(
 def _squared_limits(
     points: Float64[np.ndarray, "k 3"], view: Float64[np.ndarray, "k 2"], step_m: float, limits: Limits
 ) -> Float64[np.ndarray, "k"]:
-    """Return the square of the speed that curvature and turn of the view allow at each point; 0 at the ends."""
+    """Return the square of the speed that the path's curvature and the turning view allow at each point; 0 at both ends."""
     turn = np.maximum(_norm(np.diff(view, axis=0)) / step_m, 1e-9)
     bend = np.maximum(_norm(np.diff(points, 2, axis=0)) / step_m**2, 1e-9)
     by_turn = np.minimum((limits.turn_rate_rad_s / turn) ** 2, limits.speed_m_s**2)
@@ -87,9 +87,10 @@ def _squared_limits(
 def _arc_at_times(
     s: Float64[np.ndarray, "k"], squared: Float64[np.ndarray, "k"], acceleration_m_s2: float
 ) -> Float64[np.ndarray, "_"]:
-    """Return the arc length reached at each time step by the fastest speed profile under the bounds.
+    """Return the arc length [m] that the fastest speed profile within the bounds reaches at each time step.
 
-    v² changes by at most 2 a ds, so one pass forwards and one backwards give the profile.
+    `s` are arc lengths [m], and `squared` the bounds of the squared speed there. With the acceleration a, v² changes by at
+    most 2 a ds over a distance ds. One pass forwards and one pass backwards over the bounds therefore give the profile.
     """
     gain = 2 * acceleration_m_s2 * s
     forwards = gain + np.minimum.accumulate(squared - gain)
@@ -103,9 +104,10 @@ def _arc_at_times(
 
 
 def _strain(controls: Float64[np.ndarray, "n 5"], limits: Limits) -> Float64[np.ndarray, "n"]:
-    """Return, for each control point, the factor by which time would have to be stretched there to keep the limits.
+    """Return, for each control point, the factor by which the motion would have to take longer there to keep all limits.
 
-    Stretching by r divides rates by r and accelerations by r². The factor for accelerations is therefore a square root.
+    A motion that takes r times as long has rates divided by r and accelerations divided by r². For an acceleration, the
+    factor is therefore the square root of its ratio to the limit.
     """
     still = np.pad(controls, [(1, 1), (0, 0)], mode="edge")
     rate = np.diff(still, axis=0) / _KNOT_S
@@ -127,7 +129,7 @@ def _slowed(
     at: Float64[np.ndarray, "n"],
     ratio: Float64[np.ndarray, "n"],
 ) -> Float64[np.ndarray, "k"]:
-    """Lower the squared speeds around all control points that exceed a limit."""
+    """Lower the bounds `squared` of the squared speed around all control points at which a limit is exceeded."""
     slower = squared.copy()
     for k in np.flatnonzero(ratio > 1.0 + _ROUNDING).tolist():
         low, high = np.searchsorted(s, [at[max(k - 2, 0)], at[min(k + 2, len(at) - 1)]]).tolist()
@@ -136,7 +138,10 @@ def _slowed(
 
 
 def _gait(positions: Float64[np.ndarray, "n 3"], speed_m_s: float) -> Float64[np.ndarray, "n"]:
-    """Return the share of the full speed, averaged over `_GAIT_S`; zero at the ends."""
+    """Return the share of the full sway at each control point, which is 0 at both ends.
+
+    It is the ratio of the speed, averaged over `_GAIT_S`, to the largest speed.
+    """
     share = np.append(_norm(np.diff(positions, axis=0)), 0.0) / (_KNOT_S * speed_m_s)
     width = round(_GAIT_S / _KNOT_S) | 1
     gait = np.convolve(np.pad(share, width // 2), np.full(width, 1 / width), mode="valid")

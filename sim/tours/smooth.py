@@ -27,31 +27,34 @@ _BAND_STEP_M = 0.05
 _PER_STEP = 5
 """Number of points of the spline per step of the band."""
 _STIFFNESS = 6.0**4
-"""Weight of bending. With k⁴ the band rounds a corner over about k of its steps to either side."""
+"""Weight of bending. With a weight of k⁴, the band rounds a corner over about k of its steps on either side."""
 _PENALTY = 3.0
 """Penalty parameter of ADMM."""
 _ITERATIONS = 50
 _DIGITS = 6
-"""Decimals (micrometres) kept after every iteration. LAPACK's last bits differ between processors, and corners of obstacles
-would amplify the difference to metres."""
+"""Number of decimals to which coordinates are rounded after every iteration (micrometres). The last bits of LAPACK's results
+differ between processors, and corners of obstacles would amplify such differences to metres."""
 _AT_STAIRS = 3.0
-"""Weight that holds the band to the line near stairs; elsewhere on the floor, this weight is 1."""
+"""Weight that holds the band close to the original line near stairs. Elsewhere on the floor, this weight is 1."""
 _ON_STAIRS = 20.0
-"""Weight that holds the band to the line on stairs."""
+"""Weight that holds the band close to the original line on stairs."""
 _PINNED = 1e4
-"""Weight that holds the band to the line at the points at which the line turns back."""
+"""Weight that holds the band to the original line at both ends, and at points at which the line turns back."""
 _SPARE_M = (0.01, 0.05)
-"""Smallest and largest clearance that the band keeps in addition to the body's radius [m]."""
+"""Clearance that the band keeps in addition to the body's radius, at least and at most [m]. In between, it keeps as much
+clearance as the original line."""
 _NEEDED_M = 0.002
-"""Clearance of the path in addition to the radius [m], because the spline over time cuts corners by about a millimetre."""
+"""Clearance that the path keeps in addition to the body's radius [m]. The motion is another spline, over time, which cuts
+the path's corners by about a millimetre."""
 _REACH_M = 0.3
-"""Largest distance that the band may move from the line [m]. Obstacles are searched as far as this requires."""
+"""Largest distance by which the band is expected to move away from the original line [m]. Obstacles are searched as far as
+this requires."""
 _BLEND = 8
-"""Number of steps of the band over which the smooth path is blended into the line."""
+"""Number of steps of the band over which the smooth path is blended into the original line."""
 _SLOPE_STEPS = 5
-"""Width, in steps, of the moving average that rounds the foot and head of stairs; it is applied twice."""
+"""Width of the moving average that rounds the path's height at the foot and head of stairs [steps]. It is applied twice."""
 _TURNS_BACK = -0.85
-"""Cosine of the turning angle beyond which the line turns back at a point; the band has to keep this point."""
+"""Cosine of the least angle by which the line turns at a point where it turns back. The band has to keep such points."""
 
 
 def smooth_path(line: Float64[np.ndarray, "k 3"], walkable: Walkable) -> Float64[np.ndarray, "_ 3"]:
@@ -92,7 +95,10 @@ def _divided(line: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "n 3"]:
 
 
 def _rounded(height: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"]:
-    """Round the heights at the ends of slopes. Level stretches stay exactly as they are."""
+    """Smooth the bends of the path's height at the ends of slopes, by a moving average that is applied twice.
+
+    Level stretches stay exactly as they are.
+    """
     for _ in range(2):
         wide = np.pad(height, _SLOPE_STEPS // 2, mode="edge")
         windows = np.lib.stride_tricks.sliding_window_view(wide, _SLOPE_STEPS)
@@ -111,7 +117,10 @@ def _turning_points(base: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "_"]:
 def _relaxed(
     base: Float64[np.ndarray, "n 2"], hold: Float64[np.ndarray, "n"], near: NearbyBoxes, keep: Float64[np.ndarray, "n"]
 ) -> Float64[np.ndarray, "n 2"]:
-    """Compute the band by ADMM: with least bending, close to `base` (weights `hold`), at distance `keep` from obstacles."""
+    """Compute the band by ADMM: a path that bends little, stays close to the points `base`, and keeps clear of obstacles.
+
+    `hold` are the weights of the distance from `base`, and `keep` the distances to keep from the obstacles [m].
+    """
     n = len(base)
     if n < 5:
         return base
@@ -132,7 +141,7 @@ def _relaxed(
 
 
 def _spline(points: Float64[np.ndarray, "n d"]) -> Float64[np.ndarray, "m d"]:
-    """Sample the cubic B-spline with these control points, from the first to the last, `_PER_STEP` samples a step."""
+    """Return points of the cubic B-spline with these control points: `_PER_STEP` points per step, and the last point."""
     wide = np.concatenate([2 * points[:1] - points[1:2], points, 2 * points[-1:] - points[-2:-1]])
     t = np.arange(_PER_STEP)[:, None, None] / _PER_STEP
     basis = (1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, -3 * t**3 + 3 * t**2 + 3 * t + 1, t**3
@@ -142,7 +151,7 @@ def _spline(points: Float64[np.ndarray, "n d"]) -> Float64[np.ndarray, "m d"]:
 
 
 def _between(points: Float64[np.ndarray, "n d"]) -> Float64[np.ndarray, "m d"]:
-    """Sample the polyline through points at as many places as `_spline` does."""
+    """Return points of the polyline through `points`, each of which corresponds to a point that `_spline` returns."""
     t = np.arange(_PER_STEP)[:, None, None] / _PER_STEP
     spans = (1 - t) * points[:-1] + t * points[1:]
     return np.concatenate([np.swapaxes(spans, 0, 1).reshape(-1, points.shape[1]), points[-1:]])
@@ -153,8 +162,8 @@ def _clear(
 ) -> Float64[np.ndarray, "m 3"]:
     """Return the smooth path, blended into the straight path around places where the smooth path is too close to obstacles.
 
-    Blended parts may be too close, too, so blending is repeated. `distance_m` is the clearance to keep. Where the straight
-    path has less, its clearance is enough.
+    `distance_m` is the clearance to keep; where the straight path has less clearance, the clearance of the straight path is
+    enough. Blended parts may still be too close, so blending is repeated until no part is.
     """
     needed = np.minimum(distance_m, _clearance(straight, near))
     share, path, wide = np.zeros(len(smooth)), smooth, (_BLEND * _PER_STEP,)
@@ -167,7 +176,7 @@ def _clear(
 
 
 def _clearance(path: Float64[np.ndarray, "m 3"], near: NearbyBoxes) -> Float64[np.ndarray, "m"]:
-    """Return the clearance of path points, `_PER_STEP` of which belong to each point of the band [m]."""
+    """Return the clearance of the path's points [m]. `_PER_STEP` consecutive points belong to each point of the band."""
     clearance = np.full(len(path), np.inf)
     for k in range(_PER_STEP):
         places = path[k::_PER_STEP, :2]

@@ -18,11 +18,11 @@ _HERTZ = np.array([0.6, 3.0, 0.5, 0.9])
 """Frequencies of these four motions [Hz]. The slow sideways swing gives parallax. The fast vertical swing makes the
 acceleration differ between frames, at up to 30 frames a second."""
 _DESIGNED_FOR = Limits()
-"""Limits of speed, acceleration and turn rate that the full swing keeps."""
+"""Limits of speed, acceleration and turning within which the full swing stays."""
 
 
 def with_start_manoeuvre(motion: Motion, limits: Limits) -> Motion:
-    """Return a motion that starts with five seconds of swinging about the first pose of `motion`, then continues with it.
+    """Return a motion that first swings about the first pose of `motion` for five seconds, and then continues with `motion`.
 
     The body swings sideways, up and down, in yaw and in pitch. It stays within 4 cm of the first pose, and is at rest there
     before and after. The swing is part of the spline, so all derivatives stay exact and continuous. If a limit is below its
@@ -40,7 +40,10 @@ def with_start_manoeuvre(motion: Motion, limits: Limits) -> Motion:
 
 
 def _swing(knot_s: float) -> Float64[np.ndarray, "n 4"]:
-    """Return the swing at every knot. It starts with `DEGREE` knots at rest, so that the spline starts at rest."""
+    """Return the displacement by the swing at every knot: sideways and up [m], in yaw and in pitch [rad].
+
+    The first `DEGREE` knots are at rest, so that the spline starts at rest.
+    """
     t = np.arange(0.0, _DURATION_S, knot_s)
     ramp = np.clip(np.minimum(t, _DURATION_S - t) / _RAMP_S, 0.0, 1.0)
     window = np.sin(np.pi / 2 * ramp) ** 2
@@ -49,5 +52,8 @@ def _swing(knot_s: float) -> Float64[np.ndarray, "n 4"]:
 
 
 def _strength(limits: Limits) -> float:
-    """Return the largest share of the full swing, up to 1, that keeps the limits."""
+    """Return the factor, up to 1, by which the start manoeuvre's swing is scaled to stay within `limits`.
+
+    The limits are those of speed, acceleration and turning. The full swing (factor 1) stays within the default limits.
+    """
     return float(min(1.0, *(getattr(limits, name) / full for name, full in vars(_DESIGNED_FOR).items())))

@@ -14,13 +14,13 @@ from worlds.labels import STAIRS
 from worlds.walkable import Walkable
 
 COMFORT_M = 0.35
-"""Clearance that a stop keeps from obstacles if the room allows [m]. More than twice this clearance is no advantage."""
+"""Clearance that a stop keeps from obstacles if the room is large enough [m]. Twice as much is preferred, but no more."""
 _INSIDE_M = 0.5
 """Distance of a stop from its room's boundary if the room is large enough [m], because a doorway is a poor viewpoint."""
 _AREA_PER_STOP_M2 = 7.0
 _MAX_STOPS = 3
 _STOP_SPACING_M = 0.7
-"""A room gets a further stop only if some place in the room is farther than this from all its previous stops [m]."""
+"""A room gets a further stop only if some place in the room is farther than this from all previous stops of the room [m]."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,19 +13,21 @@ SWAYS: tuple[SwayName, ...] = get_args(SwayName)
 
 _HAND_HELD_HZ = (0.45, 0.9, 1.8)
 _HAND_HELD = np.array([[3, 6, 3, 0.35, 0.35, 0.25], [2, 5, 3, 0.25, 0.30, 0.15], [1, 1, 5, 0.10, 0.25, 0.05]])
-"""Amplitudes at each frequency: x, y, z [mm], roll, pitch, yaw [deg]. A step takes 0.55 s and a cycle two steps."""
+"""Amplitudes of the sway of a hand-held camera, a row for each frequency: x, y, z [mm], roll, pitch, yaw [deg]. A step takes
+about 0.55 s, and a full cycle of the gait two steps."""
 _QUADRUPED_HZ = (1.5, 3.0)
 _QUADRUPED = np.array([[0, 5, 1, 0.9, 0.2, 0.3], [2, 0, 5, 0.1, 0.7, 0.0]])
-"""Amplitudes of a trot in the units of `_HAND_HELD`: sideways with each pair of legs, up and down with each step."""
+"""Amplitudes of the sway of a trotting robot, as in `_HAND_HELD`. The body moves sideways in cycles of two steps, and up and
+down with each step."""
 _JITTER = 0.25
-"""Largest relative deviation of a walk's amplitudes. Frequencies deviate by up to half of this share."""
+"""Largest deviation of the amplitudes of a walk, as a share. Frequencies deviate by up to half of this share."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sway:
     """Periodic motion of a camera about its path at full walking speed, as a sum of sine functions.
 
-    The six columns of arrays are displacements in the level body frame (x, y, z [m]) and rotations (roll, pitch, yaw [rad]).
+    Arrays have six columns: displacements x, y, z in the level body frame [m], and rotations roll, pitch, yaw [rad].
     """
 
     amplitude: Float64[np.ndarray, "m 6"]
@@ -41,7 +43,7 @@ class Sway:
 
 
 def draw_sway(kind: str, rng: np.random.Generator) -> Sway | None:
-    """Draw the random sway of one walk. `kind` is one of `SWAYS`; "none" gives None. Raises `SimError` for other kinds."""
+    """Draw the random sway of one walk; None if `kind` is "none". Raises `SimError` if `kind` is not one of `SWAYS`."""
     if kind not in SWAYS:
         raise SimError(f"sway {kind!r} is unknown; valid: {', '.join(SWAYS)}")
     if kind == "none":

@@ -1,8 +1,8 @@
 """`plan_tour`: plans a walk without collisions through a house and back to the start.
 
 1. Plan the nodes to visit, by the kind of tour (`itinerary`).
-2. Connect them by paths and smooth the whole path (`smooth`). If a length is requested, correct the plan by the length that
-   the smooth path turns out to have, and repeat.
+2. Connect the nodes by paths, and smooth the whole path (`smooth`). If a length is requested, compare it with the length of
+   the smooth path, plan a longer or shorter tour, and repeat.
 3. Choose the direction of view along the path (`view`).
 4. Time the path within the limits of speed and acceleration (`pace`), and add sway.
 """
@@ -14,7 +14,7 @@ from jaxtyping import Float64
 
 from lexis.maths.paths import arc_length
 from sim.errors import SimError
-from sim.tours.config import TourConfig
+from sim.tours.config import TourConfig, TourKind
 from sim.tours.itinerary import SMOOTHED, Planner
 from sim.tours.motion import Motion
 from sim.tours.pace import paced
@@ -27,13 +27,15 @@ from worlds.walkable import Walkable
 
 _RANDOM_M = 100.0
 """Length of a random tour if none is requested [m]."""
+_EVERY_ROOM: frozenset[TourKind] = frozenset({"rooms", "both ways", "lawn-mower"})
+"""Kinds of tours that visit every room."""
 _LENGTH_TOLERANCE = (3.0, 0.03)
-"""Tolerance of the length in metres, and as a share of the length. The larger tolerance applies."""
+"""Tolerance of a requested length, in metres and as a share of the length. The larger tolerance applies."""
 _SHORTEST_M = 1.0
-"""Requested length for which the planner leaves out everything that it may leave out [m]."""
+"""A length that no tour can have [m]. If it is requested, the planner makes the shortest possible tour."""
 _TRIES = 5
 _GOOD_ENOUGH = 0.3
-"""Largest deviation of the length at which the search for a better length ends, as a share of the tolerance."""
+"""Deviation from the requested length that needs no further tries, as a share of the tolerance."""
 
 __all__ = ["Tour", "TourConfig", "plan_tour"]
 
@@ -61,7 +63,7 @@ class Tour:
         return float(arc_length(replace(self.motion, sway=None).position(every))[-1])
 
     def pose_at(self, t: float) -> Float64[np.ndarray, "4 4"]:
-        """Return the exact body pose `T_W_B` at time `t` [s]. At times outside of the tour, it is the first or last pose."""
+        """Return the exact body pose `T_W_B` at time `t` [s]; the first pose before the tour, and the last pose after it."""
         return np.squeeze(self.motion.poses_at(np.array([float(t)]), self.eye_height_m), axis=0)
 
 
@@ -92,7 +94,11 @@ def shortest_length(house: House, walkable: Walkable, rng: np.random.Generator, 
 
 
 def _path(planner: Planner, config: TourConfig) -> Float64[np.ndarray, "k 3"]:
-    """Return a smooth path of the requested length. Planned lengths are corrected by the length of smoothed paths."""
+    """Return a smooth path of the requested length. Raises `SimError` if no such path is found.
+
+    Smoothing changes the length of a path. The length that is asked of the planner is therefore corrected by the length of
+    the previous smooth path, in a few tries.
+    """
     wished = _RANDOM_M if config.length_m is None and config.kind == "random" else config.length_m
     if wished is None:
         return _smooth(planner, None)
@@ -108,8 +114,9 @@ def _path(planner: Planner, config: TourConfig) -> Float64[np.ndarray, "k 3"]:
         share *= length / wished
     if best is None or abs(least - wished) > tolerance:
         bound = "at least" if least > wished else "at most"
+        where = "that visits every room of" if config.kind in _EVERY_ROOM else "in"
         raise SimError(
-            f"tour: length_m is {wished:g}; valid: {bound} {least:.0f} for a tour ({config.kind}) that visits every room of "
+            f"tour: length_m is {wished:g}; valid: {bound} {least:.0f} for a tour ({config.kind}) {where} "
             f"house {planner.house.spec.name!r}"
         )
     return best

@@ -15,12 +15,13 @@ from worlds.truth import room_at
 _SMOOTHING_M = 0.24
 _PITCH_SMOOTHING_M = 0.5
 _GLANCE_EVERY_M = 4.0
-"""Path length of one cycle of glances [m], to the left and to the right."""
+"""Length of path for one cycle of glances, which is one glance to the left and one to the right [m]."""
 _DIGITS = 7
-"""Decimals of angles. The last bits of trigonometric functions differ between processors, and the pace must not depend on
-them."""
+"""Number of decimals to which angles are rounded. The last bits of trigonometric functions differ between processors, and
+the pace must not depend on these bits."""
 _AMBIGUOUS_RAD = 1e-3
-"""Largest difference from 180 degrees at which a right turn counts as a left turn [rad], since rounding decides its sign."""
+"""A turn to the right counts as a turn to the left if it differs from 180 degrees by less than this angle [rad]. Otherwise,
+rounding errors would decide the direction of a half turn."""
 
 
 def view_along(
@@ -28,8 +29,8 @@ def view_along(
 ) -> Float64[np.ndarray, "k 2"]:
     """Return the camera's yaw and pitch [rad] at each of the path's points, which are in W [m] and 1 cm apart.
 
-    Yaw is unwrapped (without jumps by a full turn); pitch is positive downwards. `glance_rad` is the largest turn to the
-    sides. Without `pitch_on_stairs`, pitch is 0.
+    Yaw is unwrapped (without jumps by a full turn), and pitch is positive downwards. `glance_rad` is the largest angle of
+    glances to the sides. Without `pitch_on_stairs`, pitch is 0.
     """
     step = np.diff(points, axis=0)
     heading = np.arctan2(step[:, 1], step[:, 0]).round(_DIGITS)

@@ -1,11 +1,14 @@
 """Trains the included encoder `lexis-mini`, which has an image tower and a text tower, and calibrates its probabilities.
 
 `command` runs all steps; an interrupted run resumes. `text_tower` trains the text tower to imitate a sentence encoder
-(`teacher`, `text_corpus`, `text_target`). `frames` renders training images (`houses`, `viewpoints`, `variants`). `dense` and
-`align` are the two stages in which the image tower is trained; `fit` is their training loop over `batches`. `export` writes
-weights that open_clip loads. `lexicon` and `phrases` hold the words of captions. `places` trains embeddings to recognise
-places. `temperature` fits the scale that turns similarities into probabilities. `array_cache` stores arrays that take long
-to make. `query_calibration` and `query_questions` calibrate the probabilities of answers to questions.
+(`teacher`); `text_corpus` makes the texts for this, and `text_target` the targets. `frames` renders training images of the
+`houses` from `viewpoints`; `variants` keeps some colours of furniture out of training. The image tower is trained in two
+stages, `dense` and `align`; `fit` is the training loop of both stages, over `batches` of images. `export` writes weights
+that open_clip loads.
+
+`lexicon` and `phrases` hold the words of captions. `places` trains embeddings to recognise places. `temperature` fits the
+scale that turns similarities into probabilities. `array_cache` stores arrays that take long to make. `query_calibration` and
+`query_questions` calibrate the probabilities of answers to questions.
 """
 
 import lazy_loader

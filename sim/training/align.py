@@ -5,7 +5,7 @@ Images are compared only with embeddings of captions, never with learned class w
 1. Room: cross-entropy over one randomly drawn caption per room label.
 2. Things: for every kind of thing, binary cross-entropy of its presence, by the similarity to a caption with its name.
 3. Search: every caption is compared with all images of a batch, since questions are answered by the images that fit best.
-4. Places: a contrastive loss that makes images of one place similar.
+4. Places: a contrastive loss that makes images of the same place similar.
 5. Dense: the losses of stage 1 are kept, so that the tower does not forget stage 1.
 
 Noise is added to the text embeddings, so that the image tower does not rely on details that only the trained wordings share.
@@ -35,7 +35,8 @@ from worlds.labels import ROOM_LABELS
 TEXT_NOISE = 1.25
 """Expected length of the noise vector that is added to unit text embeddings."""
 WORDINGS = (200, 32)
-"""Numbers of captions that are drawn in advance for each room label, and for each thing. A training step uses one each."""
+"""Numbers of captions that are drawn in advance for each room label, and for each thing. A training step uses one caption
+for each label and one for each thing."""
 SETTLING_STEPS = 1000
 """Number of final training steps, in which only the projection (the last layer of the image tower) is trained."""
 _SETTLING_BATCH, _SETTLING_RATE = 512, 2e-3

@@ -26,15 +26,16 @@ class Batch(NamedTuple):
     images: Float[Tensor, "b 3 h w"]
     rooms: Int[Tensor, "b"]
     views: Float[Tensor, "b labels"]
-    """Share of each image that shows rooms of each label. The shares of an image sum to 1."""
+    """Share of each image that shows rooms of each label, before cropping. The shares of an image are scaled to sum to 1."""
     things: Float[Tensor, "b things"]
     """Whether each thing is present in each image."""
     patches: Float[Tensor, "b things rows columns"]
     """Whether each thing is present in each patch of each image."""
     same_place: Bool[Tensor, "b b"]
-    """Whether each pair of frames shows one place, as `places.pairs_of_places` decides."""
+    """Whether each pair of frames shows the same place, as decided by `places.pairs_of_places`."""
     apart: Bool[Tensor, "b b"]
-    """Whether each pair of frames shows different places, as `places.pairs_of_places` decides."""
+    """Whether each pair of frames shows different places, as decided by `places.pairs_of_places`. Some pairs are neither in
+    `same_place` nor in `apart`."""
 
 
 def batches(frames: Frames, size: int, rng: np.random.Generator, device: torch.device) -> Iterator[Batch]:
@@ -68,8 +69,8 @@ def normalised(images: UInt8[np.ndarray, "b h w 3"]) -> Float[Tensor, "b 3 h w"]
 def chosen_once(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Generator) -> Iterator[Int[np.ndarray, "size"]]:
     """Yield the indices of the frames of each batch, in ascending order. No frame occurs in two batches.
 
-    The frames are cut into groups of `STRETCH` consecutive frames, which are shuffled and joined to batches. A group is from
-    the walk through one house, except that the group at the end of a walk may continue with frames of another walk.
+    The frames are cut into groups of `STRETCH` consecutive frames. The groups are shuffled and joined to batches. All frames
+    of a group are from one walk, except that a group at the end of a walk may continue with frames of another walk.
     """
     walks = np.split(np.arange(len(houses)), np.flatnonzero(np.diff(houses)) + 1)
     joined = np.concatenate([np.roll(walks[i], rng.integers(len(walks[i]))) for i in rng.permutation(len(walks))])
@@ -81,7 +82,7 @@ def chosen_once(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Generato
 def _crops(house: Int[np.ndarray, "n"], rng: np.random.Generator) -> Float[Tensor, "n 2 3"]:
     """Draw random affine crops: each frame is zoomed and shifted a little.
 
-    Either all or none of a house's frames are mirrored, since a place and its mirror image would count as one place.
+    Either all or none of a house's frames are mirrored, since a place and its mirror image would count as the same place.
     """
     n = len(house)
     zoom, mirrored = rng.uniform(0.75, 1.0, n), rng.choice([-1.0, 1.0], house.max() + 1)
@@ -100,7 +101,10 @@ def _sampled(maps: Float[Tensor, "b c h w"], theta: Float[Tensor, "b 2 3"], padd
 def _tints(
     house: Int[np.ndarray, "n"], rng: np.random.Generator, device: torch.device
 ) -> tuple[Float[Tensor, "n 3 1 1"], Float[Tensor, "n 1 1 1"]]:
-    """Draw random gains per channel and offsets. Frames of one house get equal ones, as colours distinguish places."""
+    """Draw random gains per channel and random offsets.
+
+    All frames of a house get the same gains and offset, so that frames of the same place keep the same colours.
+    """
     houses = house.max() + 1
     gain = rng.uniform(0.7, 1.25, (houses, 1, 1, 1)) * rng.uniform(0.9, 1.1, (houses, 3, 1, 1))
     offset = rng.normal(0.0, 0.15, (houses, 1, 1, 1))

@@ -53,7 +53,7 @@ class TrainingRun(Settings, place="training", error=SimError):
     houses: Annotated[int, Ge(1)] = 520
     """Number of houses to train on."""
     tuning_houses: Annotated[int, Ge(1)] = 24
-    """Number of further houses, on which training is monitored, and to which temperature and calibration are fitted."""
+    """Number of further houses, for monitoring the training and for fitting the temperature and the calibration."""
     epochs: tuple[int, int] = (10, 4)
     """Numbers of epochs of stage 1 (dense supervision) and stage 2 (alignment) of the image tower."""
     settling_steps: int = SETTLING_STEPS
@@ -144,7 +144,7 @@ def _check_settings(run: TrainingRun) -> None:
 
 
 def _deciding(run: TrainingRun) -> dict[str, Any]:
-    """Return all settings that affect the result. The teacher's folder does not: all folders hold the same teacher."""
+    """Return all settings that affect the result, without the teacher's folder, because the teacher is always the same."""
     names = ("houses", "tuning_houses", "epochs", "settling_steps", "seed", "batch", "wordings")
     own = {name: getattr(run, name) for name in names} | {"start": run.start and str(run.start)}
     return own | {"distillation": asdict(run.distillation), "text": {**TEXT_CFG, "embed_dim": EMBED_DIM}}

@@ -23,7 +23,9 @@ TRUNK = "regnetx_002"
 """Name of the image tower's architecture in timm."""
 _SMOOTHING = 0.05
 _THINGS_WEIGHT, _PATCHES_WEIGHT, _VIEWS_WEIGHT = 8.0, 8.0, 0.5
-"""Weights relative to the room loss. The losses of presence have large weights, as they average over many absent things."""
+"""Weights, relative to the room loss, of the losses for things visible in the image, for things visible in each patch, and
+for the room labels in view. The first two weights are large, because their losses are averages over many things, most of
+which are absent."""
 _PLACES_WEIGHT = 1.0
 _PLACE_DIM = 128
 _RARE = -4.0
@@ -40,7 +42,7 @@ class DenseOutput(NamedTuple):
     things: Float[Tensor, "b things"]
     patches: Float[Tensor, "b things rows columns"]
     places: Float[Tensor, "b p"]
-    """Unit vector of each image. Vectors of images of one place are similar."""
+    """Unit vector of each image. The vectors of images of the same place are similar."""
 
 
 class DenseTower(nn.Module):

@@ -30,7 +30,7 @@ THINGS = tuple(sorted({*CATALOGUE, "door", "window", STAIRS}))
 PATCHES = (4, 5)
 """Numbers of rows and columns of patches in a frame, as in the last feature map of the image tower."""
 BARE = 0.03
-"""Least `Frames.content`, a share of the image, at which a frame counts as showing more than bare walls."""
+"""A frame counts as showing more than bare walls if its `Frames.content` (a share of the image) is at least this."""
 
 _FORMAT = 1
 """Version of cached frames. Increase it after changes of textures, tours or renderers. Other changes are noticed, because
@@ -69,7 +69,7 @@ class Frames:
 
     @cached_property
     def shares(self) -> Float32[np.ndarray, "n things"]:
-        """The share of each image that shows each of `THINGS`."""
+        """Share of each image that shows each of `THINGS`."""
         return np.asarray(self.things.mean(axis=(1, 2), dtype=np.float32) / np.float32(255.0))
 
     def __getitem__(self, chosen: np.ndarray) -> "Frames":
@@ -114,7 +114,7 @@ def frames_origin(views: ViewpointConfig) -> str:
 
 
 def frames_of_house(draw: HouseDraw, views: ViewpointConfig = TRAINING_VIEWS) -> Frames:
-    """Render frames along a tour through a house whose furniture has no held-out colours; none if no tour is found."""
+    """Render frames along a tour through a house, without furniture in held-out colours; no frames if no tour is found."""
     house = repainted(build_house(draw.spec()), held_out=False)
     return frames_at(house, poses_along_tour(house, views, np.random.default_rng([draw.seed, 2])), views)
 

@@ -50,7 +50,7 @@ class HouseDraw(NamedTuple):
 
 
 def draw_houses(count: int, seeds: range, rng: np.random.Generator) -> Iterator[HouseDraw]:
-    """Draw `count` houses with different seeds from `seeds`. A larger `count` gives the same houses first, then more."""
+    """Draw `count` houses with different seeds from `seeds`. A larger `count` only adds houses at the end."""
     names, shares = list(PRESET_SHARE), list(PRESET_SHARE.values())
     used: set[int] = set()
     while len(used) < count:

@@ -47,7 +47,7 @@ HOLDS_HELD_OUT = _holding(HELD_OUT_PHRASES)
 
 def _split(table: Table) -> tuple[dict[str, tuple[str, ...]], dict[str, tuple[str, ...]]]:
     held_out = frozenset(HELD_OUT_PHRASES)
-    # An entry that contains a held-out phrase is used neither for training nor, unless it is that phrase, as held out.
+    # An entry that contains a held-out phrase is not used for training. It is held out only if it is itself such a phrase.
     trained = {key: tuple(entry for entry in row if not HOLDS_HELD_OUT.search(entry)) for key, row in table.items()}
     return trained, {key: tuple(entry for entry in row[2::3] if entry in held_out) for key, row in table.items()}
 

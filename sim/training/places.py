@@ -1,7 +1,7 @@
-"""Training of place recognition: finds pairs of frames that show one place, and computes a contrastive loss over such pairs.
+"""Training of place recognition: finds pairs of frames that show the same place, and computes a contrastive loss over them.
 
-Frames of one place should have similar embeddings. They should differ from embeddings of other places, above all in the same
-house.
+Frames of the same place should have similar embeddings. These embeddings should differ from the embeddings of other places,
+above all of other places in the same house.
 """
 
 import numpy as np
@@ -14,16 +14,16 @@ from lexis.types import Poses
 
 _TEMPERATURE = 0.07
 _DOUBT = 1.5
-"""Frames show one place within `PLACE_M` and `PLACE_RAD`, and different places beyond these bounds times `_DOUBT`. Pairs in
-between count as neither."""
+"""Two frames show the same place within `PLACE_M` and `PLACE_RAD`, and different places beyond these bounds times `_DOUBT`.
+Pairs in between count as neither."""
 
 
 def pairs_of_places(
     T_W_B: Poses, houses: Int[np.ndarray, "n"], rooms: Int[np.ndarray, "n"]
 ) -> tuple[Bool[np.ndarray, "n n"], Bool[np.ndarray, "n n"]]:
-    """Return two masks of pairs of frames: pairs that show one place, and pairs that show different places.
+    """Return two masks of pairs of frames: pairs that show the same place, and pairs that show different places.
 
-    Two frames show one place if house and room label are the same, and the poses differ by at most `PLACE_M` and
+    Two frames show the same place if house and room label are the same, and the poses differ by at most `PLACE_M` and
     `PLACE_RAD`. They show different places if the houses differ, or the poses differ by more than 1.5 times `PLACE_M` or
     `PLACE_RAD`. All other pairs, such as close frames on both sides of a doorway, are in neither mask.
 
@@ -54,10 +54,11 @@ def place_loss(
     apart: Bool[Tensor, "b b"],
     temperature: float = _TEMPERATURE,
 ) -> Tensor:
-    """Return a supervised contrastive loss (Khosla 2020). It is low if frames of one place are the most similar ones.
+    """Return a supervised contrastive loss (Khosla 2020), which is low if frames of the same place are most similar.
 
-    Each pair of frames of one place is compared with all frames of other places; at a low `temperature`, mostly with the
-    most similar of them. The loss is the mean over the frames that belong to such a pair; without any pair, it is 0.
+    Each pair of frames of the same place is compared with all frames of other places. At a low `temperature`, mostly the
+    most similar frames of other places count. The loss is the mean over the frames that show the same place as another
+    frame; it is 0 if there are no such frames.
     """
     similarities = cosines / temperature
     others = torch.logsumexp(similarities.masked_fill(~apart, -torch.inf), dim=1, keepdim=True)

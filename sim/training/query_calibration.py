@@ -34,7 +34,13 @@ def tuning_houses(count: int, seed: int) -> list[HouseDraw]:
 
 
 def write_calibration(encoder: TextEncoder, weights: Path, houses: int, seed: int) -> None:
-    """Fit a calibration to `houses` tuning houses and write it beside the weights, unless the file there is up to date."""
+    """Fit a calibration to `houses` tuning houses and write it beside the weights.
+
+    This is skipped if the file there already holds a calibration of the same encoder. A training with another seed or other
+    tuning houses makes other weights, whose temperature is fitted to these houses, and thus another encoder. A calibration
+    of the same encoder is therefore one of the same training, or one that `lexis-sim calibrate-queries` wrote there on
+    purpose.
+    """
     path = weights.with_suffix(".calibration.json")
     if path.exists() and load_calibration(path).fingerprint == encoder.fingerprint:
         return
@@ -60,11 +66,11 @@ def asked_in(
 def fit_calibration(encoder: TextEncoder, asked: Sequence[QuestionBatch]) -> Calibration:
     """Fit a calibration by logistic regression.
 
-    It predicts whether a room is a true answer from two numbers: the similarity of the room's images with the question, and
-    how familiar the words of the question are to the encoder.
+    The calibration predicts whether a room is a right answer from two numbers: the similarity of the room's images to the
+    question, and how familiar the words of the question are to the encoder.
 
-    Only the room that is most similar to each question is used, since it decides whether an answer is given. `measure` tells
-    how well the fit holds for all rooms. Raises `SimError` if `asked` is empty.
+    For each question, only the most similar room is used, because that room decides whether an answer is given. `measure`
+    shows how well the fit holds for all rooms. Raises `SimError` if `asked` is empty.
     """
     if not asked:
         raise SimError("no house to fit to; valid: at least one")
@@ -89,13 +95,14 @@ class CalibrationFigures:
     best_calibration_error: float
     """Expected calibration error of the probability of each question's best room, the one with the highest probability."""
     right: float
-    """Share, of the questions with an answer, for which the best room is right, or shows the thing very small."""
+    """Share of the questions with an answer for which the best room is right. A room whose images show the thing only very
+    small counts as right."""
     unknown_auc: float
-    """Area under the ROC curve for telling questions with and without an answer apart by the best room's probability."""
+    """Area under the ROC curve if the best room's probability decides whether a question has an answer."""
     found: float
-    """Share, of the questions with an answer, for which an answer is given instead of "unknown"."""
+    """Share of the questions with an answer that are answered with a room instead of "unknown"."""
     unknown: float
-    """Share, of the questions without an answer, for which "unknown" is given."""
+    """Share of the questions without an answer that are answered with "unknown"."""
 
 
 def measure(calibration: Calibration, encoder: TextEncoder, houses: Iterable[QuestionBatch]) -> CalibrationFigures:
@@ -122,7 +129,10 @@ def measure(calibration: Calibration, encoder: TextEncoder, houses: Iterable[Que
 
 
 def _best_rooms(asked: QuestionBatch, encoder: TextEncoder) -> Float64[np.ndarray, "n 3"]:
-    """Return similarity, familiarity and truth of the most similar room of each question; doubtful ones are left out."""
+    """Return similarity, familiarity and truth of the most similar room of each question.
+
+    Questions for which the truth of this room is `DOUBTFUL` are left out.
+    """
     known = familiarity(asked.embeddings, ROOM_LABELS, encoder)
     rows = np.stack([asked.similarities.max(axis=0), known, _of(asked.similarities.argmax(axis=0), asked.truth)], axis=1)
     return np.asarray(rows[rows[:, 2] != DOUBTFUL])

@@ -38,7 +38,7 @@ _SPACING_M, _MOST = 1.0, 150
 _SEEN = 0.01
 """A room is a right answer about a thing if the thing fills at least this share of some image of the room."""
 _ASKED = 12
-"""Number of questions per topic that have an answer in the house, and of questions that have none."""
+"""Number of questions per topic with an answer in the house, and also number of questions per topic without an answer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,7 @@ class RoomViews:
 
     @property
     def shown(self) -> Float32[np.ndarray, "rooms things"]:
-        """Largest share of an image of each room that each of `THINGS` fills."""
+        """For each room and each of `THINGS`, the largest share that the thing fills of an image of the room."""
         return np.array([self.shares[self.room == room].max(axis=0) for room in range(len(self.labels))])
 
 
@@ -118,9 +118,9 @@ def ask(
 def _drawn(
     topic: str, views: RoomViews, rng: np.random.Generator, held_out: bool
 ) -> Iterator[tuple[str, str, Int[np.ndarray, "rooms"]]]:
-    """Draw as many questions with an answer as without one, and yield topic, text and truth by room of each.
+    """Draw questions of a topic, half of them without an answer in the house; yield topic, text, and truth for each room.
 
-    Nothing is yielded if the house allows only one of these kinds of questions.
+    Nothing is yielded if all possible questions have an answer, or none has.
     """
     truths = {key: _truth(topic, key, views) for key in _words(topic, held_out)}
     answered = [key for key, truth in truths.items() if (truth == YES).any()]

@@ -42,7 +42,7 @@ class SentenceEncoder(Protocol):
 
 
 class Teacher:
-    """MiniLM, a sentence encoder. It embeds sentences as unit vectors of 384 dimensions; paraphrases get similar ones."""
+    """MiniLM, a sentence encoder. It embeds sentences as unit vectors of 384 dimensions; paraphrases get similar vectors."""
 
     def __init__(self, folder: Path) -> None:
         """Load `model.safetensors` and `vocab.txt` from `folder`. Raises `SimError` if one of them is missing."""

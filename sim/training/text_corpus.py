@@ -37,13 +37,14 @@ _HEADS = (
     "stand", "board", "machine", "rack", "box", "floor", "door", "lamp", "bed", "bench", "yard", "way",
     "ette", "er", "ing", "ery", "s",
 )  # fmt: skip
-"""Words and suffixes that many names of rooms and things end in."""
+"""Words and suffixes at the end of many names of rooms and things."""
 _SCENES = (
     "{0} with {1}", "{0} with {1} and {2}", "{1} in {0}", "{1} and {2}", "a room with {1} and {2}", "{0} with {1} in it",
 )  # fmt: skip
 """Sentence frames with a room {0} and two things {1} and {2}."""
 _BARE_SHARE, _HEAD_SHARE = 0.4, 0.3
-"""Share of compositions without a sentence frame, and share of compositions whose second word is one of `_HEADS`."""
+"""Share of all random texts (see `compositions`) that are not put into a sentence frame (a template), and share of all
+random texts whose second word is replaced by one of `_HEADS`."""
 _NEAR_SHARE = 0.7
 """Share of the random words that are drawn from words related to houses (`near_words`), not from all words."""
 
@@ -71,10 +72,10 @@ def captions() -> tuple[str, ...]:
 def near_words(
     words: Sequence[str], vectors: Float32[np.ndarray, "words d"], anchors: Float32[np.ndarray, "anchors d"], count: int
 ) -> tuple[str, ...]:
-    """Return the `count` words that are most similar to any anchor, then twice all words of captions.
+    """Return words that are related to houses: the `count` words most similar to any anchor, then all words of captions.
 
-    `vectors` are the teacher's embeddings of the words; `anchors` are embeddings by the teacher, too. The teacher thereby
-    decides which words are related to houses.
+    The words of captions are listed twice, so that they are drawn more often. `vectors` are the teacher's embeddings of the
+    words, and `anchors` are embeddings by the teacher of captions of rooms.
     """
     order = np.argsort(-(vectors @ anchors.T).max(axis=1), kind="stable")
     tables = (ROOM_NAMES, ROOM_ACTIVITIES, ROOM_THINGS, OBJECT_NAMES)

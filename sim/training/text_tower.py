@@ -47,8 +47,8 @@ class DistilConfig:
     compositions: int = 250_000
     scenes: int = 15_000
     near: int = 2_500
-    """Number of words from which most words of the random compositions are drawn. They are the words that are most similar
-    to captions of rooms, according to the teacher."""
+    """Number of words of the vocabulary that count as related to houses, because they are most similar to captions of rooms
+    according to the teacher. Most words of the random compositions are drawn from these words and the words of captions."""
     epochs: int = 3
     batch: int = 512
     learning_rate: float = 2e-3
@@ -162,12 +162,13 @@ def load_text_tower(path: Path) -> TextTransformer:
 
 
 def _begin_with_words(tower: TextTransformer, lesson: Lesson) -> None:
-    """Initialise the token embedding of every word with the first entries of the word's target.
+    """Initialise the token embedding of every word with the first entries of the word's target embedding.
 
-    Training then starts from a bag-of-words model, instead of from noise.
+    The target embedding is the embedding that the text tower has to learn for the word. Training then starts from a
+    bag-of-words model, instead of from noise.
     """
     width = tower.token_embedding.embedding_dim
-    single = lesson.words[((lesson.tokens[lesson.words] != 0).sum(dim=1) == 3).numpy()]  # start, the word, end
+    single = lesson.words[((lesson.tokens[lesson.words] != 0).sum(dim=1) == 3).numpy()]  # tokens: start, word, end
     targets = lesson.targets[single][:, :width]
     kept = targets.shape[1]
     with torch.no_grad():
@@ -177,7 +178,7 @@ def _begin_with_words(tower: TextTransformer, lesson: Lesson) -> None:
 
 
 def _whole_word_of() -> Int[Tensor, "vocabulary"]:
-    """Map the token of each word piece ("bath" in "bathtub") to the token of the same word ("bath"), or else to itself."""
+    """Map the token of each word piece ("bath" in "bathtub") to the token of the whole word ("bath"), or else to itself."""
     index = open_clip.tokenizer.SimpleTokenizer().encoder
     return torch.tensor([index.get(token + "</w>", own) for token, own in index.items()])
 
@@ -196,9 +197,9 @@ def _centres(rows: Float32[np.ndarray, "n d"], groups: Int[np.ndarray, "n"]) -> 
 
 
 def _groups(tower: nn.Module, weight_decay: float) -> list[dict[str, object]]:
-    """Return the optimiser's parameter groups: matrices have weight decay, biases and norms have none.
+    """Return the optimiser's parameter groups: matrices have weight decay; biases, norms and embeddings have none.
 
-    Token embeddings have none, too, since most tokens occur rarely, and their embeddings would decay in between.
+    Most tokens occur rarely, and with weight decay their embeddings would shrink between two occurrences.
     """
     named = list(tower.named_parameters())
     decayed = [p for name, p in named if p.ndim > 1 and "embedding" not in name]

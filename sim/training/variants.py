@@ -19,8 +19,8 @@ _TRIES = 64
 def repainted(house: House, held_out: bool) -> House:
     """Return the house with repainted furniture.
 
-    If `held_out`, each piece shows a held-out colour, where its kind has one. Otherwise, no piece shows a held-out colour.
-    Pieces for which no such look is found, such as a shelf of many bright things, are then left out. The result is
+    If `held_out`, each piece shows a held-out colour, unless no such look is found. Otherwise, no piece shows a held-out
+    colour; pieces for which no such look is found, such as a shelf of many bright things, are left out. The result is
     deterministic.
     """
     pieces = (_with(piece, held_out) for piece in house.furniture)

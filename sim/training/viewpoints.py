@@ -19,7 +19,8 @@ _YAW, _PITCH, _ROLL, _HEIGHT = 0.35, 0.05, 0.02, 0.06
 _ALL_ROUND_SHARE = 0.15
 """Share of pairs of views whose yaw is drawn uniformly from all directions, instead of around the path's direction."""
 _SECOND_M, _SECOND_YAW = (0.1, 0.9), 0.2
-"""Range of the distance between the frames of a pair along the path [m], and the deviation of the second one's yaw [rad]."""
+"""Range of the distance between the two frames of a pair along the path [m], and standard deviation of the difference of
+their yaws relative to the path [rad]."""
 
 
 @dataclass(frozen=True)
@@ -42,14 +43,17 @@ LEXIS_VIEWS = ViewpointConfig(size=(480, 360))
 
 
 def evenly_along(positions: Float64[np.ndarray, "n 3"], spacing_m: float, most: int) -> Int[np.ndarray, "k"]:
-    """Return indices of points `spacing_m` apart along a path, or farther apart if these would exceed `most` points."""
+    """Return indices of points `spacing_m` apart along a path, or farther apart, so that there are at most `most` points."""
     path = _path_m(positions)
     spacing_m = max(spacing_m, path[-1] / most)
     return np.unique(np.searchsorted(path, np.arange(0.0, path[-1], spacing_m)))
 
 
 def poses_along_tour(house: House, views: ViewpointConfig, rng: np.random.Generator) -> Float64[np.ndarray, "n 4 4"]:
-    """Return poses `T_W_B` along a tour, in consecutive pairs of nearby, similar views; none if no tour is found."""
+    """Return poses `T_W_B` along a tour. Poses 2k and 2k + 1 are a pair of nearby, similar views.
+
+    There are no poses if no tour is found.
+    """
     try:
         tour = plan_tour(house, Walkable(house), rng, TourConfig())
     except SimError:

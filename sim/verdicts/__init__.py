@@ -1,4 +1,4 @@
-"""Verdicts about a SLAM on many houses, with their confidence: it does well often enough, or it became worse.
+"""Verdicts about a SLAM on many houses, with their confidence: it is good in enough houses, or it has become worse.
 
     from sim import assert_rate, check
 
@@ -11,7 +11,7 @@ same scenarios, figure by figure. `stored_results` reads and writes the results 
 
 Glossary:
 
-- verdict: the answer of a statistical test, with the data it rests on. It may be that the data do not suffice.
+- verdict: the answer of a statistical test, with the data behind it. Without enough data, the answer is "undecided".
 - confidence: 1 minus the largest probability that a definite answer is wrong.
 """
 

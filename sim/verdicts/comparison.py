@@ -3,10 +3,12 @@
 Each scenario gives a pair of results, so that differences between houses cancel. Scenarios with one seed, such as a house
 with several values of openness, count as one, because they are not independent. No distribution of the differences is
 assumed: a figure is compared by the exact sign test, a claim by McNemar's exact test. Both count the scenarios in which one
-SLAM does better, and ask whether these counts are as unequal as a fair coin hardly makes them. Several figures are compared
-at once, so p-values are corrected by Holm's method: the stated confidence is that of all verdicts together.
+SLAM does better. If the SLAMs were equal, each of these scenarios would be like the toss of a fair coin; the p-value is the
+probability that as many tosses give counts at least as unequal. Several figures are compared at once, so p-values are
+corrected by Holm's method: the stated confidence holds for all verdicts together.
 """
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,14 +28,14 @@ from sim.harness.slam_under_test import SlamUnderTest
 
 Change = Literal["worse", "better", "not shown to differ"]
 COMPLETED = "the run completed"
-"""Name of the comparison of the scenarios for which only one of the SLAMs has a result."""
+"""Name of the comparison of completed runs: does one of the SLAMs have results for more scenarios?"""
 
 
 class Rule(NamedTuple):
     """How two values of a figure are compared."""
 
     sign: int
-    """1 if a larger figure is better, -1 if a smaller one is."""
+    """1 if a larger figure is better, -1 if a smaller figure is better."""
     tie: float
     """Differences up to this size do not matter and count as ties."""
 
@@ -57,14 +59,16 @@ _Pair = tuple[RunResult, RunResult]
 
 @dataclass(frozen=True, eq=False)
 class FigureChange:
-    """How a figure differs between SLAM a and SLAM b, over independent scenarios."""
+    """How a figure differs between SLAM a and SLAM b, over independent scenarios; scenarios with one seed count as one."""
 
     name: str
     rule: Rule
     a: Float64[np.ndarray, "n"]
-    """The figure of SLAM a in each scenario; NaN if its run cannot have the figure."""
+    """The figure of SLAM a in each independent scenario, as a mean if several scenarios have one seed; NaN without the
+    figure."""
     b: Float64[np.ndarray, "n"]
-    """The figure of SLAM b in each scenario; NaN if its run cannot have the figure."""
+    """The figure of SLAM b in each independent scenario, as a mean if several scenarios have one seed; NaN without the
+    figure."""
 
     @property
     def better(self) -> int:
@@ -90,7 +94,10 @@ class FigureChange:
         return np.sort(self.b[both] - self.a[both])
 
     def interval(self, confidence: float) -> tuple[float, float] | None:
-        """Confidence interval of the median change, which inverts the sign test; None if there are too few scenarios."""
+        """Return the confidence interval of the median change, found by inverting the sign test.
+
+        The result is None if there are too few scenarios.
+        """
         changes = self.changes
         rank = int(binom.ppf((1.0 - confidence) / 2.0, len(changes), 0.5)) if len(changes) else 0
         if rank < 1:
@@ -100,22 +107,22 @@ class FigureChange:
 
 @dataclass(frozen=True)
 class ClaimChange:
-    """In how many independent scenarios a claim holds more often for SLAM a, or more often for SLAM b."""
+    """Numbers of independent scenarios in which a claim holds more often for SLAM a, or more often for SLAM b."""
 
     name: str
     only_a: int
     only_b: int
     others: int
-    """Number of scenarios in which the claim holds as often for either SLAM."""
+    """Number of scenarios in which the claim holds equally often for both SLAMs."""
 
     @property
     def better(self) -> int:
-        """Number of scenarios in which the claim holds for SLAM b rather than for SLAM a."""
+        """Number of scenarios in which the claim holds more often for SLAM b than for SLAM a."""
         return self.only_b
 
     @property
     def worse(self) -> int:
-        """Number of scenarios in which the claim holds for SLAM a rather than for SLAM b."""
+        """Number of scenarios in which the claim holds more often for SLAM a than for SLAM b."""
         return self.only_a
 
     @property
@@ -126,14 +133,14 @@ class ClaimChange:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """All changes from SLAM a to SLAM b. The confidence is that of all verdicts together."""
+    """All changes from SLAM a to SLAM b. The confidence holds for all verdicts together."""
 
     names: tuple[str, str]
     """Names of the classes of both SLAMs."""
     scenarios: int
     """Number of scenarios for which both SLAMs have a result."""
     houses: int
-    """Number of independent scenarios among them."""
+    """Number of independent scenarios among `scenarios`: scenarios with the same seed count as one."""
     figures: tuple[FigureChange, ...]
     claims: tuple[ClaimChange, ...]
     confidence: float
@@ -143,7 +150,7 @@ class Comparison:
         """Whether each figure and each claim, by name, is worse or better for SLAM b.
 
         By Holm's method, the smallest of k p-values may be at most (1 - confidence) / k, the next (1 - confidence) / (k - 1)
-        and so on, until one is too large.
+        and so on. The first p-value that is larger than its limit, and all p-values after it, show no difference.
         """
         every: list[FigureChange | ClaimChange] = [*self.figures, *self.claims]
         changes = sorted(every, key=lambda change: change.p_value)
@@ -216,7 +223,8 @@ def compare_results(
 ) -> Comparison:
     """Compare results of SLAM a with results of SLAM b; results of one scenario form a pair.
 
-    A scenario for which only one of the SLAMs has a result counts under "the run completed".
+    A scenario for which only one of the SLAMs has a result counts under "the run completed". There, too, scenarios with one
+    seed count as one: the SLAM that has results for more of these scenarios does better.
 
     Args:
         a: results of the SLAM to compare with, at most one for each scenario.
@@ -241,13 +249,12 @@ def compare_results(
         groups.setdefault(first[scenario].seed, []).append((first[scenario], second[scenario]))
     houses = list(groups.values())
     changes = (_figure_change(name, rule, houses) for name, rule in figures.items())
-    completed = ClaimChange(COMPLETED, len(first) - len(common), len(second) - len(common), len(common))
     return Comparison(
         (a[0].slam, b[0].slam),
         len(common),
         len(houses),
         tuple(change for change in changes if not np.isnan([*change.a, *change.b]).all()),
-        (completed, *(_claim_change(claim, houses) for claim in wanted)),
+        (_completed_change(a, b), *(_claim_change(claim, houses) for claim in wanted)),
         confidence,
     )
 
@@ -272,9 +279,21 @@ def _figure_change(name: str, rule: Rule, houses: Sequence[Sequence[_Pair]]) -> 
 
 
 def _claim_change(claim: Claim, houses: Sequence[Sequence[_Pair]]) -> ClaimChange:
-    counts = [[sum(claim.outcome(pair[side]) == "holds" for pair in house) for side in (0, 1)] for house in houses]
+    held = ([[claim.outcome(result) == "holds" for result in pair] for pair in house] for house in houses)
+    counts = [(sum(a for a, _ in house), sum(b for _, b in house)) for house in held]
+    return _counted(str(claim), counts)
+
+
+def _completed_change(a: Sequence[RunResult], b: Sequence[RunResult]) -> ClaimChange:
+    """Compare how many scenarios of each seed have a result."""
+    done_a, done_b = (Counter(result.seed for result in side) for side in (a, b))
+    return _counted(COMPLETED, [(done_a[seed], done_b[seed]) for seed in done_a.keys() | done_b.keys()])
+
+
+def _counted(name: str, counts: Sequence[tuple[int, int]]) -> ClaimChange:
+    """Return the change of a claim from the numbers of scenarios in which it holds for SLAM a and SLAM b, for each seed."""
     only_a, only_b = sum(a > b for a, b in counts), sum(b > a for a, b in counts)
-    return ClaimChange(str(claim), only_a, only_b, len(houses) - only_a - only_b)
+    return ClaimChange(name, only_a, only_b, len(counts) - only_a - only_b)
 
 
 def _by_scenario(results: Sequence[RunResult]) -> dict[str, RunResult]:
@@ -291,5 +310,5 @@ def _mean(values: Float64[np.ndarray, "n"]) -> str:
 
 
 def _coin(first: int, second: int) -> float:
-    """Two-sided p-value of counts as unequal as these, if both sides are equally likely."""
+    """Return the two-sided p-value of counts as unequal as these, if both sides are equally likely."""
     return float(binomtest(first, first + second).pvalue) if first + second else 1.0

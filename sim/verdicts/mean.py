@@ -1,9 +1,9 @@
 """`assert_mean`: a test of whether a claim holds on average over houses.
 
 A rate says in how many houses a claim holds, and therefore little about a SLAM that is slightly worse in every house. A mean
-shows small differences much sooner. The test is Student's t test with one side ("Student", "The probable error of a mean",
-Biometrika 6, 1908). It is valid if the number of houses was chosen beforehand: unlike a rate, a mean must not be judged
-after every house.
+shows small differences much sooner. The test is the one-sided t test ("Student", "The probable error of a mean", Biometrika
+6, 1908). It is valid if the number of houses was chosen beforehand: unlike a rate, a mean must not be judged after every
+house.
 """
 
 import math
@@ -24,12 +24,12 @@ _FEWEST = 8
 
 @dataclass(frozen=True)
 class MeanVerdict:
-    """What some houses say about the mean of a claim's margin. Raises `SimError` for values out of their ranges."""
+    """What the results in some houses show about the mean margin of a claim. Raises `SimError` for values out of range."""
 
     confidence: float
     """1 minus the largest probability of a wrong answer, in (0.5, 1)."""
     margins: tuple[float, ...]
-    """By how much the claim is fulfilled in each house; negative where it is violated. See `Claim.margin`."""
+    """By how much each house fulfils the claim; negative where the claim is violated. See `Claim.margin`."""
 
     def __post_init__(self) -> None:
         if not 0.5 < self.confidence < 1.0:
@@ -39,7 +39,7 @@ class MeanVerdict:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Lower and upper confidence bound of the mean margin; each is wrong with a probability of 1 - `confidence`."""
+        """Lower and upper confidence bound of the mean margin; each is wrong with probability 1 - `confidence`."""
         if len(self.margins) < _FEWEST:
             return -math.inf, math.inf
         half = student.ppf(self.confidence, len(self.margins) - 1) * np.std(self.margins, ddof=1) / len(self.margins) ** 0.5
@@ -70,7 +70,7 @@ def assert_mean(results: Iterable[RunResult], claim: Claim | str, confidence: fl
         confidence: 1 minus the largest probability that the assertion fails although the claim holds on average.
 
     Raises:
-        AssertionError: the mean violates the claim.
+        AssertionError: the mean violates the claim, with this confidence.
         SimError: an argument is not valid.
     """
     wanted = Claim.parse(claim) if isinstance(claim, str) else claim

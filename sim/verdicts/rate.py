@@ -23,19 +23,20 @@ from sim.harness.results import RunResult
 
 RateOutcome = Literal["holds", "fails", "undecided"]
 _LOWEST = 1e-9
-"""Smallest rate, and smallest distance of a rate from 1, among which confidence bounds are searched."""
+"""Confidence bounds are searched among the rates from this rate to 1 minus this rate."""
 _PRIOR = 0.5
-"""Both parameters of the beta distribution over rates by which the alternatives are weighted (Jeffreys' prior)."""
+"""Both parameters of the beta distribution that weights the alternative rates (Jeffreys' prior)."""
 
 
 @dataclass(frozen=True)
 class RateVerdict:
-    """What some houses say about the rate at which a claim holds. Raises `SimError` for values out of their ranges."""
+    """What the results in some houses show about the rate of a claim. Raises `SimError` for values out of range."""
 
     p: float
     """Wanted rate, in (0, 1)."""
     confidence: float
-    """1 minus the largest probability of a wrong answer, whatever the true rate is and whenever one looks; in (0.5, 1)."""
+    """1 minus the largest probability of a wrong answer, in (0.5, 1). The bound holds for any true rate, and even if the
+    answer is read after every house."""
     held: int
     """Number of houses in which the claim holds."""
     houses: int
@@ -58,9 +59,10 @@ class RateVerdict:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Lower and upper confidence bound of the rate: the wanted rates below the first hold, those above the second fail.
+        """Lower and upper confidence bound of the rate.
 
-        Each bound is wrong after any number of houses with a probability of at most 1 - `confidence`.
+        The test holds for wanted rates below the lower bound, and fails for wanted rates above the upper bound. Each bound
+        is wrong after any number of houses with a probability of at most 1 - `confidence`.
         """
         enough = -math.log1p(-self.confidence)
 
@@ -79,7 +81,7 @@ class RateVerdict:
 
 
 def _log_evidence(p: float, held: int, failed: int) -> tuple[float, float]:
-    """Logarithms of the evidence for a rate above `p`, and for a rate below `p`."""
+    """Return the logarithms of the evidence for a rate above `p`, and for a rate below `p`."""
     a, b = held + _PRIOR, failed + _PRIOR
     whole = betaln(a, b) - betaln(_PRIOR, _PRIOR) - xlogy(held, p) - xlog1py(failed, -p)
     with np.errstate(divide="ignore"):  # data that exclude a side give it the evidence 0, whose logarithm is -inf
@@ -95,19 +97,19 @@ def assert_rate(
     confidence: float = 0.95,
     undecided: Literal["fail", "pass", "skip"] = "fail",
 ) -> RateVerdict:
-    """Assert that a claim holds in at least a share `p` of houses, and stop to read results as soon as the answer is known.
+    """Assert that a claim holds in at least a share `p` of houses; results are read only until the answer is known.
 
-    A result without the figure counts as one for which the claim fails, since the run did not show it.
+    A result without the figure counts as a failure of the claim, because the run did not show that the claim holds.
 
     Args:
         results: results of independent scenarios. A generator that runs one house at a time runs no more than needed.
         claim: a claim such as "rooms.pq >= 0.6".
         p: wanted rate, in (0, 1).
         confidence: 1 minus the largest probability of a wrong answer, in (0.5, 1).
-        undecided: what happens if the results do not suffice: the test fails, passes or is skipped.
+        undecided: what happens if the results do not suffice for an answer: the test fails, passes or is skipped.
 
     Raises:
-        AssertionError: the rate is below `p`, or it is undecided and `undecided` is "fail".
+        AssertionError: the rate is below `p`, or the answer is undecided and `undecided` is "fail".
         SimError: an argument is not valid.
     """
     if undecided not in ("fail", "pass", "skip"):

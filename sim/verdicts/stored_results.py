@@ -1,4 +1,4 @@
-"""Results of many runs in one JSON file, or in the folders of runs: what `lexis-sim compare` reads."""
+"""Results of many runs: writes them to one JSON file, and reads them from such a file or from the folders of the runs."""
 
 import json
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ def save_results(results: Sequence[RunResult], path: Path) -> None:
 
 
 def results_data(results: Sequence[RunResult]) -> dict[str, Any]:
-    """Return the contents of a file of results, as `save_results` writes them; a file may hold more entries beside them."""
+    """Return the contents of a file of results, as `save_results` writes them. A file may have further entries."""
     return {"format": FORMAT, "results": [result.data() for result in results]}
 
 

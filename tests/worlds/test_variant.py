@@ -12,6 +12,7 @@ from worlds.floor_plans.symmetry import Symmetry, in_place
 from worlds.house import build_house
 from worlds.labels import STAIRS
 from worlds.presets import sample_house
+from worlds.spec import MAX_STOREYS, HouseSpec
 from worlds.truth import ambiguity_at, openness, room_at
 from worlds.validation import validate
 from worlds.variant import explicit, variant
@@ -140,10 +141,26 @@ def test_a_storey_more_leaves_those_below_as_they_are(preset):
     validate(build_house(variant(taller, add_storey=True, mirror=True)))
 
 
+@pytest.mark.parametrize("ending", ["", " 1.9", " 0.1", " 1." + 60 * "9", " " + 40 * "9" + ".1"])
+def test_a_storey_more_has_valid_room_ids_however_long_the_old_ids_are(ending):
+    spec = sample_house("home", 6)
+    room = next(room for room in spec.storeys[-1].rooms if room.label != STAIRS)
+    name = "r" * (64 - len(ending)) + ending
+    longer = HouseSpec.model_validate_json(spec.model_dump_json(by_alias=True).replace(f'"{room.id}"', f'"{name}"'))
+    for _ in range(4):
+        longer = variant(longer, add_storey=True)
+    assert len({room.id for storey in longer.storeys for room in storey.rooms}) == sum(len(s.rooms) for s in longer.storeys)
+
+
 def test_what_cannot_be_varied_is_refused():
     spec = sample_house("uh2-office", 1)
     with pytest.raises(WorldsError, match="valid: houses of two storeys or more"):
         variant(spec, add_storey=True)
+    tall = sample_house("home", 6)
+    while len(tall.storeys) < MAX_STOREYS:
+        tall = variant(tall, add_storey=True)
+    with pytest.raises(WorldsError, match="the house has 8 storeys"):
+        variant(tall, add_storey=True)
     for change in ({"clutter": -1.0}, {"repaint": -1}, {"openness": 2.0}):
         with pytest.raises(WorldsError, match="valid: 0 "):
             variant(spec, **change)

@@ -1,7 +1,7 @@
 """Rooms that cannot be reached on foot, and the furniture that blocks the path to them.
 
-Each blocking piece is named in a message of its own, with the opening beside which it stands, so that the user knows what to
-move.
+Each blocking piece has a message of its own. The message also names the opening beside which the piece stands, so that the
+user knows what to move.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -49,11 +49,12 @@ def reachability_problems(house: House, grid: PlanGrid, radius_m: float) -> Iter
 
 
 def _barriers(house: House, solid: Sequence[Furniture], frees: Callable[[Sequence[Furniture]], bool]) -> list[Furniture]:
-    """A smallest set of pieces whose removal makes all rooms reachable: none of them can be left in place.
+    """Return a minimal set of pieces whose removal makes rooms reachable: no piece of this set can be left in place.
 
-    `frees` says whether all rooms are reachable with only the given pieces in the house. That test is expensive, so the
-    search begins with the pieces beside openings, if removing these is enough. It then tries to put pieces back: half of
-    them at a time, then quarters and so on, because few of many pieces are barriers.
+    `frees` tells whether, with only the given pieces in the house, all rooms are reachable that are reachable in the empty
+    house. This test is expensive, so the search begins with the pieces beside openings, if their removal is enough, and else
+    with all pieces. The search then puts pieces back: first all at once, then half of the pieces at a time, then a quarter,
+    and so on. This needs few tests, because most pieces are no barriers.
     """
     openings = shapely.union_all([line for _, _, line in _openings(house)])
     suspects = [piece for piece in solid if shapely.distance(_footprint(piece), openings) <= _BESIDE_M]
@@ -71,7 +72,7 @@ def _barriers(house: House, solid: Sequence[Furniture], frees: Callable[[Sequenc
 
 
 def _blocked(house: House, piece: Furniture) -> str:
-    """The part of a message that says what a piece blocks: the opening beside it, or the path."""
+    """Return the part of a message that says what a piece blocks: the opening beside the piece, or else "the path"."""
     beside = [
         (shapely.distance(_footprint(piece), line), name)
         for storey, name, line in _openings(house)
@@ -82,7 +83,7 @@ def _blocked(house: House, piece: Furniture) -> str:
 
 
 def _openings(house: House) -> Iterator[tuple[int, str, LineString]]:
-    """Storey, name and line in the plan of every opening that one can walk through."""
+    """Yield the storey, the name and the line in the plan of every opening that one can walk through."""
     for level, storey in enumerate(house.spec.storeys):
         for i, opening in enumerate(storey.openings):
             if opening.kind in PASSABLE:

@@ -1,7 +1,8 @@
 """Collisions between upright boxes, and between boxes and convex outlines, for all pairs at once.
 
 The test uses the separating axis theorem in the plan: two convex shapes are apart if and only if their projections on the
-normal of one of their sides are apart. Heights are compared separately. A spatial index first excludes pairs far apart.
+normal of one of their sides are apart. Heights are compared separately. Before the test, a spatial index excludes pairs that
+are far apart.
 """
 
 import numpy as np
@@ -15,7 +16,7 @@ Pairs = Int[np.ndarray, "k 2"]
 
 
 def overlaps(a: Obstacles, b: Obstacles, tolerance_m: float) -> Pairs:
-    """Pairs (index in `a`, index in `b`) of boxes that overlap by more than `tolerance_m` in every direction [m].
+    """Return pairs (index in `a`, index in `b`) of boxes that overlap by more than `tolerance_m` [m] in every direction.
 
     The result is exact for boxes with any yaw. A box without thickness counts as a line, which overlaps a box if it reaches
     more than `tolerance_m` into the box.
@@ -34,10 +35,10 @@ def overlaps(a: Obstacles, b: Obstacles, tolerance_m: float) -> Pairs:
 def outlines_over(
     outlines: Float64[np.ndarray, "m v 2"], spans: Float64[np.ndarray, "m 2"], boxes: Obstacles, tolerance_m: float
 ) -> Pairs:
-    """Pairs (index of an outline, index of a box) that overlap by more than `tolerance_m` in every direction [m].
+    """Return pairs (index of a body, index of a box) that overlap by more than `tolerance_m` [m] in every direction.
 
-    Each outline has the corners of a convex polygon in the plan, clockwise or anticlockwise; `spans` are the heights of the
-    bottom and the top of the bodies that stand on these polygons [m].
+    The bodies are upright prisms. `outlines` has the corners of each body's base, a convex polygon in the plan, clockwise or
+    counter-clockwise; `spans` has the heights of each body's bottom and top [m].
     """
     i, j = _near(outlines, corners := _corners(boxes), tolerance_m).T
     meet = _at_one_height(spans[i], boxes.span[j], tolerance_m)
@@ -53,7 +54,7 @@ def outlines_over(
 
 
 def _near(a: Float64[np.ndarray, "n v 2"], b: Float64[np.ndarray, "m w 2"], tolerance_m: float) -> Pairs:
-    """Pairs of polygons whose bounding rectangles overlap."""
+    """Return pairs of polygons whose bounding rectangles overlap by more than `tolerance_m` [m]."""
     half = tolerance_m / 2
     rectangles = [shapely.box(*(c.min(axis=1) + half).T, *(c.max(axis=1) - half).T) for c in (a, b)]
     pairs = shapely.STRtree(rectangles[1]).query(rectangles[0])
@@ -63,12 +64,12 @@ def _near(a: Float64[np.ndarray, "n v 2"], b: Float64[np.ndarray, "m w 2"], tole
 def _at_one_height(
     a: Float64[np.ndarray, "k 2"], b: Float64[np.ndarray, "k 2"], tolerance_m: float
 ) -> Bool[np.ndarray, "k"]:
-    """Whether two height ranges overlap by more than the tolerance."""
+    """Return, for each pair of height ranges, whether these overlap by more than `tolerance_m` [m]."""
     return np.asarray(np.minimum(a[:, 1], b[:, 1]) - np.maximum(a[:, 0], b[:, 0]) > tolerance_m)
 
 
 def _axes(boxes: Obstacles) -> Float64[np.ndarray, "n 2 2"]:
-    """Unit vectors of every box along its width and its depth."""
+    """Return two unit vectors for every box, along its width and along its depth."""
     cos, sin = np.cos(boxes.yaw), np.sin(boxes.yaw)
     return np.stack([cos, sin, -sin, cos], axis=-1).reshape(-1, 2, 2)
 
@@ -81,5 +82,5 @@ def _corners(boxes: Obstacles) -> Float64[np.ndarray, "n 4 2"]:
 def _reach(
     directions: Float64[np.ndarray, "k 4 2"], axes: Float64[np.ndarray, "k 2 2"], size: Float64[np.ndarray, "k 2"]
 ) -> Float64[np.ndarray, "k 4"]:
-    """Extent of each box from its centre in the given directions [m]."""
+    """Return how far each box extends from its centre in each of the given directions [m]."""
     return np.asarray(np.einsum("kab,kb->ka", np.abs(np.einsum("kad,kbd->kab", directions, axes)), size / 2))

@@ -49,7 +49,7 @@ def furniture_problems(house: House, grid: PlanGrid) -> Iterator[str]:
 
 
 def boxes_of(rows: Sequence[tuple[float, ...]]) -> Obstacles:
-    """Upright boxes from rows of (x, y, height of the underside, width, depth, height, yaw) [m, rad]."""
+    """Return upright boxes, given as rows of (x, y, height of the underside, width, depth, height, yaw) [m, rad]."""
     table = np.array(rows, dtype=np.float64).reshape(-1, 7)
     return Obstacles(table[:, :2], table[:, 3:5], table[:, 6], np.stack([table[:, 2], table[:, 2] + table[:, 5]], axis=-1))
 
@@ -57,7 +57,7 @@ def boxes_of(rows: Sequence[tuple[float, ...]]) -> Obstacles:
 def _clashes(boxes: Obstacles) -> Iterator[tuple[int, int]]:
     """Yield each pair of boxes that overlap, as two ascending indices.
 
-    Only a few boxes are tested at a time, because many boxes in one place have more pairs than fit in memory.
+    Only a few boxes are tested at a time, because many boxes in one place form more pairs than fit in memory.
     """
     for first in range(0, len(boxes.yaw), _AT_ONCE):
         some = slice(first, first + _AT_ONCE)
@@ -79,7 +79,7 @@ def _out_of_storey(house: House) -> Iterator[str]:
 
 
 def _outside_their_room(house: House, grid: PlanGrid, boxes: Obstacles) -> set[int]:
-    """Indices of the pieces whose centre is not in their room, or that cross one of its sides."""
+    """Return the indices of the pieces whose centre is not in their room, or that cross a side of their room."""
     index = {room.id: k for k, room in enumerate(grid.rooms)}
     own = np.array([index[piece.room] for piece in house.furniture], int)
     level = np.array([piece.storey for piece in house.furniture], int)
@@ -90,7 +90,7 @@ def _outside_their_room(house: House, grid: PlanGrid, boxes: Obstacles) -> set[i
 
 
 def _sides(grid: PlanGrid) -> tuple[Obstacles, Int[np.ndarray, "n"]]:
-    """The sides of all rooms as boxes without thickness and of unlimited height, and the number of each side's room."""
+    """Return the sides of all rooms, as boxes of no thickness and unlimited height, and the number of each side's room."""
     rings = [np.array(room.polygon_m) for room in grid.rooms]
     start, end = np.concatenate(rings), np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
     span = np.broadcast_to([-math.inf, math.inf], (len(start), 2))
@@ -108,7 +108,10 @@ def _on_the_stairs(house: House, boxes: Obstacles) -> Iterator[str]:
 
 
 def _swings(house: House, boxes: Obstacles, hung: Obstacles, walls: Obstacles) -> Iterator[str]:
-    """Yield a message for each thing where a door leaf swings: furniture, another leaf, or a wall other than its own."""
+    """Yield a message for each thing that is in the way of a swinging door leaf.
+
+    The thing is a piece of furniture, another leaf, or a wall other than the wall in which the door is.
+    """
     leaves = house.leaves
     if not leaves:
         return
@@ -133,7 +136,7 @@ def _wall_row(wall: Wall) -> tuple[float, ...]:
 
 
 def piece_name(piece: Furniture) -> str:
-    """The id and kind of a piece, for messages."""
+    """Return the id and the kind of a piece of furniture, for messages."""
     return f"furniture {piece.id!r} ({piece.kind})"
 
 

@@ -16,14 +16,14 @@ MIN_HEIGHT_M = 1.9
 _TOLERANCE_M = 1e-3
 
 Span = tuple[int, float, float, float]
-"""A segment along x or y: its axis (0: x, 1: y), its coordinate on the other axis [m], and its lower and upper end along its
-own axis [m]."""
+"""A line segment along x or y: its axis (0: x, 1: y), its coordinate on the other axis [m], and the smaller and the larger
+coordinate of its ends on its own axis [m]."""
 
 
 def opening_problems(house: House) -> Iterator[str]:
     """Yield a message for every rule that an opening or window breaks.
 
-    The message names an opening by its place in the spec, and a window by its id.
+    Openings are named by their place in the spec, and windows by their id.
     """
     for level, storey in enumerate(house.spec.storeys):
         windows = [window for window in house.windows if window.storey == level]

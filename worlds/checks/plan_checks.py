@@ -38,8 +38,8 @@ def overlap_problems(grid: PlanGrid) -> Iterator[str]:
 def _narrow_gaps(grid: PlanGrid) -> Iterator[str]:
     """Yield a message for every pair of rooms with a gap between them that is narrower than `MIN_APART_M`.
 
-    For each row of cells, and then for each column, the nearest room before and after every empty cell is found; the
-    distance between the two is the width of the gap.
+    For every empty cell, the nearest rooms on both sides are found in the cell's row, and then in its column. The distance
+    between these two rooms is the width of the gap.
     """
     for level, owner in enumerate(grid.owner):
         for axis, (cells, along, across) in enumerate(((owner.T, grid.x, grid.y), (owner, grid.y, grid.x))):
@@ -64,7 +64,7 @@ def _narrow_gaps(grid: PlanGrid) -> Iterator[str]:
 
 
 def _unsupported(grid: PlanGrid) -> Iterator[str]:
-    """Yield a message for every upper indoor room with too little area above indoor rooms of the storey below."""
+    """Yield a message for every upper indoor room of which too little area lies above indoor rooms of the storey below."""
     indoor = np.array([*(room.label not in OUTDOOR_LABELS for room in grid.rooms), False])
     area, rooms = grid.area.ravel(), len(grid.rooms)
     for level in range(1, len(grid.owner)):

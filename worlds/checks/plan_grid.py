@@ -24,20 +24,20 @@ class PlanGrid:
     """
 
     x: Float64[np.ndarray, "columns"]
-    """The x coordinates of the lines between cells and around the grid, ascending [m]: one more than cells along x."""
+    """The x coordinates of all lines between cells, and of the two outer sides of the grid, ascending [m]."""
     y: Float64[np.ndarray, "rows"]
-    """The y coordinates of the lines between cells and around the grid, ascending [m]: one more than cells along y."""
+    """The y coordinates of all lines between cells, and of the two outer sides of the grid, ascending [m]."""
     rooms: tuple[RoomSpec, ...]
     level_of_room: tuple[int, ...]
     """Index of every room's storey."""
     owner: Int[np.ndarray, "storeys nx ny"]
-    """Number of the room that covers a cell: the last room if several do, `NO_ROOM` if none does."""
+    """Number of the room that covers each cell; `NO_ROOM` if there is none, and the last room's number if rooms overlap."""
     clashes: tuple[tuple[int, int, float], ...]
-    """Numbers of two overlapping rooms on one storey and the area that they share [m²], for each such pair."""
+    """For each pair of overlapping rooms on one storey: the numbers of both rooms, and the area of the overlap [m²]."""
 
     @staticmethod
     def of(spec: HouseSpec) -> "PlanGrid":
-        """Build the grid of a house. The house need not be valid."""
+        """Build the grid of a house. The house may be invalid."""
         rooms = [(level, room) for level, storey in enumerate(spec.storeys) for room in storey.rooms]
         corners = [np.round(room.polygon_m, _DECIMALS) for _, room in rooms]
         x, y = (np.unique(np.concatenate([c[:, k] for c in corners])) for k in (0, 1))
@@ -59,16 +59,19 @@ class PlanGrid:
         return np.outer(np.diff(self.x), np.diff(self.y))
 
     def owner_at(self, level: Int[np.ndarray, "n"], points: Float64[np.ndarray, "n 2"]) -> Int[np.ndarray, "n"]:
-        """Number of the room at each point (x, y) [m] on the point's storey, `level`; `NO_ROOM` outside of all rooms."""
+        """Return the number of the room at each point (x, y) [m] of a storey `level`; `NO_ROOM` outside of all rooms."""
         return np.asarray(self._padded[level, self._index(self.x, points[:, 0]), self._index(self.y, points[:, 1])])
 
     def lattice(self, x: Float64[np.ndarray, "n"], y: Float64[np.ndarray, "m"]) -> Int[np.ndarray, "storeys n m"]:
-        """Number of the room at each point (x[i], y[j]) [m], for every storey; `NO_ROOM` outside of all rooms."""
+        """Return the number of the room at each point (x[i], y[j]) [m] of every storey; `NO_ROOM` outside of all rooms."""
         return np.asarray(self._padded[:, self._index(self.x, x)[:, None], self._index(self.y, y)])
 
     @cached_property
     def _padded(self) -> Int[np.ndarray, "storeys nx ny"]:
-        """`owner` with a frame of cells without a room, for points outside of the grid."""
+        """Return `owner` (the room number of each cell) with a border one cell wide, for points outside of the grid.
+
+        Cells of the border belong to no room (`NO_ROOM`).
+        """
         return np.pad(self.owner, ((0, 0), (1, 1), (1, 1)), constant_values=NO_ROOM)
 
     @staticmethod
@@ -77,9 +80,10 @@ class PlanGrid:
 
 
 def _cells(i: Int[np.ndarray, "n"], j: Int[np.ndarray, "n"]) -> tuple[tuple[int, int], Bool[np.ndarray, "a b"]]:
-    """The cells of a rectilinear polygon's bounding rectangle: the indices of the first cell, and whether each is inside.
+    """Return which cells of the bounding rectangle of a rectilinear polygon are inside the polygon.
 
-    The corners of the polygon are grid points (i, j). A cell is inside if the polygon's winding number around it is not 0.
+    The result is the index pair of the rectangle's first cell, and a mask of its cells. The corners of the polygon are grid
+    points (i, j). A cell is inside if the polygon's winding number around it is not 0.
     """
     i0, j0 = int(i.min()), int(j.min())
     turns = np.zeros((int(i.max()) - i0, int(j.max()) - j0), np.int8)

@@ -16,17 +16,17 @@ joined to the end [m]."""
 
 
 def unreachable_rooms(house: House, grid: PlanGrid, radius_m: float, resolution_m: float = 0.1) -> tuple[str, ...]:
-    """Ids of the rooms that an upright cylindrical body of `radius_m` [m] cannot reach from the house's largest free part.
+    """Return the ids of the rooms that an upright cylindrical body cannot reach from the largest connected free area.
 
-    Doors count as opened: leaves are no obstacles. The result is all rooms but those in `Walkable.reachable_rooms`. It is
-    computed faster here, without a graph:
+    Doors count as open: their leaves are no obstacles. The result is all rooms except those in `Walkable.reachable_rooms`,
+    but it is computed faster here, without a graph:
 
-    1. On a grid of points, find those at which the body has space: inside a room, and far enough from obstacles and stairs
-       that also the step to a diagonal neighbour is free.
+    1. On a grid of points, find the points at which a body of `radius_m` [m] has space. They are inside a room, and so far
+       from obstacles and stairs that the step to a diagonal neighbour is free, too.
     2. Number the connected parts of these points on every storey.
     3. Renumber the parts, so that parts that are joined by stairs have the same number.
-    4. A room is reachable if the largest part has a point in it. The room of a staircase is reachable if the staircase leads
-       to or from the largest part.
+    4. A room is reachable if the part with most points has a point in the room. The room of a staircase is reachable if the
+       staircase leads to or from this part.
     """
     x, y = lattice(house, resolution_m)
     solids, wells = solid_obstacles(house, leaves=False), stair_wells(house)
@@ -47,7 +47,10 @@ def unreachable_rooms(house: House, grid: PlanGrid, radius_m: float, resolution_
 
 
 def _parts(free: Bool[np.ndarray, "storeys nx ny"]) -> Int[np.ndarray, "storeys nx ny"]:
-    """Number of each grid point's connected part, from 1; 0 for points that are not free. Diagonal neighbours connect."""
+    """Return the number, from 1, of the connected part of each grid point; 0 for points that are not free.
+
+    Diagonal neighbours count as connected. No part spans several storeys.
+    """
     parts, used = [], 0
     for storey in free:
         count, labels = cv2.connectedComponents(storey.astype(np.uint8), connectivity=8)
@@ -64,7 +67,11 @@ def _join(
     solids: Obstacles,
     radius_m: float,
 ) -> tuple[Int[np.ndarray, "storeys nx ny"], list[tuple[str, int]]]:
-    """The parts, renumbered so that those joined by stairs are equal; and the id of each staircase's room with its part."""
+    """Renumber the connected parts, so that parts that are joined by stairs have the same number.
+
+    Return the new number at each grid point, and pairs for the flights of stairs: id of the room of the stairs, and number
+    of the part that the flight joins.
+    """
     number = np.arange(parts.max(initial=0) + 1)
     flights = []
     for stairs in house.stairs:
@@ -85,7 +92,7 @@ def _near(
     solids: Obstacles,
     radius_m: float,
 ) -> set[int]:
-    """Numbers of the connected parts that a body can step into from the end of a walking line without a collision."""
+    """Return the numbers of the connected parts that a body can reach from the end of a walking line without a collision."""
     i, j = np.nonzero(np.add.outer((x - end[0]) ** 2, (y - end[1]) ** 2) <= STAIRS_LINK_M**2)
     i, j = i[parts[i, j] > 0], j[parts[i, j] > 0]
     places = np.stack([x[i], y[j], np.full(len(i), end[2])], axis=-1)

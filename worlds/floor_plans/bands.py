@@ -2,14 +2,15 @@
 
 A band is a row of rooms along one side of a corridor (see the drawing in `wings`). A band is filled with runs: groups of
 bays that stay side by side; a bay is one slice of a band, with one main room (see `programmes`). Every storey has to stand
-on the one below, so a band is at least as long as the same band of the storey above.
+on the storey below, so a band is at least as long as the same band of the storey above.
 
 The functions are called in this order:
 
 1. `assign` chooses a band for every run, from the ground storey upwards: a storey may only use bands that exist below it.
 2. `wrap_round` (in some plans) bends the last room of the south band round the corridor's end, so that not all rooms are
    rectangles.
-3. `measured` sets the lengths of all bands, from the top storey downwards: a band must reach as far as the one above it.
+3. `measured` sets the lengths of all bands, from the top storey downwards: a band must reach as far as the same band of the
+   storey above.
 4. `placed_bays` turns the lengths into a position and a width for every bay.
 """
 
@@ -97,7 +98,7 @@ def assign(
 
 
 def _room_above(storey: BandedStorey, shell: Shell) -> dict[Band, int]:
-    """The bands (rows of rooms) that the storey above this one may have, with their lengths on this storey [cm].
+    """Return the bands (rows of rooms) that the storey above this one may have, with their lengths on this storey [cm].
 
     Short bands are left out: `measured` makes a band at least as long as the band above, so the small rooms of a short band
     would become too large. The south band always stays, because every storey needs one.
@@ -142,10 +143,11 @@ def _reserved_bands(runs: Sequence[BayRun]) -> dict[int, Band]:
 
 
 def _take_slot(runs: list[BayRun], shell: Shell) -> BayRun | None:
-    """Choose a run that fits the space behind the stairs, remove it from `runs` and return it; None if no run fits.
+    """Choose a group of rooms for the space behind the stairs, remove it from `runs` and return it; None if no group fits.
 
-    A run (group of rooms) fits if it is one room, without small rooms carved from it and without a twin, and if the area
-    chosen for this room is close to the area of the space. At least two runs must be left for the bands (rows of rooms).
+    A run (group of rooms) fits if it is a single room that has no small rooms carved from it and no twin (a room that must
+    get exactly the same shape), and if the area chosen for the room is close to the area of the space. At least two runs
+    must be left for the bands (rows of rooms).
     """
     slot = shell.slot()
     if slot is None or len(runs) < 3:
@@ -204,12 +206,15 @@ def measured(shell: Shell, storeys: Sequence[BandedStorey]) -> Shell:
 
 
 def _longest(shell: Shell, storeys: Sequence[BandedStorey]) -> dict[Band, int]:
-    """Greatest length that every band (row of rooms) has on any storey, before it is stretched [cm]."""
+    """Return the greatest length that every band (row of rooms) has on any storey, before it is stretched [cm]."""
     return {b: max(sum(_widths(s, b, shell)) if b in s.bands else 0 for s in storeys) for b in BANDS}
 
 
 def _widths(storey: BandedStorey, band: Band, shell: Shell) -> list[int]:
-    """Preferred width of every bay (main room with its small rooms) of a band, before the band is stretched [cm]."""
+    """Return the preferred width of every bay of a band before the band is stretched [cm].
+
+    A band is a row of rooms along a corridor. A bay is a slice of it: one main room with its small rooms.
+    """
     widths = [bay_width(bay, shell.depths.of(band)) for bay in storey.bays(band)]
     if widths and storey.wrap and band == "south":
         # The area beyond the spine's end is taken from the room's width in the band, so that its total area stays.
@@ -222,9 +227,10 @@ def _widths(storey: BandedStorey, band: Band, shell: Shell) -> list[int]:
 
 
 def placed_bays(storey: BandedStorey, shell: Shell) -> list[PlacedBay]:
-    """The bays (main rooms with their small rooms) of a storey, with their positions in the bands and their widths.
+    """Return the bays of a storey, with their positions in the bands and their widths.
 
-    The bays of a band are widened in proportion until they fill the band, whose length `measured` must have set before.
+    A bay is a main room with its small rooms; a band is a row of rooms. The bays of a band are widened in proportion until
+    they fill the band, whose length `measured` must have set before.
     """
     out = []
     for band in storey.bands:
@@ -232,7 +238,7 @@ def placed_bays(storey: BandedStorey, shell: Shell) -> list[PlacedBay]:
         start, joined = 0, _joints(storey.bands[band])
         filled = share_out(widths, bays, storey.lengths[band]) if bays else []
         # `share_out` may have given the last bay some centimetres more than its twins. Twins have exactly the same shape, so
-        # that bay is no longer one.
+        # that bay is no longer a twin.
         if len(bays) > 1 and filled[-1] != filled[-2] and bays[-1].twin == bays[-2].twin is not None:
             bays[-1] = bays[-1].apart(1)
         for bay, joint, width in zip(bays, joined, filled, strict=True):
@@ -244,5 +250,5 @@ def placed_bays(storey: BandedStorey, shell: Shell) -> list[PlacedBay]:
 
 
 def _joints(runs: Sequence[BayRun]) -> list[BayRun | None]:
-    """For every bay of `runs` (groups of bays side by side), its run, but None for the first bay of a run."""
+    """Return the run (group of bays side by side) of every bay of `runs`, but None for the first bay of a run."""
     return [run if i else None for run in runs for i in range(len(run.bays))]

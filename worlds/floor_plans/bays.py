@@ -27,7 +27,7 @@ _MOST_SLENDER = 1.75
 def bay_width(bay: Bay, depth: int) -> int:
     """Return the preferred width of a bay in a band (a row of rooms) of this depth, rounded up to 5 cm [cm].
 
-    It is the largest of three widths:
+    The preferred width is the largest of three widths:
 
     - the width at which the rooms get the areas chosen for them;
     - the least width at which the host (the main room) is neither too narrow nor too slender;
@@ -37,20 +37,25 @@ def bay_width(bay: Bay, depth: int) -> int:
     wished = round(sum(bay.areas) * 1e4 / depth)
     least = max(round(100 * SIZES[host].side_m), math.ceil(depth / _SLENDER.get(host, _MOST_SLENDER)))
     carved = sum(_small_size(bay, i, depth)[0] for i in range(1, len(bay.labels)))
-    # What the host keeps of the width beside the carved rooms; both sides of a "middle" one are wide enough for a door.
+    # What the host keeps of the width beside the carved rooms; both sides of a "middle" room are wide enough for a door.
     front = {"plain": 0, "inner": 120, "middle": 2 * DOOR_FRONT}.get(bay.form, 160)
     return 5 * math.ceil(max(wished, least, carved + front) / 5)
 
 
 def run_width(run: BayRun, depth: int) -> int:
-    """Sum of the preferred widths of a run's bays in a band (a row of rooms) of this depth [cm]."""
+    """Return the width that a run prefers in a band (a row of rooms) of the given depth [cm].
+
+    A run is a group of bays that stay side by side, and a bay is a main room with the small rooms carved from it. The width
+    is the sum of the preferred widths of the run's bays.
+    """
     return sum(bay_width(bay, depth) for bay in run.bays)
 
 
 def _small_size(bay: Bay, i: int, depth: int) -> tuple[int, int]:
-    """Width (along the corridor) and depth of the i-th room of a bay, a small room (i > 0), in steps of 5 cm [cm].
+    """Return the width (along the corridor) and depth of the i-th room of a bay, a small room (i > 0) [cm].
 
-    The small room is a little deeper than wide, but leaves a usable part of the main room behind it.
+    Both are multiples of 5 cm. The small room is a little deeper than wide, but leaves a usable part of the main room behind
+    it.
     """
     side, area = round(100 * SIZES[bay.labels[i]].side_m), bay.areas[i] * 1e4
     most = max(side, depth - _ARM)

@@ -40,10 +40,10 @@ class PlanStyle:
     heights_m: tuple[float, ...] = (2.6,)
     """Possible heights of the ceiling above the floor; one is drawn for the whole building [m]."""
     stairs: tuple[StairsKind | None, ...] = ("U", "L", "straight", None)
-    """Possible kinds of stairs; one is drawn. None stands for U-shaped stairs at the end of the spine (the corridor); all
-    other stairs stand on the north side of the spine."""
+    """Possible kinds of stairs, one of which is drawn at random. The entry None means U-shaped stairs at the end of the
+    spine (the corridor); all other entries mean stairs on the north side of the spine."""
     one_sided_m: tuple[float, float] = (9.0, 16.0)
-    """Range from which a limit is drawn [m]. If no storey's rooms, put side by side, reach this length, all rooms stand on
+    """Range from which a limit is drawn [m]. If no storey's rooms, put side by side, reach this limit, all rooms stand on
     one side of the spine (the corridor)."""
     winged_m: float = 26.0
     """A plan may get a second wing (a second corridor with rooms along it) if the rooms of its largest storey, put side by
@@ -101,8 +101,8 @@ def _topology(
     """Choose the form of the plan. Return the depths of spines and bands, and the planned length of each band [cm].
 
     A spine is a corridor, a band a row of rooms along it. The total length of the rooms on the largest storey, put side by
-    side, decides the form. If it is short, all rooms stand on one side of the spine. If it is longer, they stand on both
-    sides. If it is longer still, a second wing (another spine with bands) is added.
+    side, decides the form. If this length is short, all rooms stand on one side of the spine. If it is longer, the rooms
+    stand on both sides. If it is longer still, a second wing (another spine with bands) is added.
     """
 
     def draw(bounds: tuple[float, float]) -> int:
@@ -130,7 +130,7 @@ def _topology(
 
 
 def _worth_while(room: dict[Band, int]) -> dict[Band, int]:
-    """The planned length of each band (row of rooms), without bands too short for a room; the south band always stays."""
+    """Return the planned length of each band (row of rooms) that is long enough for a room, and of the south band."""
     return {band: length for band, length in room.items() if length > _SHORTEST_BAND or band == "south"}
 
 
@@ -139,8 +139,9 @@ def _stairs(
 ) -> tuple[StairsBay | None, bool, Depths]:
     """Choose the stairs. Return them, whether they stand at the end of the spine (the corridor), and the changed depths.
 
-    The stairs are None in a building of one storey. `depths` are changed to suit the stairs. So is `room`, in place: it has
-    the planned length of each band (row of rooms) [cm], and stairs in the north push some of the rooms to the south.
+    The stairs are None in a building of one storey. `depths` are changed to suit the stairs. `room`, the planned length of
+    each band (row of rooms) [cm], is changed in place: stairs in the north push some of the rooms to the south, and with
+    stairs at the end, two north bands may become one.
     """
     if storeys == 1:
         return None, False, depths

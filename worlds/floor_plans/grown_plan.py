@@ -6,7 +6,7 @@ A request (`RoomRequest`) gives a room's label and size, its place relative to t
     -------+------+---+-----+          the others follow to its east.
     stairs | room     | room|  row 0
 
-`worlds.strategies` draws the requests with Hypothesis. Two properties matter for that, and explain the rules below:
+`worlds.strategies` draws the requests with Hypothesis. Two properties matter for these draws, and explain the rules below:
 
 - Any list of requests gives a valid house in which every room can be reached, so that no drawn example is thrown away.
 - A request never changes the rooms before it, so that Hypothesis can shrink a failing house by leaving rooms out.
@@ -155,7 +155,7 @@ class _Placed:
         return tuple(_metres(corner) for corner in corners)
 
     def has_room_for(self, box: Box) -> bool:
-        """Whether a box [dm] lies in the room, at least 1 dm away from the notches."""
+        """Return whether a box [dm] lies in the room, at least 1 dm away from the notches."""
         x0, y0, x1, y1 = box
         (left, right), (west, east) = self.top, self.sides
         inside = self.box[0] <= x0 and self.box[1] <= y0 and x1 <= self.box[2] and y1 <= self.box[3]
@@ -226,11 +226,11 @@ class _Plan:
         return max(room.box[2] for room in self.rooms), max(room.box[3] for room in self.rooms)
 
     def storey(self, level: int, levels: int, min_openness: float, more: Mapping[str, object]) -> StoreySpec:
-        """Return the storey as a spec; `more` are further fields of the spec.
+        """Return the storey as a spec; `more` holds further fields of the spec.
 
-        If `min_openness` is above 0, the stretches of wall between indoor rooms are treated in order. A stretch whose closed
-        part would make the total closed length too large is removed as a whole; all other stretches get the openings
-        requested for them.
+        At least the share `min_openness` of the length of all walls between indoor rooms has to be open. The walls are
+        visited in order and get the openings requested for them. If a wall's closed part would bring the total closed length
+        above the limit, the wall is removed along its whole length instead. With `min_openness` 0, there is no limit.
         """
         rooms = [RoomSpec(id=room.id, label=room.request.label, polygon_m=room.polygon) for room in self.rooms]
         openings: list[OpeningSpec] = []
@@ -267,7 +267,7 @@ def _split_into_rows(requests: Sequence[RoomRequest]) -> list[list[RoomRequest]]
 
 
 def _east(x1: int, below: Sequence["_Placed"]) -> int:
-    """The x of the east end of a room: `x1`, or a little farther [dm].
+    """Return the x of the east end of a room: `x1`, or a position a little farther east [dm].
 
     The end is moved east until every wall end in the row below is either at the same x or at least `_MIN_CONTACT_DM` away.
     Two rooms then share either no wall or enough wall for an opening.
@@ -279,7 +279,7 @@ def _east(x1: int, below: Sequence["_Placed"]) -> int:
 
 
 def _placed(name: str, request: RoomRequest, box: Box, *, solid: bool, first: bool) -> _Placed:
-    """A room in its place in a row.
+    """Return a room with its position and notches, for a place `box` [dm] in a row.
 
     The first room of a row is as deep as the row, because the next row begins on top of it. On a storey below another storey
     (`solid`), all rooms are as deep as the row and have no notches, because the storey above needs support everywhere.
@@ -295,7 +295,7 @@ def _placed(name: str, request: RoomRequest, box: Box, *, solid: bool, first: bo
 
 
 def _contacts(room: _Placed, west: _Placed | None, below: Sequence[_Placed]) -> list[_Contact]:
-    """The stretches of wall that a room shares with the room `west` of it and with rooms in the row `below`.
+    """Return the stretches of wall that a room shares with the room `west` of it and with rooms in the row `below`.
 
     The opening `way_in` goes to one of these two sides; the opening `other` goes to the second side, if rooms are on both.
     If several rooms of the row below touch the room, only the longest of these stretches gets an opening.
@@ -315,7 +315,7 @@ def _contacts(room: _Placed, west: _Placed | None, below: Sequence[_Placed]) -> 
 
 
 def _openings(contact: _Contact, swings: list[Box]) -> list[OpeningSpec]:
-    """The openings in a stretch of wall; the swing areas of their leaves are added to `swings`."""
+    """Return the openings in a stretch of wall; the swing areas of their leaves are added to `swings`."""
     way, low, high = contact.way, contact.low, contact.high
     if way.kind == "open":
         return [_opening(contact, "open", low, high)]
@@ -334,7 +334,7 @@ def _openings(contact: _Contact, swings: list[Box]) -> list[OpeningSpec]:
 
 
 def _leaf(contact: _Contact, start: int, stop: int, swings: list[Box]) -> LeafSpec | None:
-    """The leaf requested for a door; None if no leaf was requested or its swing area is not free."""
+    """Return the leaf requested for a door; None if no leaf was requested or its swing area is not free."""
     way, width = contact.way, stop - start
     if way.leaf == "no leaf":
         return None
@@ -359,7 +359,7 @@ def _opening(contact: _Contact, kind: OpeningKind, low: int, high: int, leaf: Le
 
 
 def _gap_dm(opening: OpeningSpec, ceiling_m: float) -> float:
-    """Length that an opening would have if it had the same area but reached from floor to ceiling [dm].
+    """Return the length that an opening would have if it had the same area but reached from floor to ceiling [dm].
 
     Doors and arches count as 0. For arches this is too little, so the house becomes more open than requested, never less.
     """
@@ -374,7 +374,7 @@ def _outdoor(contact: _Contact) -> bool:
 
 
 def _stairs(level: int, levels: int, hall: str) -> tuple[RoomSpec, list[OpeningSpec]]:
-    """The room of the stairs on a storey, to the west of the storey's first room `hall`, and its openings to `hall`.
+    """Return the room of the stairs on a storey, to the west of the storey's first room `hall`, and its openings to `hall`.
 
     In the wall that both rooms share, the opening to the flight up is in the southern half, and the opening to the flight
     down is in the northern half.

@@ -13,7 +13,7 @@ from worlds.floor_plans.wings import Shell
 _LEADING_OUTSIDE = ("living room", "dining room", "kitchen", "bedroom", "lobby", "library", "meeting room", "office")
 """Labels of rooms that should lead outside, the most suitable first."""
 _WIDEST_BALCONY, _LEAST_BALCONY = 500, 150
-"""Width of a balcony along a much longer outer wall, and least width of a balcony that shares a wall with a garden [cm]."""
+"""Width of a balcony along a much longer outer wall, and least width of a balcony beside a garden [cm]."""
 _MARGIN = 60
 """Least length of outer wall left on either side of a balcony that is narrower than the wall [cm]."""
 
@@ -37,8 +37,8 @@ def add_outdoors(
        are considered last. The balcony is as wide as a bay of less than 6.2 m; on a wider bay it is 5 m wide, in the middle.
     3. The garden takes the whole south side. If the balcony has to be there too, the balcony gets a part of the first bay's
        width, and the garden starts where the balcony ends.
-    4. The garden is entered from a living room, dining room or kitchen if one is in the south, otherwise from any main room
-       there.
+    4. The garden is entered from a living room, dining room or kitchen in the south. If none of these is in the south, the
+       garden is entered from any main room there.
     """
     depth, edge, first = shell.depths.south, shell.edge("south"), 0
     open_bands = ("south", "west", "east") if shell.depths.cross else ("south", "north 0", "north 1", "north 2")
@@ -46,7 +46,7 @@ def add_outdoors(
     if programme.balcony:
         backs.sort(key=lambda pair: _balcony_rank(pair, programme.garden))
         p, host = backs[0]
-        # A bay that is only a little wider than the widest balcony gets one all along.
+        # A bay that is only a little wider than the widest balcony gets a balcony along its whole width.
         wide = p.width if p.width < _WIDEST_BALCONY + 2 * _MARGIN else _WIDEST_BALCONY
         start = p.start + (p.width - wide) // 2
         if programme.garden and p.band == "south":
@@ -67,7 +67,7 @@ def add_outdoors(
 
 
 def _balcony_rank(pair: tuple[PlacedBay, int], south_last: bool) -> tuple[bool, int]:
-    """Sort key: bays whose main rooms suit a balcony come first; with `south_last`, bays in the south come last.
+    """Return a sort key: bays whose main rooms suit a balcony come first; with `south_last`, bays in the south come last.
 
     `pair` is a bay (a main room with its small rooms) and the number of its main room.
     """
@@ -77,9 +77,10 @@ def _balcony_rank(pair: tuple[PlacedBay, int], south_last: bool) -> tuple[bool, 
 
 
 def _way_out(draft: StoreyDraft, outside: int, host: int) -> int:
-    """The number of the room that leads to the outdoor area `outside`.
+    """Return the number of the room that leads to the outdoor area `outside`.
 
-    It is `host`; if `host` shares too little wall with the area for a door, it is the room that shares the longest wall.
+    This is the room `host`. If `host` shares too little wall with the area for a door, it is the room that shares the
+    longest wall with the area.
     """
     if contact(draft.rooms[outside].rects, draft.rooms[host].rects) >= DOOR_FRONT:
         return host

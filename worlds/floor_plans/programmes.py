@@ -31,7 +31,7 @@ from worlds.spec import OpeningKind
 
 Form = Literal["plain", "corner", "corners", "middle", "inner"]
 SMALL = ("toilet", "storage room", "pantry", "laundry room", "print room")
-"""Labels of rooms that may be carved from a larger one."""
+"""Labels of rooms that may be carved from a larger room."""
 _PUBLIC = ("kitchen", "dining room", "living room", "lobby", "library", "open-plan office", "gym")
 """Labels of rooms that may be open to the corridor, without a door."""
 _OPEN_CHAIN = ("kitchen", "dining room", "living room")
@@ -118,9 +118,9 @@ def programme_runs(labels: Sequence[str], habits: LayoutShares, rng: np.random.G
 
     1. Two or three of a kitchen, a dining room and a living room become one run, because people build them side by side.
     2. Small rooms are set aside, and so are about a third of the bathrooms. All other rooms get bays of their own. Some of
-       those with the same label become twins (rooms of exactly the same shape).
+       these rooms become twins (rooms of exactly the same shape) of a room with the same label.
     3. Every room that was set aside is carved from a host, since in a bay of its own it would be deep and narrow. It gets a
-       bay of its own only if no host is large enough.
+       bay of its own only if no host is suitable.
     4. Twins are put into runs, because only in one band do they get the same shape. Every other bay becomes a run by itself.
     """
     left = [labels[i] for i in rng.permutation(len(labels))]
@@ -149,7 +149,7 @@ def seeded(runs: Sequence[BayRun], rng: np.random.Generator) -> tuple[BayRun, ..
 
 
 def _bay(label: str, rng: np.random.Generator) -> Bay:
-    """A bay of one room; its area and the kind of opening to the corridor are drawn at random."""
+    """Return a bay of one room; its area and the kind of opening to the corridor are drawn at random."""
     entry: OpeningKind = "door"
     if label in _PUBLIC and rng.random() < 0.4:
         entry = ("cased", "arch", "open")[int(rng.integers(3))] if label != "gym" else "cased"
@@ -195,11 +195,11 @@ def _twins(bays: list[Bay], habits: LayoutShares, rng: np.random.Generator) -> l
 
 
 def _twin_runs(bays: Sequence[Bay]) -> list[BayRun]:
-    """Put twins (bays of the same shape) into runs of at most `_MOST_TWINS_IN_RUN`; every other bay becomes a run by itself.
+    """Put twins (bays of the same shape) into runs of at most `_MOST_TWINS_IN_RUN`; a bay without a twin is a run by itself.
 
     The twins of a run stand side by side in one band (row of rooms), because only there can they be equal to the centimetre.
-    A longer run would not fit into a band. Further twins form another run, which may stand in another band, so this run gets
-    another twin number.
+    A longer run would not fit into a band. Twins that are left over form further runs, which may stand in other bands.
+    Therefore, the bays of each further run get another twin number: only bays with the same number have the same shape.
     """
     runs = [BayRun((bay,)) for bay in bays if bay.twin is None]
     for twin in dict.fromkeys(bay.twin for bay in bays if bay.twin is not None):
@@ -210,11 +210,11 @@ def _twin_runs(bays: Sequence[Bay]) -> list[BayRun]:
 
 
 def _carve(bays: list[Bay], joined: int, small: Sequence[str], rng: np.random.Generator) -> list[Bay]:
-    """Carve every small room from a host, the main room of a bay; without a suitable host it gets a bay of its own.
+    """Carve every small room from a host, the main room of a bay, or give it a bay of its own if no host is suitable.
 
     The first `joined` bays form a run with openings between neighbouring hosts. From each of these hosts, at most one room
-    is carved, in a corner at the corridor, so that neighbouring hosts still share the wall behind it. A room carved from the
-    back could separate them.
+    is carved, in a corner at the corridor, so that neighbouring hosts still share the wall behind the carved room. A room
+    carved from the back could separate them.
     """
     out = list(bays)
     for label in small:
@@ -233,10 +233,11 @@ def _carve(bays: list[Bay], joined: int, small: Sequence[str], rng: np.random.Ge
 
 
 def _can_host(bay: Bay, label: str, area: float, joined: bool) -> bool:
-    """Whether a small room of this area [m²] can be carved from the main room of a bay.
+    """Return whether a small room of this area [m²] can be carved from the main room of a bay.
 
-    The main room must be at least 2.2 times as large as all small rooms of the bay together. If it has an opening to a
-    neighbouring main room (`joined`), at most one small room can be carved.
+    The main room must not be a bathroom or one of the `SMALL` rooms, and it must be at least 2.2 times as large as all small
+    rooms of the bay together. The bay must not have a room with the same label. A second small room can be carved only if
+    the first is in a corner, and if the main room has no opening to a neighbouring main room (`joined`).
     """
     if bay.labels[0] in (*SMALL, "bathroom") or label in bay.labels or bay.areas[0] < 2.2 * (area + sum(bay.areas[1:])):
         return False
@@ -244,7 +245,7 @@ def _can_host(bay: Bay, label: str, area: float, joined: bool) -> bool:
 
 
 def _form(bay: Bay, label: str, rng: np.random.Generator) -> Form:
-    """The new arrangement of a bay's small rooms when another one, with this label, is carved from the main room."""
+    """Return the arrangement of a bay's small rooms after another one, with this label, is carved from the main room."""
     if bay.form == "corner":
         return "corners"
     private = label in ("pantry", "storage room") or (label == "bathroom" and bay.labels[0] == "bedroom")

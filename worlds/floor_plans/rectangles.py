@@ -38,7 +38,7 @@ class Edge:
 
 @dataclass(frozen=True)
 class SquareSymmetry:
-    """One of the eight symmetries of a square about the origin: first swap x and y, then negate x and y, each if wanted."""
+    """One of the eight symmetries of a square about the origin: x and y are swapped or not, then each is negated or not."""
 
     swap: bool
     flip_x: bool
@@ -61,12 +61,12 @@ def metres(p: Corner) -> tuple[float, float]:
 
 
 def area_m2(rects: Sequence[Rect]) -> float:
-    """Total area of rectangles that do not overlap [m²]."""
+    """Return the total area of rectangles that do not overlap [m²]."""
     return sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in rects) / 1e4
 
 
 def contact(a: Sequence[Rect], b: Sequence[Rect]) -> int:
-    """Length of the longest stretch along which a rectangle of `a` touches a rectangle of `b`; 0 if none touch [cm]."""
+    """Return the length of the longest stretch along which a rectangle of `a` touches one of `b`; 0 if none touch [cm]."""
     return max((_side(p, q) for p in a for q in b), default=0)
 
 
@@ -76,7 +76,7 @@ def _side(p: Rect, q: Rect) -> int:
 
 
 def outline(rects: Sequence[Rect]) -> tuple[Corner, ...]:
-    """Corners of the union of rectangles, counter-clockwise [cm].
+    """Return the corners of the union of rectangles, counter-clockwise [cm].
 
     The rectangles must not overlap, and their union must be one piece without holes. The sides of every rectangle, directed
     counter-clockwise, are cut at the x and y of all corners. A piece that appears in both directions lies inside the union
@@ -101,7 +101,7 @@ def outline(rects: Sequence[Rect]) -> tuple[Corner, ...]:
 
 
 def _corners(successor: dict[Corner, Corner]) -> tuple[Corner, ...]:
-    """The points of a closed outline at which its direction changes; `successor` maps each point to the next."""
+    """Return the points of a closed outline at which its direction changes; `successor` maps each point to the next."""
     first = min(successor)
     corners, before, here = [first], first, successor[first]
     while here != first:

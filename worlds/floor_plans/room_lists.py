@@ -25,7 +25,7 @@ _SEEDS = 2**31
 def draw_programmes(
     kind: BuildingKind, rooms: int, storeys: int, rng: np.random.Generator
 ) -> tuple[tuple[StoreyProgramme, ...], PlanStyle]:
-    """The programme of every storey of a building, lowest first, and the style in which it is laid out.
+    """Return the programme of every storey of a building, lowest first, and the style in which it is laid out.
 
     `rooms` counts the rooms of the whole building, without corridors, halls and stairs; it is at least `storeys`.
 
@@ -48,7 +48,10 @@ def draw_programmes(
 def programmes_of(
     labels: Sequence[Sequence[str]], habits: LayoutShares, hall: str | None, rng: np.random.Generator
 ) -> tuple[StoreyProgramme, ...]:
-    """The programme of every storey, lowest first, from the labels of its rooms; only the ground storey gets `hall`."""
+    """Return the programme of every storey, lowest first, for the labels of its rooms.
+
+    Only the ground storey gets `hall`.
+    """
     return tuple(_storey(own, habits, rng, None if level else hall) for level, own in enumerate(labels))
 
 
@@ -62,8 +65,8 @@ def by_storey(labels: Sequence[str], storeys: int, upstairs: Sequence[str], rng:
        smaller than it is, so that it becomes larger: it has to bear the others. Small rooms are assigned late, to even out
        the areas.
     2. Every empty storey takes a room from the storey with most rooms.
-    3. The storeys are sorted by area, since every storey stands on the one below. `_settle` then makes sure that no upper
-       storey is much larger than the ground storey.
+    3. The storeys are sorted by area, since every storey stands on the storey below; a storey with labels in `_BELOW` comes
+       first. `_settle` then makes sure that no upper storey is much larger than the ground storey.
     4. The garden goes to the ground storey. Balconies go to storeys drawn at random, at most one to each.
     """
     out: list[list[str]] = [[] for _ in range(storeys)]
@@ -80,7 +83,7 @@ def by_storey(labels: Sequence[str], storeys: int, upstairs: Sequence[str], rng:
     out.sort(key=lambda own: (not set(own) & set(_BELOW), -_area(own)))
     _settle(out)
     out[0] += [label for label in labels if label == "garden"]
-    # A storey has at most one balcony, and the one with the garden is the last to get one.
+    # A storey has at most one balcony, and the storey with the garden is the last to get a balcony.
     levels = sorted(rng.permutation(storeys).tolist(), key=lambda k: k == 0 and "garden" in labels)
     for level in levels[: labels.count("balcony")]:
         out[level].append("balcony")
@@ -88,7 +91,7 @@ def by_storey(labels: Sequence[str], storeys: int, upstairs: Sequence[str], rng:
 
 
 def _area(labels: Sequence[str]) -> float:
-    """Sum of the usual areas of the indoor rooms among `labels` [m²]."""
+    """Return the sum of the usual areas of the indoor rooms among `labels` [m²]."""
     return sum(sum(SIZES[label].usual) / 2 for label in labels if label not in OUTDOOR_LABELS)
 
 
@@ -138,10 +141,11 @@ def _labels(kind: BuildingKind, rooms: int, storeys: int, rng: np.random.Generat
 def _repeating(
     labels: Sequence[str], storeys: int, hall: str | None, kind: BuildingKind, rng: np.random.Generator
 ) -> tuple[StoreyProgramme, ...] | None:
-    """Programmes of a building whose upper storeys are all equal.
+    """Return the programmes of a building whose upper storeys are all equal.
 
-    The ground storey is equal to them, too, if the rooms divide evenly among the storeys and there is no garden. The result
-    is None if the ground storey would be smaller than the storeys that stand on it, or if a storey would have two balconies.
+    The ground storey is equal to the upper storeys, too, apart from its `hall`, if the rooms divide evenly among the storeys
+    and there is no garden. The result is None if the upper storeys would have no indoor room, if the ground storey would be
+    smaller than the upper storeys, which stand on it, or if a storey would have two balconies.
     """
     share = len(labels) // storeys
     equal = len(labels) == share * storeys and "garden" not in labels
@@ -161,7 +165,7 @@ def _repeating(
 def _around_a_living_room(
     labels: Sequence[str], kind: BuildingKind, rng: np.random.Generator
 ) -> tuple[tuple[StoreyProgramme, ...], PlanStyle]:
-    """Programme and style of a small home without a corridor: all other rooms stand along the living room."""
+    """Return the programme and style of a small home whose rooms stand along the living room, not a corridor."""
     others = list(labels)
     others.remove("living room")
     storey = _storey(others, kind.habits, rng, None)

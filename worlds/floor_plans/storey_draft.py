@@ -1,7 +1,7 @@
 """`StoreyDraft`: the rooms of one storey while its plan is being drawn up, as rectangles in whole centimetres.
 
-A draft knows its rooms by number, and its coordinates are those in which the spine (the corridor) runs east. `draft_storey`
-adds the indoor rooms; `StoreyDraft.layout` names the rooms, mirrors and rotates the plan, and converts it to metres.
+The rooms of a draft have numbers instead of ids, and the spine (the corridor) runs east. `draft_storey` adds the indoor
+rooms; `StoreyDraft.layout` names the rooms, mirrors and rotates the plan, and converts it to metres.
 """
 
 from collections.abc import Sequence
@@ -72,7 +72,7 @@ class StoreyDraft:
         self.links.append((a, b, kind, seed))
 
     def nearest(self, room: int, others: Sequence[int]) -> int:
-        """The number of the room among `others` that shares the longest piece of wall with `room`.
+        """Return the number of the room among `others` that shares the longest piece of wall with `room`.
 
         Raises `WorldsError` if even this piece is too short for a door.
         """
@@ -82,7 +82,7 @@ class StoreyDraft:
         return others[shared.index(max(shared))]
 
     def layout(self, level: int, turn: SquareSymmetry, height_m: float) -> StoreyLayout:
-        """The storey as a layout: mirrored and rotated by `turn`, in metres, with an id for every room.
+        """Return the storey as a layout: mirrored and rotated by `turn`, in metres, with an id for every room.
 
         An id consists of the label, the storey `level` and a number, such as "bedroom 1.2".
         """
@@ -173,15 +173,15 @@ def _spine(
 
 
 def _stairs_end(shell: Shell) -> int:
-    """Position along the spine (corridor) where the stairs on its north side end; 10 km if no stairs stand there [cm]."""
+    """Return the position along the spine (corridor) where stairs on its north side end [cm]; 10 km if there are none."""
     return shell.stairs_start + shell.stairs.front if shell.stairs and not shell.at_end else 10**6
 
 
 def _hall_end(hall: str, shell: Shell, placed: Sequence[PlacedBay], end: int) -> int:
-    """Position along the spine where the entrance hall ends and the corridor begins; 0: no position is suitable [cm].
+    """Return the position along the spine (corridor) where the entrance hall ends and the corridor begins [cm].
 
     Every end of a bay (a main room with its small rooms) is a candidate. The westernmost candidate is chosen that meets all
-    conditions:
+    of these conditions; the result is 0 if no candidate does:
 
     - The hall has at least its least area, and the corridor has a useful length.
     - There is no narrow niche between the end of the hall and the stairs.

@@ -41,7 +41,7 @@ class Symmetry:
         return np.stack([cos * x - sin * y + self.shift_m[0], sin * x + cos * y + self.shift_m[1], points[:, 2]], axis=-1)
 
     def yaw(self, yaw: float) -> float:
-        """The yaw of an object after the symmetry, in (-pi, pi] [rad].
+        """Return the yaw of an object after the symmetry, in (-pi, pi] [rad].
 
         The object itself is rotated, but never mirrored. Its front faces the direction to which the symmetry takes the old
         direction of the front.
@@ -82,7 +82,7 @@ class Symmetry:
 
 
 def in_place(spec: HouseSpec, mirror: bool = False, quarter_turns: int = 0) -> Symmetry:
-    """The symmetry of a house whose shift keeps the lower left corner of the plan's bounding box in place.
+    """Return the symmetry of a house whose shift keeps the lower left corner of the plan's bounding box in place.
 
     With this shift, mirroring a house twice or rotating it four times by a quarter turn gives the same house again.
     """

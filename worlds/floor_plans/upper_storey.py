@@ -4,46 +4,53 @@ import re
 import zlib
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import count
 
 from worlds.errors import WorldsError
 from worlds.labels import STAIRS
 from worlds.openings.door_swings import hang_leaf, is_in_front
 from worlds.openings.opening_draft import OpeningDraft, shared_walls
-from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
+from worlds.spec import MAX_ID_LENGTH, MAX_STOREYS, HouseSpec, OpeningSpec, RoomSpec, StoreySpec
 from worlds.walls import opening_span
 
 _GROUND_ONLY = frozenset({"garden", "garage"})
-_NUMBERED = re.compile(r"(.*) (\d+)\.(\d+)")
+_NUMBERED = re.compile(r"(.*) \d{1,9}\.(\d{1,9})")
 _FRONT_M = 0.9
 """Least distance between a door leaf and the foot of a flight of stairs [m]."""
 _MIN_SHARED_M = 0.7
-"""Least width of the opening at the foot of the new flight of stairs [m], unless that of the flight below is narrower."""
+"""Least width of the opening at the foot of the new flight of stairs [m], unless the opening to the flight below is
+narrower."""
 
 
 def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
-    """The house with another storey on top, a copy of its top storey without gardens and garages; the stairs continue.
+    """Return the house with another storey on top, to which the stairs continue.
+
+    The new storey is a copy of the top storey without gardens and garages.
 
     1. Each staircase gets an opening on the old top storey to the new flight, straight above the opening to the flight
        below, since all flights of a staircase have the same shape.
     2. Door leaves that would stand in front of these openings are hung differently, or removed.
     3. The copy gets new room ids, and with them furniture and finishes of its own. Twin rooms (with equal seeds) stay twins.
 
-    Raises `WorldsError` if no stairs reach the top storey, or if no room lies at the foot of a new flight.
+    Raises `WorldsError` if no stairs reach the top storey, if no room lies at the foot of a new flight, or if the house has
+    `MAX_STOREYS` storeys already.
     """
     top, below = spec.storeys[-1], spec.storeys[-2] if len(spec.storeys) > 1 else None
     cells = [room for room in top.rooms if room.label == STAIRS]
     if below is None or not cells:
         raise WorldsError("no stairs lead to the top storey, so none can lead on; valid: houses of two storeys or more")
+    if len(spec.storeys) == MAX_STOREYS:
+        raise WorldsError(f"the house has {MAX_STOREYS} storeys, the most that a house can have; valid: fewer")
     ups = [_foot(cell, below, top, len(spec.storeys) - 1) for cell in cells]
     storeys = (*spec.storeys[:-1], _with_feet(top, ups), _copy(spec, top))
     return HouseSpec.model_validate(spec.model_copy(update={"storeys": storeys}).model_dump(by_alias=True))
 
 
 def _foot(cell: RoomSpec, below: StoreySpec, top: StoreySpec, level: int) -> OpeningSpec:
-    """The opening on the top storey to the new flight of stairs, straight above the opening to the flight below.
+    """Return the opening on the top storey to the new flight of stairs, straight above the opening to the flight below.
 
     `cell` is the stairs' room on the top storey, `below` the storey below, and `level` the index of the top storey. Raises
-    `WorldsError` if there is no opening below, or no room in front of the new one.
+    `WorldsError` if there is no opening to the flight below, or no room in front of the new opening.
     """
     here = sorted(cell.polygon_m)
     lower = next((r.id for r in below.rooms if r.label == STAIRS and sorted(r.polygon_m) == here), None)
@@ -61,7 +68,7 @@ def _foot(cell: RoomSpec, below: StoreySpec, top: StoreySpec, level: int) -> Ope
 
 
 def _with_feet(top: StoreySpec, ups: list[OpeningSpec]) -> StoreySpec:
-    """The storey with the openings `ups` added; door leaves in front of these are hung differently or removed."""
+    """Return the storey with the openings `ups`; door leaves in front of these openings are hung differently or removed."""
     rooms = {room.id: room for room in top.rooms}
     openings = [*top.openings, *ups]
     gaps = [OpeningDraft.of(opening, rooms) for opening in openings]
@@ -74,7 +81,7 @@ def _with_feet(top: StoreySpec, ups: list[OpeningSpec]) -> StoreySpec:
 
 
 def _copy(spec: HouseSpec, top: StoreySpec) -> StoreySpec:
-    """The new storey: rooms and openings of the top storey with new ids, without windows and furniture."""
+    """Return the new storey: rooms and openings of the top storey with new ids, without windows and furniture."""
     level = len(spec.storeys)
     rooms = [room for room in top.rooms if room.label not in _GROUND_ONLY]
     taken = {room.id for storey in spec.storeys for room in storey.rooms}
@@ -92,17 +99,22 @@ def _copy(spec: HouseSpec, top: StoreySpec) -> StoreySpec:
 
 
 def _new_name(name: str, level: int, taken: set[str]) -> str:
-    """An unused id for the copy of a room, such as "bedroom 2.1" for "bedroom 1.1"; names that would be too long are cut."""
+    """Return an unused id for the copy of a room, such as "bedroom 2.1" for "bedroom 1.1".
+
+    A long name is cut before its number, so that the id has no more than `MAX_ID_LENGTH` characters.
+    """
     match = _NUMBERED.fullmatch(name)
-    stem = match[1] if match else name[:56]
-    number = int(match[3]) if match else 1
-    while f"{stem} {level}.{number}" in taken:
-        number += 1
-    return f"{stem} {level}.{number}"
+    stem = match[1] if match else name
+    endings = (f" {level}.{number}" for number in count(int(match[2]) if match else 1))
+    names = (stem[: MAX_ID_LENGTH - len(ending)] + ending for ending in endings)
+    return next(name for name in names if name not in taken)
 
 
 def _new_seed(seed: int | None, level: int) -> int | None:
-    """The seed of a room's copy. It depends only on the seed of the room, so that twins stay twins; None stays None."""
+    """Return the seed of a room's copy; None stays None.
+
+    The new seed depends only on the seed of the room and on the storey, so that twins stay twins.
+    """
     return None if seed is None else zlib.crc32(f"{seed} {level}".encode())
 
 

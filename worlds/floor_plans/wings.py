@@ -54,7 +54,7 @@ class Depths:
     """Depth of the band (row of rooms) along the second wing's east side [cm]."""
 
     def of(self, band: Band) -> int:
-        """Depth of a band (row of rooms) [cm]."""
+        """Return the depth of a band (row of rooms) [cm]."""
         return {"south": self.south, "west": self.west, "east": self.east}.get(band, self.north)
 
 
@@ -87,9 +87,9 @@ class StairsBay:
         return self.width if self.kind == "straight" else self.length
 
     def arms(self) -> tuple[tuple[int, int, int, int], ...]:
-        """Rectangles (u0, v0, u1, v1) of the arms, the pieces of corridor beside the stairs [cm].
+        """Return the rectangles (u0, v0, u1, v1) of the arms, the pieces of corridor beside the stairs [cm].
 
-        u runs along the side of the main corridor, v is the distance from it. U-shaped stairs have no arms.
+        u runs along the side of the main corridor, v is the distance from this side. U-shaped stairs have no arms.
         """
         match self.kind:
             case "straight":
@@ -99,9 +99,9 @@ class StairsBay:
         return ()
 
     def cell(self) -> tuple[int, int, int, int]:
-        """Rectangle (u0, v0, u1, v1) of the cell, the room of the stairs [cm].
+        """Return the rectangle (u0, v0, u1, v1) of the cell, the room of the stairs [cm].
 
-        u runs along the side of the main corridor, v is the distance from it.
+        u runs along the side of the main corridor, v is the distance from this side.
         """
         match self.kind:
             case "straight":
@@ -111,9 +111,9 @@ class StairsBay:
         return 0, 0, self.width, self.length
 
     def gaps(self) -> tuple[tuple[int, int, int, int], tuple[int, int, int, int]]:
-        """The openings to the flight up and to the flight down, each as a segment (u0, v0, u1, v1) [cm].
+        """Return the openings to the flight up and to the flight down, each as a segment (u0, v0, u1, v1) [cm].
 
-        u runs along the side of the main corridor, v is the distance from it.
+        u runs along the side of the main corridor, v is the distance from this side.
         """
         match self.kind:
             case "straight":
@@ -180,7 +180,7 @@ class Shell:
         return max(_SHORTEST, total - self.stairs.length, passage_end if self.depths.cross else 0)
 
     def flush(self) -> "Shell":
-        """The shell (the part of the plan that all storeys share) without small steps in its outline.
+        """Return the shell (the part of the plan that all storeys share) without small steps in its outline.
 
         Where the rows of rooms on both sides of a corridor end less than `_LEAST_STEP` apart, the shorter row is lengthened
         until both end together.
@@ -197,13 +197,13 @@ class Shell:
         return replace(self, lengths=n)
 
     def reach(self, band: Band, length: int) -> int:
-        """The x of the east end of a band (row of rooms) of this length [cm]; 0 for the bands along the second wing."""
+        """Return the x of the east end of a band (row of rooms) of this length [cm]; 0 for bands along the second wing."""
         if band in ("west", "east"):
             return 0
         return self.edge(band).x + length
 
     def edge(self, band: Band) -> Edge:
-        """The line, with its own coordinates, along which the rooms of a band (row of rooms) stand."""
+        """Return the line, with its own coordinates, along which the rooms of a band (row of rooms) stand."""
         c, x = self.depths.spine, self.passage_start
         top = c + self.depths.north
         match band:
@@ -221,13 +221,13 @@ class Shell:
                 return Edge(x + self.depths.cross, top, (0, 1), (1, 0))
 
     def stairs_edge(self) -> Edge:
-        """The line, with its own coordinates, along which the stairs stand."""
+        """Return the line, with its own coordinates, along which the stairs stand."""
         if self.at_end:
             return Edge(self.length, 0, (0, 1), (1, 0))
         return Edge(self.stairs_start, self.depths.spine, (1, 0), (0, 1))
 
     def slot(self) -> Rect | None:
-        """The space behind the stairs in the north band (row of rooms); None if no room can be there.
+        """Return the space behind the stairs in the north band (row of rooms); None if no room can be there.
 
         A room there is entered from the arms, the pieces of corridor beside the stairs. The result is None without stairs,
         for stairs at the spine's end, for U-shaped stairs, which have no arms, and if the space is less than 1.75 m deep.
@@ -267,10 +267,11 @@ def distribute(
 
 
 def _misfit(run: BayRun, depth: int) -> float:
-    """Measure of how badly a run (group of rooms) fits a band (row of rooms) of the given depth; 0: a perfect fit [cm].
+    """Return how badly a run (group of rooms) fits a band (row of rooms) of the given depth; 0: perfectly [cm].
 
-    It is the sum of two excess widths. In a deep band, the run gets wider than its area requires, because rooms have a least
-    width. In a shallow band, the run gets wider than 1.8 times the depth per main room, so that the rooms are too slender.
+    The result is the sum of two excess widths. In a deep band, the run gets wider than its area requires, because rooms have
+    a least width. In a shallow band, the run gets wider than 1.8 times the depth per main room, so that the rooms are too
+    slender.
     """
     wanted = sum(sum(bay.areas) for bay in run.bays) * 1e4 / depth
     return run_width(run, depth) - wanted + max(0.0, wanted - 1.8 * depth * len(run.bays))

@@ -20,7 +20,7 @@ CATALOGUE: Mapping[str, Kind] = MappingProxyType(KINDS)
 
 
 def kind_of(name: str) -> Kind:
-    """The kind called `name`. Raises `WorldsError`, which lists the valid names, if no kind has this name."""
+    """Return the kind called `name`. Raises `WorldsError`, which lists the valid names, if no kind has this name."""
     if name not in CATALOGUE:
         raise WorldsError(f"unknown furniture kind {name!r}; valid: {', '.join(sorted(CATALOGUE))}")
     return CATALOGUE[name]

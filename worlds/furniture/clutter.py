@@ -6,13 +6,12 @@ from worlds.furniture.kinds import AgainstWall, OnFloor, OnTop, Parts, PerClutte
 from worlds.furniture.palette import BRIGHT, CARDBOARD, GREEN, LINEN, PAPER, TERRACOTTA, UPHOLSTERY, WHITE, pick
 from worlds.furniture.registry import furniture
 from worlds.furniture.shapes import about, ball, box, cylinder, inset, split
+from worlds.labels import CIRCULATION_LABELS, OUTDOOR_LABELS
 from worlds.parts import Part
 
 _LIVED_IN = ("living room", "dining room", "bedroom", "children's room", "library")
 _WORKED_IN = ("office", "meeting room", "open-plan office", "classroom", "laboratory", "print room")
 _STORES = ("storage room", "garage", "laundry room", "pantry")
-_HALLS = ("corridor", "entrance hall", "lobby")
-_OPEN_AIR = ("garden", "balcony")
 _TOPS = (
     "dining table", "breakfast table", "coffee table", "side table", "sideboard", "console table", "dresser", "desk",
     "double desk", "small desk", "toy shelf", "nightstand", "kitchen counter", "kitchen island", "tv stand",
@@ -30,13 +29,13 @@ def _each(labels: tuple[str, ...], per_clutter: float) -> dict[str, PerClutter]:
     width=(0.42, 0.62),
     depth=(0.34, 0.46),
     height=(0.5, 1.6),
-    rooms=_each((*_LIVED_IN, *_STORES, *_HALLS), 1.3)
+    rooms=_each((*_LIVED_IN, *_STORES, *CIRCULATION_LABELS), 1.3)
     | _each((*_WORKED_IN, "kitchen", "gym"), 0.7)
     | _each(("bathroom",), 0.3),
     place=AgainstWall(beside=("box pile", "cardboard boxes")),
 )
 def box_pile(s: Size, rng: Generator) -> Parts:
-    """A stack of removal boxes that are not quite aligned."""
+    """A stack of labelled cardboard boxes that are not quite aligned."""
     boxes: list[Part] = []
     for z in split(s.z, max(2, round(s.height / 0.33)), 0.004):
         left, right, back, front = rng.uniform(0.0, 0.07, 4)
@@ -51,7 +50,7 @@ def box_pile(s: Size, rng: Generator) -> Parts:
     width=(0.24, 0.34),
     depth=(0.2, 0.28),
     height=(0.2, 0.8),
-    rooms=_each((*_LIVED_IN, "office"), 1.8) | _each(_HALLS, 0.5) | _each(("classroom",), 0.5),
+    rooms=_each((*_LIVED_IN, "office"), 1.8) | _each(CIRCULATION_LABELS, 0.5) | _each(("classroom",), 0.5),
     place=OnFloor(),
 )
 def book_pile(s: Size, rng: Generator) -> Parts:
@@ -71,7 +70,7 @@ def book_pile(s: Size, rng: Generator) -> Parts:
     depth=(0.22, 0.27),
     height=(0.15, 0.7),
     rooms=_each(("living room", "dining room", "kitchen", "library", "garage", "storage room"), 0.6)
-    | _each((*_WORKED_IN, *_HALLS), 0.6),
+    | _each((*_WORKED_IN, *CIRCULATION_LABELS), 0.6),
     place=AgainstWall(beside=("newspapers", "box pile")),
 )
 def newspapers(s: Size, rng: Generator) -> Parts:
@@ -199,7 +198,7 @@ def shoes(s: Size, rng: Generator) -> Parts:
     width=(0.4, 0.7),
     depth=(0.26, 0.36),
     height=(0.3, 0.6),
-    rooms=_each(_OPEN_AIR, 1.0) | _each(("living room", "dining room", "lobby"), 0.5),
+    rooms=_each(OUTDOOR_LABELS, 1.0) | _each(("living room", "dining room", "lobby"), 0.5),
     place=AgainstWall(),
 )
 def flower_pots(s: Size, rng: Generator) -> Parts:

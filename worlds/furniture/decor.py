@@ -43,7 +43,7 @@ _TABLES = (
 
 
 def window(s: Size, rng: Generator) -> Parts:
-    """A window with a sill and two panes that show a pale view above foliage. Some windows have curtains."""
+    """Build a window with a sill and two panes that show a pale view above foliage. Some windows have curtains."""
     frame, front = pick(rng, (*WHITES, *WOODS[:2])), s.front - 0.03
     view = (0.62, 0.74, 0.6) if rng.random() < 0.3 else SKY
     return (

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from numpy.random import Generator
 
 from worlds.errors import WorldsError
-from worlds.labels import ROOM_LABELS
+from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS
 from worlds.parts import Colour
 
 Covering = tuple[str, Colour]
@@ -114,7 +114,7 @@ def finish_of(label: str, rng: Generator) -> Finish:
     """Draw the coverings of a room with `label` at random. Raises `WorldsError` for an unknown label."""
     if label not in ROOM_LABELS:
         raise WorldsError(f"unknown room label {label!r}; valid: {', '.join(ROOM_LABELS)}")
-    ceiling = _SKY if label in ("garden", "balcony") else _CEILING
+    ceiling = _SKY if label in OUTDOOR_LABELS else _CEILING
     return Finish(_FLOORS[label].draw(rng), _WALLS.get(label, _PAINT).draw(rng), ceiling.draw(rng, 0.02))
 
 

@@ -305,5 +305,5 @@ def notice_board(s: Size, rng: Generator) -> Parts:
 
 
 def _paper(rng: Generator) -> str:
-    """A random material for a sheet of paper."""
+    """Draw the material of a sheet of paper."""
     return ("label", "scribble", "picture")[int(rng.integers(3))]

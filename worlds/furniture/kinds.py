@@ -1,5 +1,6 @@
 """`Kind`: the declaration of a kind of furniture: sizes, rooms, how it is placed and how it is built."""
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
@@ -9,7 +10,10 @@ from numpy.random import Generator
 from worlds.errors import WorldsError
 from worlds.labels import ROOM_LABELS
 from worlds.parts import Part
+from worlds.spec import ID_PATTERN
 
+MAX_NAME_LENGTH = 40
+"""Largest number of characters of a kind's name. The ids of its pieces consist of three numbers and this name."""
 Range = tuple[float, float]
 """A range of values, from the lowest to the highest."""
 Parts = tuple[Part, ...]
@@ -108,7 +112,7 @@ class Around:
 
 @dataclass(frozen=True)
 class OnTop:
-    """Placement on top of another piece, the host, of a kind in `hosts`. `Kind.rooms` then means pieces per host."""
+    """Placement on top of another piece (the host) of a kind in `hosts`. `Kind.rooms` counts pieces per host."""
 
     hosts: tuple[str, ...]
     at: Literal["back", "middle", "front", "anywhere"] = "anywhere"
@@ -137,6 +141,7 @@ class Kind:
     """A kind of furniture, as declared in the catalogue."""
 
     name: str
+    """Name of the kind, of up to `MAX_NAME_LENGTH` characters. It is a part of ids, and may have the same characters."""
     width: Range
     """Range of widths [m]."""
     depth: Range
@@ -154,6 +159,12 @@ class Kind:
     """Depth of the floor in front of the piece that stays free [m]."""
 
     def __post_init__(self) -> None:
+        """Raise `WorldsError` for a name, a room or a range that is not valid."""
+        if len(self.name) > MAX_NAME_LENGTH or not re.fullmatch(ID_PATTERN, self.name):
+            raise WorldsError(
+                f"furniture kind {self.name[:80]!r} has a name that cannot be written into a house; valid: up to "
+                f"{MAX_NAME_LENGTH} letters a to z, digits, blanks and _ . ' -, beginning with a letter or a digit"
+            )
         unknown = sorted(set(self.rooms) - set(ROOM_LABELS))
         if unknown:
             raise WorldsError(

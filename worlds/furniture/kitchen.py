@@ -298,7 +298,7 @@ def dish_rack(s: Size, rng: Generator) -> Parts:
 
 
 def _spaced(low: float, high: float, count: int) -> list[float]:
-    """`count` evenly spaced numbers from `low` to `high`."""
+    """Return `count` evenly spaced numbers from `low` to `high`."""
     return [low + i * (high - low) / (count - 1) for i in range(count)]
 
 

@@ -46,7 +46,7 @@ def desk(s: Size, rng: Generator) -> Parts:
     place=OnFloor("centre"),
 )
 def double_desk(s: Size, rng: Generator) -> Parts:
-    """Two desks face to face, with a cloth partition between them below the desk tops."""
+    """Two desks face to face, with a cloth partition between them that reaches up to the height of the desk tops."""
     top, frame = pick(rng, (*WOODS, WHITE)), pick(rng, METALS)
     return (
         *(box(s.x, y, (s.height - 0.035, s.height), top, "wood") for y in split(s.y, 2, 0.03)),

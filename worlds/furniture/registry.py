@@ -22,7 +22,7 @@ def furniture(
     """Register the decorated build function as a kind of furniture; see `Kind` for the arguments.
 
     By default (`solid=None`) a piece is solid if it stands on the floor. The decorator raises `WorldsError` if the name is
-    already registered.
+    already registered, or if `Kind` refuses an argument.
     """
 
     def declare(build: Build) -> Build:

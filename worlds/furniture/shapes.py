@@ -9,48 +9,48 @@ from worlds.parts import Colour, Part, Shape
 
 
 def box(x: Range, y: Range, z: Range, colour: Colour, material: str = "plain") -> Part:
-    """A box that extends over the intervals `x`, `y` and `z`."""
+    """Return a box that extends over the intervals `x`, `y` and `z`."""
     return _spanning("box", x, y, z, colour, material)
 
 
 def cylinder(x: Range, y: Range, z: Range, colour: Colour, material: str = "plain") -> Part:
-    """An upright cylinder within the intervals; its base is an ellipse if `x` and `y` differ in length."""
+    """Return an upright cylinder within the intervals; its base is an ellipse if `x` and `y` differ in length."""
     return _spanning("cylinder", x, y, z, colour, material)
 
 
 def cone(x: Range, y: Range, z: Range, colour: Colour, material: str = "plain") -> Part:
-    """An upright cone, tip up, within the intervals; its base is an ellipse if `x` and `y` differ in length."""
+    """Return an upright cone, tip up, within the intervals; its base is an ellipse if `x` and `y` differ in length."""
     return _spanning("cone", x, y, z, colour, material)
 
 
 def ball(x: Range, y: Range, z: Range, colour: Colour, material: str = "plain") -> Part:
-    """An ellipsoid that extends over the intervals `x`, `y` and `z`."""
+    """Return an ellipsoid that extends over the intervals `x`, `y` and `z`."""
     return _spanning("ball", x, y, z, colour, material)
 
 
 def moved(part: Part, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Part:
-    """The part, moved by (x, y, z) [m]."""
+    """Return the part, moved by (x, y, z) [m]."""
     return replace(part, centre=(part.centre[0] + x, part.centre[1] + y, part.centre[2] + z))
 
 
 def about(centre: float, length: float) -> Range:
-    """The interval of `length` with its middle at `centre`."""
+    """Return the interval of `length` with its middle at `centre`."""
     return centre - length / 2, centre + length / 2
 
 
 def inset(interval: Range, by: float) -> Range:
-    """The interval, shortened by `by` at both ends."""
+    """Return the interval, shortened by `by` at both ends."""
     return interval[0] + by, interval[1] - by
 
 
 def split(interval: Range, count: int, gap: float = 0.0) -> list[Range]:
-    """The interval divided into `count` equal pieces with gaps of `gap` between them."""
+    """Return the interval divided into `count` equal pieces with gaps of `gap` between them."""
     step = (interval[1] - interval[0] + gap) / count
     return [(interval[0] + i * step, interval[0] + (i + 1) * step - gap) for i in range(count)]
 
 
 def legs(s: Size, top: float, thickness: float, colour: Colour, material: str = "wood", margin: float = 0.02) -> Parts:
-    """Four legs near the corners, from the floor up to the height `top`."""
+    """Return four legs near the corners, from the floor up to the height `top`."""
     x, y = inset(s.x, margin), inset(s.y, margin)
     ends = [((a[0], a[0] + thickness), (a[1] - thickness, a[1])) for a in (x, y)]
     return tuple(box(i, j, (0.0, top), colour, material) for i in ends[0] for j in ends[1])
@@ -59,7 +59,7 @@ def legs(s: Size, top: float, thickness: float, colour: Colour, material: str = 
 def fronts(
     x: Range, z: Range, at: float, columns: int, rows: int, colour: Colour, handle: Colour, material: str = "wood"
 ) -> Parts:
-    """A grid of fronts of doors and drawers that face +y. With their handles, they fill the last 2 cm before y = `at`.
+    """Return a grid of door and drawer fronts that face +y; with their handles, they fill the last 2 cm before y = `at`.
 
     Fronts that are higher than wide are doors, with an upright handle near the edge of larger x. All others are drawers,
     with a level handle near the top.
@@ -91,7 +91,7 @@ def fronts(
 
 
 def shelf_unit(s: Size, shelves: int, colour: Colour, material: str = "wood", board: float = 0.03) -> Parts:
-    """The boards of a shelf: two sides, a back, and level boards that form `shelves` compartments, open to the front."""
+    """Return the boards of a shelf: two sides, a back, and boards that form `shelves` compartments, open to the front."""
     sides = [box(x, s.y, s.z, colour, material) for x in ((s.left, s.left + board), (s.right - board, s.right))]
     back = box(s.x, (s.back, s.back + 0.015), s.z, colour, material)
     levels = [i * (s.height - board) / shelves for i in range(shelves + 1)]
@@ -101,7 +101,7 @@ def shelf_unit(s: Size, shelves: int, colour: Colour, material: str = "wood", bo
 def stocked(
     s: Size, shelves: int, goods: tuple[str, ...], colour: Colour, rng: Generator, board: float = 0.03, fill: float = 0.8
 ) -> Parts:
-    """Goods for the shelves of a `shelf_unit` of this size: blocks with a material drawn from `goods`.
+    """Return goods for the shelves of a `shelf_unit` of this size: blocks with a material drawn from `goods`.
 
     Each shelf has a place for one block about every half metre; each place gets a block with the probability `fill`.
     """

@@ -2,13 +2,13 @@
 
 A leaf must swing freely: its swing area, the rectangle around the sector that it sweeps, overlaps no wall, obstacle or other
 leaf's swing area. At the angle at which it stands, the leaf must not block another opening. `hang_leaf` tries the four
-possible ways to hang it.
+possible ways to hang a leaf.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 
-from worlds.labels import OUTDOOR_LABELS, STAIRS
+from worlds.labels import CIRCULATION_LABELS, OUTDOOR_LABELS, STAIRS
 from worlds.openings.opening_draft import LEAF_THICKNESS_M, LeafDraft, OpeningDraft, Rectangle
 from worlds.spec import RoomSpec
 
@@ -21,8 +21,6 @@ _PASSING_M = 0.65
 _MOST_OPEN_RAD = math.radians(105.0)
 _AJAR_RAD = (math.radians(62.0), math.radians(85.0))
 """Range of the angle of a leaf that does not stand fully open [rad]."""
-_CIRCULATION = frozenset({"corridor", "entrance hall", "lobby"})
-"""Labels of rooms that people walk along, where a leaf is most in the way."""
 
 
 def hang_leaf(
@@ -32,12 +30,12 @@ def hang_leaf(
     draws: tuple[float, float],
     obstacles: Sequence[Rectangle] = (),
 ) -> LeafDraft | None:
-    """Choose the leaf of a doorway; None where a leaf cannot swing freely.
+    """Choose how the leaf of a doorway hangs; return None if no leaf can swing freely there.
 
-    There are four ways to hang a leaf. The first in which it swings freely is taken; they are tried in this order:
+    There are four ways to hang a leaf. They are tried in this order, and the first in which the leaf swings freely is taken:
 
-    1. The leaf may swing into either room, but never into stairs. A corridor is tried after another indoor room, so that the
-       leaf does not stand in people's way.
+    1. The leaf may swing into either room, but never into stairs. `_swing_rank` decides which room is tried first. For
+       example, a corridor is tried after another indoor room, so that the leaf does not stand in people's way.
     2. For either room, the hinge is tried first at the end nearer to a corner, so that the open leaf stands against a wall.
 
     A quarter of the leaves stand ajar; the others are open to a right angle or further, as far as the wall behind them
@@ -57,25 +55,25 @@ def hang_leaf(
 
 
 def _swing_rank(room: RoomSpec) -> tuple[int, float]:
-    """Sort key for the two rooms of a door: the room into which the leaf should preferably swing comes first.
+    """Return a sort key for the two rooms of a door: the room into which the leaf should preferably swing comes first.
 
     Doors swing into rooms rather than corridors, indoors rather than outdoors, and otherwise into the larger room.
     """
-    rank = 2 if room.label in OUTDOOR_LABELS else 1 if room.label in _CIRCULATION else 0
+    rank = 2 if room.label in OUTDOOR_LABELS else 1 if room.label in CIRCULATION_LABELS else 0
     return rank, -_extent(room)
 
 
 def _extent(room: RoomSpec) -> float:
-    """Area of the room's bounding rectangle [m²]."""
+    """Return the area of the room's bounding rectangle [m²]."""
     xs, ys = zip(*room.polygon_m, strict=True)
     return float((max(xs) - min(xs)) * (max(ys) - min(ys)))
 
 
 def _distance_to_corner(door: OpeningDraft, room: RoomSpec, at_low: bool) -> float:
-    """Distance from the hinge, along the door's wall and away from the door, to the next wall at a right angle [m].
+    """Return the distance from the hinge of a leaf to the next wall at a right angle to the door's wall [m].
 
-    The hinge is at the lower end of the door if `at_low`, else at the upper end. The distance is infinite if there is no
-    such wall.
+    The distance is measured along the door's wall, away from the door. The hinge is at the lower end of the door if
+    `at_low`, else at the upper end. The distance is infinite if there is no wall at a right angle.
     """
     hinge, sign = (door.low, -1.0) if at_low else (door.high, 1.0)
     inside = door.at + _WALL_M * (1.0 if door.larger_side == room.id else -1.0)
@@ -87,7 +85,7 @@ def _distance_to_corner(door: OpeningDraft, room: RoomSpec, at_low: bool) -> flo
 
 
 def _edges_across(room: RoomSpec, axis: int) -> list[tuple[float, float, float]]:
-    """The room's edges at a right angle to `axis`, each as (coordinate on the axis, lower end, upper end) [m]."""
+    """Return the room's edges at a right angle to `axis`, each as (coordinate on the axis, lower end, upper end) [m]."""
     corners, across = room.polygon_m, 1 - axis
     return [
         (p[axis], min(p[across], q[across]), max(p[across], q[across]))
@@ -97,13 +95,13 @@ def _edges_across(room: RoomSpec, axis: int) -> list[tuple[float, float, float]]
 
 
 def _largest_angle(door: OpeningDraft, room: RoomSpec, at_low: bool) -> float:
-    """The largest angle at which the leaf does not touch the wall behind it, at most `_MOST_OPEN_RAD` [rad]."""
+    """Return the largest angle at which the leaf does not touch the wall behind it, at most `_MOST_OPEN_RAD` [rad]."""
     behind = _distance_to_corner(door, room, at_low) - _WALL_M - LEAF_THICKNESS_M
     return min(_MOST_OPEN_RAD, math.pi / 2 + math.asin(min(1.0, max(0.0, behind / door.width))))
 
 
 def swing_box(door: OpeningDraft, leaf: LeafDraft) -> Rectangle:
-    """The swing area: the rectangle around the sector that the leaf sweeps from closed to its angle [m].
+    """Return the swing area: the rectangle around the sector that the leaf sweeps from closed to its angle [m].
 
     A leaf that stands less than a right angle open is treated as open to a right angle, because people open it further. The
     rectangle begins outside the face of the door's own wall.
@@ -113,13 +111,13 @@ def swing_box(door: OpeningDraft, leaf: LeafDraft) -> Rectangle:
 
 
 def resting_box(door: OpeningDraft, leaf: LeafDraft) -> Rectangle:
-    """The rectangle around the leaf at the angle at which it stands [m]."""
+    """Return the bounding rectangle of the leaf, standing open at `leaf.angle` [m]."""
     tip, half = door.width * math.cos(leaf.angle), LEAF_THICKNESS_M / 2
     return _box(door, leaf, min(0.0, tip) - half, max(0.0, tip) + half, door.width * math.sin(leaf.angle))
 
 
 def _box(door: OpeningDraft, leaf: LeafDraft, start: float, stop: float, depth: float) -> Rectangle:
-    """The rectangle from `start` to `stop` along the wall, counted from the hinge, and `depth` into the room [m]."""
+    """Return the rectangle from `start` to `stop` along the wall, counted from the hinge, and `depth` into the room [m]."""
     along = (door.low + start, door.low + stop) if leaf.at_low else (door.high - stop, door.high - start)
     into_larger = door.larger_side == leaf.into
     cross = (door.at + _WALL_M, door.at + depth) if into_larger else (door.at - depth, door.at - _WALL_M)
@@ -127,7 +125,7 @@ def _box(door: OpeningDraft, leaf: LeafDraft, start: float, stop: float, depth: 
 
 
 def is_in_front(door: OpeningDraft, other: OpeningDraft, depth_m: float) -> bool:
-    """Whether the door's leaf is in the way of another opening.
+    """Return whether the door's leaf is in the way of another opening.
 
     If the other opening has a leaf that swings into the same room, the door's leaf is in the way if the two swing areas
     overlap. Otherwise it is in the way if it stands within `depth_m` [m] in front of the other opening.
@@ -146,10 +144,13 @@ def _swings_freely(
     rooms: Mapping[str, RoomSpec],
     obstacles: Sequence[Rectangle],
 ) -> bool:
-    """Whether the leaf's swing area is free, and the leaf at its angle blocks no other opening of the room."""
+    """Return whether the leaf's swing area is free, and the leaf at its angle blocks no other opening of the room.
+
+    In a corridor, people must also be able to pass the tip of the leaf when it stands at a right angle.
+    """
     room, swing, standing = rooms[leaf.into], swing_box(door, leaf), resting_box(door, leaf)
     # In a corridor, people have to pass a leaf that stands square to the wall.
-    passing = _PASSING_M if room.label in _CIRCULATION else 0.0
+    passing = _PASSING_M if room.label in CIRCULATION_LABELS else 0.0
     needed = _box(door, leaf, -LEAF_THICKNESS_M / 2, door.width, door.width + passing) if passing else swing
     if any(_overlap(needed, wall) or _overlap(swing, wall) for wall in _walls(room)):
         return False
@@ -166,7 +167,7 @@ def _swings_freely(
 
 
 def _walls(room: RoomSpec) -> list[Rectangle]:
-    """The room's walls as rectangles, 2 mm thinner on each side than `_WALL_M`, so that touching is no overlap [m]."""
+    """Return the room's walls as rectangles [m], 2 mm less than `_WALL_M` on each side, so that touching is no overlap."""
     half, corners = _WALL_M - 0.002, room.polygon_m
     return [
         (min(x0, x1) - half, min(y0, y1) - half, max(x0, x1) + half, max(y0, y1) + half)

@@ -60,7 +60,7 @@ class DoorLeaf(Placed):
         return Polygon([self.hinge, *self.arc(math.copysign(max(abs(self.turn), math.pi / 2), self.turn))])
 
     def arc(self, turn: float) -> list[tuple[float, float]]:
-        """The path of the free end from the closed position through an angle `turn` [rad], as points [m]."""
+        """Return the path of the free end from the closed position through an angle `turn` [rad], as points [m]."""
         (x, y), radius = self.hinge, self.size[0]
         angles = (self.shut_yaw + turn * i / _ARC_STEPS for i in range(_ARC_STEPS + 1))
         return [(x + radius * math.cos(a), y + radius * math.sin(a)) for a in angles]
@@ -91,12 +91,12 @@ def hang_leaves(
     floor_m: float,
     style: int,
 ) -> Iterator[DoorLeaf]:
-    """The leaves of a storey's `openings`.
+    """Yield the leaves of a storey's `openings`.
 
     Args:
         level: index of the storey.
-        pieces: the storey's room boundaries, cut into pieces at the openings. Each piece comes with the opening that it is,
-            or None for wall.
+        pieces: the storey's room boundaries, cut into pieces at the openings. Each piece comes with the opening that fills
+            it, or None for wall.
         openings: the storey's openings; an opening without a leaf, or in no boundary, is skipped.
         floor_m: height of the floor in W [m].
         style: seed of the leaves' appearance, the same for all doors of the storey.

@@ -30,7 +30,7 @@ class LeafDraft:
     """Opening angle of the leaf; 0: closed [rad]."""
 
     def spec(self) -> LeafSpec:
-        """The leaf as a spec, for an `OpeningSpec` that starts at the opening's lower end."""
+        """Return the leaf as a spec, for an `OpeningSpec` that starts at the opening's lower end."""
         return LeafSpec(hinge="start" if self.at_low else "end", into=self.into, angle_rad=self.angle)
 
 
@@ -65,12 +65,12 @@ class OpeningDraft:
         return self.rooms[1]
 
     def around(self, depth_m: float) -> Rectangle:
-        """The rectangle that is as long as the opening and reaches `depth_m` to both sides of the wall's centre line [m]."""
+        """Return a rectangle as long as the opening that reaches `depth_m` to both sides of the wall's centre line [m]."""
         cross = self.at - depth_m, self.at + depth_m
         return (self.low, cross[0], self.high, cross[1]) if self.axis == 0 else (cross[0], self.low, cross[1], self.high)
 
     def spec(self) -> OpeningSpec:
-        """The opening as a spec, which starts at the lower end."""
+        """Return the opening as a spec, which starts at the lower end."""
         ends = [(v, self.at) if self.axis == 0 else (self.at, v) for v in (self.low, self.high)]
         return OpeningSpec(
             rooms=self.rooms,
@@ -84,7 +84,7 @@ class OpeningDraft:
 
     @staticmethod
     def of(opening: OpeningSpec, rooms: dict[str, RoomSpec]) -> "OpeningDraft":
-        """The draft of an opening from a spec. Raises `HouseError` if the opening runs along neither x nor y."""
+        """Convert the spec of an opening to a draft. Raises `HouseError` if the opening runs along neither x nor y."""
         axis, at, low, high = opening_span(opening)
         # A spec may name its two rooms in any order; a draft needs them by their sides of the wall.
         sides = opening.rooms
@@ -99,7 +99,7 @@ class OpeningDraft:
 
 
 def shared_walls(a: RoomSpec, b: RoomSpec) -> list[Boundary]:
-    """The stretches of wall with room `a` on one side and room `b` on the other."""
+    """Return the stretches of wall with room `a` on one side and room `b` on the other."""
     return join_stretches(_facing(a, b))
 
 
@@ -117,7 +117,7 @@ def join_stretches(pieces: Iterable[Boundary]) -> list[Boundary]:
 
 
 def _facing(a: RoomSpec, b: RoomSpec) -> Iterator[Boundary]:
-    """Every stretch where an edge of one room lies on an edge of the other room, with the rooms on opposite sides."""
+    """Yield every stretch where an edge of one room lies on an edge of the other room, with the rooms on opposite sides."""
     for (axis, at, low, high, side), (axis_b, at_b, low_b, high_b, side_b) in itertools.product(_edges(a), _edges(b)):
         start, stop = max(low, low_b), min(high, high_b)
         if axis == axis_b and side != side_b and abs(at - at_b) < _TOLERANCE_M and stop - start > _TOLERANCE_M:
@@ -125,7 +125,10 @@ def _facing(a: RoomSpec, b: RoomSpec) -> Iterator[Boundary]:
 
 
 def _edges(room: RoomSpec) -> Iterator[tuple[int, float, float, float, int]]:
-    """Every edge as (axis, coordinate across, low, high, side); side is 1 if the room is at larger coordinates across."""
+    """Yield every edge of a room as (axis, coordinate across the axis, low, high, side) [m].
+
+    `side` is 1 if the room is on the side of larger coordinates across the axis, else 0.
+    """
     corners = room.polygon_m
     for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1], strict=True):
         if y0 == y1:

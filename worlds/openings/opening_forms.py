@@ -46,7 +46,7 @@ class Task:
     draw: float
     """Number in [0, 1) that decides where along the wall an opening lies."""
     blocked: tuple[OpeningDraft, ...] = ()
-    """Stretches of wall with furniture in front of them, as drafts of openings; a new door avoids them if it can."""
+    """Stretches of wall with furniture in front of them; a new door is placed elsewhere if possible."""
 
     @property
     def main(self) -> Boundary:
@@ -58,11 +58,11 @@ Gaps = tuple[OpeningDraft, ...]
 
 
 def open_by(task: Task, style: str) -> Gaps:
-    """Openings with the area that the task requests, or as near to this area as possible.
+    """Return openings with the area that the task requests, or as near to this area as possible.
 
-    A form is a way of opening the wall, such as an arch. The form named `style` is tried first, then all others in the order
-    of `FORMS`. The first form with the right area (within 0.03 m²) is taken. If there is none, the form with the nearest
-    area is taken, or the partition is closed if an area of 0 is nearer.
+    A form is a way of opening the wall, such as an arch. The form named `style` is tried first, then all other forms in the
+    order of `FORMS`. The first form with the right area (within 0.03 m²) is taken. If no form has the right area, the form
+    with the nearest area is taken, or the partition is closed if an area of 0 is nearer.
     """
     best, least = closed(task), math.inf
     for name in (style, *(name for name in FORMS if name != style)):
@@ -78,7 +78,7 @@ def open_by(task: Task, style: str) -> Gaps:
 
 
 def area_of(gaps: Sequence[OpeningDraft], part: Partition) -> float:
-    """Area by which openings permanently open a partition (the wall between two rooms); doors count as 0 [m²]."""
+    """Return the area by which openings permanently open a partition (the wall between two rooms); doors count as 0 [m²]."""
     return math.fsum(gap_area(gap.spec(), part.height_m) for gap in gaps)
 
 
@@ -125,7 +125,7 @@ def _wall_removed(task: Task) -> Gaps:
 
 def _framed(kind: OpeningKind) -> Callable[[Task], Gaps | None]:
     def form(task: Task) -> Gaps | None:
-        """A wide opening under a lintel or an arch, in the longest straight stretch; None if the stretch is too short."""
+        """Return a wide opening under a lintel or an arch, in the longest straight stretch; None if it is too short."""
         span = (task.main, task.main.low + CORNER_M, task.main.high - CORNER_M)
         most, least = min(_MAX_FRAMED_M, span[2] - span[1]), 1.0 if kind == "arch" else MIN_DOOR_M
         if most < least:
@@ -140,9 +140,9 @@ def _framed(kind: OpeningKind) -> Callable[[Task], Gaps | None]:
 
 
 def _half_wall(task: Task) -> Gaps | None:
-    """A passage from floor to ceiling at one end of the longest straight stretch, and a half wall beside the passage.
+    """Return a passage from floor to ceiling at one end of the longest straight stretch, and a half wall beside the passage.
 
-    None if the stretch is too short for both.
+    The result is None if the stretch is too short for both.
     """
     wall, height = task.main, task.part.height_m
     passage, sill = 0.9, 1.0
@@ -162,9 +162,9 @@ def _half_wall(task: Task) -> Gaps | None:
 
 def _hatch(kind: OpeningKind, sill: float, narrow_door: bool = False) -> Callable[[Task], Gaps | None]:
     def form(task: Task) -> Gaps | None:
-        """A hatch beside the door, as wide as the area requires; with `narrow_door`, the door first moves to a corner.
+        """Return the doors that `closed` keeps or places, and a hatch beside them that is as wide as the area requires.
 
-        None if there is no room for a hatch.
+        With `narrow_door`, the door first moves to a corner. The result is None if there is no room for a hatch.
         """
         doors = closed(task)
         if narrow_door and doors:
@@ -174,7 +174,7 @@ def _hatch(kind: OpeningKind, sill: float, narrow_door: bool = False) -> Callabl
         span = max(spans, key=lambda span: span[2] - span[1], default=(task.main, 0.0, 0.0))
         if span[2] - span[1] < _MIN_HATCH_M or (doors and doors[-1].high > span[0].high):
             return None
-        # The area of a hatch is proportional to its width, so one of 1 m gives the area per metre.
+        # The area of a hatch is proportional to its width, so a hatch of 1 m gives the area per metre.
         hatch = replace(make_opening(kind, span, 0.0, 1.0, task.part.height_m), sill=sill)
         width = task.area / area_of([hatch], task.part)
         placed = _in_span(kind, task, span, min(max(width, _MIN_HATCH_M), span[2] - span[1]))
@@ -192,9 +192,9 @@ def _height(kind: OpeningKind, task: Task) -> float:
 
 
 def _in_span(kind: OpeningKind, task: Task, span: Span, width: float) -> OpeningDraft:
-    """An opening of this width [m] in a free span of wall, at the position that `task.draw` gives.
+    """Return an opening of this width [m] in a free span of wall, at the position that `task.draw` gives.
 
-    Width and position are rounded to 1 cm where possible; the opening must not reach past the ends of the span, which are
+    Width and position are rounded to 1 cm where possible. The opening must not reach past the ends of the span, which are
     not always whole centimetres.
     """
     start, stop = round(span[1], 6), round(span[2], 6)
@@ -217,5 +217,5 @@ FORMS: dict[str, Callable[[Task], Gaps | None]] = {
 }
 """All forms of opening a partition, by name; the forms that people build most often come first."""
 STYLES = {"open": (0.5, 0.85), "arch": (0.2, 0.5), "cased": (0.2, 0.5), "half wall": (0.5, 0.75), "counter": (0.1, 0.3)}
-"""Forms of openings, by name. For each partition, one form is drawn at random and tried before the others. The values
-(low, high) are the range of the share of the partition's area that the form opens."""
+"""Forms of openings, by name. For each partition, one form is drawn at random and tried before the others. The form opens a
+share of the partition's area, which is drawn from the range (low, high)."""

@@ -33,7 +33,7 @@ _NEAR = 0.004
 _FRONT_M = 0.6
 """Depth of the area in front of a wall in which furniture counts as standing at the wall [m]."""
 _NARROW_M = 1.3
-"""Width of an opening [m]; no leaf may stand in front of openings narrower than this."""
+"""Openings narrower than this count as narrow [m]. No door leaf may stand in front of a new narrow opening."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class _PartPlan:
     style: str
     """Name of the form, such as "arch", that is tried first when the partition is opened (see `opening_forms`)."""
     share: float
-    """Share of the partition's area that is to be open when it is opened in its style."""
+    """Share of the partition's area that is to be open when the partition is opened in its style."""
     draws: tuple[float, float, float]
     """Three numbers in [0, 1): they decide the position of openings, whether a leaf stands ajar, and the leaf's angle."""
     blocked: Gaps
@@ -78,7 +78,7 @@ class _PartPlan:
 
 
 def openness_of(spec: HouseSpec) -> float:
-    """Share of the area of all partitions that is permanently open, in [0, 1]; 0 for a house without partitions."""
+    """Return the share of the area of all partitions that is permanently open, in [0, 1]; 0 without partitions."""
     parts = partitions(spec)
     total, pairs = sum(part.area for part in parts), {part.rooms for part in parts}
     gaps = sum(gap_area(o, s.height_m) for s in spec.storeys for o in s.openings if frozenset(o.rooms) in pairs)
@@ -86,9 +86,10 @@ def openness_of(spec: HouseSpec) -> float:
 
 
 def with_openness(spec: HouseSpec, target: float, seed: int | None = None) -> HouseSpec:
-    """The same house with its inner walls opened, or closed with doors, until its openness is within 0.05 of `target`.
+    """Open the inner walls of a house, or close them with doors, until its openness is within 0.05 of `target`.
 
-    Only openings change, and rooms that were connected stay connected.
+    The result is the spec of the same house with other openings. Only openings change, and rooms that were connected stay
+    connected.
 
     1. Sort the partitions: kitchens, dining and living rooms first, then corridors, lobbies and offices, bedrooms and
        bathrooms last. `seed` (None: the house's) draws the order within these tiers, and the form of each opening.
@@ -118,7 +119,7 @@ def with_openness(spec: HouseSpec, target: float, seed: int | None = None) -> Ho
 
 
 def _plans(spec: HouseSpec, seed: int) -> list[_PartPlan]:
-    """A plan for every partition of a house, sorted in the order in which partitions are opened."""
+    """Return a plan for every partition of a house, sorted in the order in which partitions are opened."""
     plans = []
     for part in partitions(spec):
         storey = spec.storeys[part.storey]
@@ -126,7 +127,7 @@ def _plans(spec: HouseSpec, seed: int) -> list[_PartPlan]:
         gaps = tuple(
             OpeningDraft.of(opening, rooms) for opening in storey.openings if frozenset(opening.rooms) == part.rooms
         )
-        # A generator for each partition, so that a change to one does not change the draws of others.
+        # Each partition has its own generator, so that a change to one partition does not change the draws of the others.
         rng = np.random.default_rng([seed, zlib.crc32("|".join(sorted(part.rooms)).encode())])
         draws = rng.random(5).tolist()
         style = list(STYLES)[int(draws[3] * len(STYLES))]
@@ -143,10 +144,12 @@ def _excess(plans: Sequence[_PartPlan], goal: float) -> float:
 
 
 def _share_out(plans: list[_PartPlan], goal: float) -> None:
-    """Change `plans` by the `_steps`, in order, until the open area of all plans together reaches the goal [m²].
+    """Open or close partitions until the open area of all partitions together reaches `goal` [m²].
 
-    A step in the wrong direction is skipped: a partition may already be more open than its style would make it. The last
-    step is the one that would overshoot the goal. It is taken only in part, and only if this reduces the difference.
+    `plans` holds the planned openings of each partition; it is changed in place. The changes are those of `_steps`, in
+    order. A change in the wrong direction is skipped: for example, a partition may already be more open than its style would
+    make it. The first change that would overshoot the goal is the last. It is made only in part, and only if this brings the
+    area nearer to the goal.
     """
     lacking = -_excess(plans, goal)
     opening = lacking > 0.0
@@ -166,9 +169,9 @@ def _share_out(plans: list[_PartPlan], goal: float) -> None:
 def _steps(plans: list[_PartPlan], opening: bool) -> Iterator[tuple[int, _PartPlan]]:
     """Yield the changes to try, in order, each as the index of a plan and the plan's new version.
 
-    To open a house, each tier is treated in turn: first each partition of the tier is opened in its style, then each is
-    removed, so that all partitions of a tier are opened a little before one of them disappears. To close a house, each
-    partition is closed, the most private first.
+    To open a house, each tier is treated in turn: first each partition of the tier is opened in its style, then each
+    partition is removed as a whole, so that all partitions of a tier are opened a little before the first disappears. To
+    close a house, each partition is closed, the most private partition first.
     """
     if not opening:
         yield from ((i, plans[i].shut()) for i in reversed(range(len(plans))))
@@ -195,7 +198,7 @@ def _correct(plans: list[_PartPlan], goal: float, enough: float) -> None:
 
 
 def _rebuild(storey: StoreySpec, changed: Sequence[_PartPlan]) -> StoreySpec:
-    """The storey with the openings of some partitions replaced, and leaves in the new doors.
+    """Return the storey with the openings of some partitions replaced, and with leaves in the new doors.
 
     Old leaves stay, unless they would stand in front of a narrow new opening; these leaves are hung differently or removed.
     """
@@ -217,12 +220,12 @@ def _rebuild(storey: StoreySpec, changed: Sequence[_PartPlan]) -> StoreySpec:
 
 
 def _blocking_furniture(storey: StoreySpec) -> list[FurnitureSpec]:
-    """The solid furniture in the spec that is low enough to block people."""
+    """Return the solid furniture in the spec that is low enough to block people."""
     return [piece for piece in storey.furniture or () if kind_of(piece.kind).solid and piece.position_m[2] < 2.0]
 
 
 def _footprint(piece: FurnitureSpec) -> Rectangle:
-    """The axis-aligned bounding rectangle of a piece in the plan [m]."""
+    """Return the axis-aligned bounding rectangle of a piece in the plan [m]."""
     (x, y, _), (width, depth, _) = piece.position_m, piece.size_m
     cos, sin = abs(math.cos(piece.yaw_rad)) / 2, abs(math.sin(piece.yaw_rad)) / 2
     dx, dy = width * cos + depth * sin, width * sin + depth * cos
@@ -230,7 +233,7 @@ def _footprint(piece: FurnitureSpec) -> Rectangle:
 
 
 def _blocked(part: Partition, storey: StoreySpec) -> Gaps:
-    """The stretches of a partition's walls with furniture in front of them, as drafts of openings (see `free_spans`)."""
+    """Return the stretches of a partition's walls that have furniture in front, as drafts of openings for `free_spans`."""
     rooms = sorted(part.rooms)
     found = []
     for x0, y0, x1, y1 in (_footprint(piece) for piece in _blocking_furniture(storey) if piece.room in part.rooms):

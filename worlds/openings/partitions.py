@@ -29,7 +29,7 @@ class Partition:
 
 
 def partitions(spec: HouseSpec) -> list[Partition]:
-    """The partitions of all storeys, lowest storey first. Raises `HouseError` where rooms overlap."""
+    """Return the partitions of all storeys, lowest storey first. Raises `HouseError` where rooms overlap."""
     found = []
     for level, storey in enumerate(spec.storeys):
         inner = {room.id for room in storey.rooms if room.label != STAIRS and room.label not in OUTDOOR_LABELS}
@@ -43,7 +43,7 @@ def partitions(spec: HouseSpec) -> list[Partition]:
 
 
 def gap_area(opening: OpeningSpec, ceiling_m: float) -> float:
-    """Area by which an opening permanently opens the wall [m²]; 0 for a door, because a door can be closed.
+    """Return the area by which an opening permanently opens the wall [m²]; 0 for a door, because a door can be closed.
 
     `ceiling_m` is the height of the ceiling above the floor [m].
     """

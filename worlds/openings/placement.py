@@ -38,9 +38,9 @@ Span = tuple[Boundary, float, float]
 
 
 def place_openings(layout: StoreyLayout, rng: Generator) -> tuple[OpeningSpec, ...]:
-    """All openings of a storey: first the openings given by the layout, then those for its links, in the order of the links.
+    """Return all openings of a storey: first the openings given by the layout, then the openings for its links.
 
-    A link is a request to connect two rooms.
+    A link is a request to connect two rooms. The openings for the links are in the order of the links.
 
     1. Each link gets `_DRAWS` random numbers, all drawn in advance, so that no link changes the numbers of another. Links of
        twin rooms share a seed, so they get the same numbers.
@@ -78,7 +78,7 @@ def place_openings(layout: StoreyLayout, rng: Generator) -> tuple[OpeningSpec, .
 def _place(
     link: Link, alone: bool, walls: Sequence[Boundary], gaps: Sequence[OpeningDraft], storey_m: float, draws: Sequence[float]
 ) -> list[OpeningDraft]:
-    """The openings for one link (a request to connect two rooms).
+    """Return the openings for one link (a request to connect two rooms).
 
     `alone` says that the requested kind is a half wall or a counter, which one cannot walk through, and that no other link
     lets people walk between the two rooms. A door or a cased opening is then placed first. Raises `WorldsError` if no
@@ -106,7 +106,7 @@ def _place(
 def _place_passable(
     link: Link, walls: Sequence[Boundary], spans: Sequence[Span], storey_m: float, draws: Sequence[float]
 ) -> OpeningDraft:
-    """An opening of the link's kind if it fits into one of `spans`, otherwise a door.
+    """Return an opening of the link's kind if it fits into one of `spans`, otherwise a door.
 
     Raises `WorldsError` if no door fits either.
     """
@@ -118,9 +118,10 @@ def _place_passable(
 
 
 def _fit(kind: OpeningKind, spans: Sequence[Span], longest: float, storey_m: float, draws: Sequence[float]) -> OpeningDraft:
-    """An opening with a width drawn for its kind, or narrower if `longest`, the length of the longest span, is less [m].
+    """Return an opening in one of `spans`, at a random position and with a width drawn for its kind.
 
-    A door mostly lies near an end of its span.
+    The opening is narrower if even the longest span, whose length is `longest` [m], is too short for the drawn width. A door
+    mostly lies near an end of its span.
     """
     least, most = _WIDTHS_M[kind]
     width = min(round(least + draws[0] * (most - least), 2), math.floor(longest * 100 + 1e-6) / 100)
@@ -137,9 +138,10 @@ def _fit(kind: OpeningKind, spans: Sequence[Span], longest: float, storey_m: flo
 
 
 def _by_length(spans: Sequence[Span], share: float) -> Span:
-    """The span that contains the point at the share `share` in [0, 1) of the total length of all spans, laid end to end.
+    """Return the span that contains a given point of all spans, if the spans are laid end to end.
 
-    With a random share, each span is chosen in proportion to its length.
+    `share` in [0, 1) is the position of the point as a share of the total length. With a random share, each span is chosen
+    in proportion to its length.
     """
     left = share * sum(high - low for _, low, high in spans)
     for span in spans:
@@ -150,10 +152,10 @@ def _by_length(spans: Sequence[Span], share: float) -> Span:
 
 
 def make_opening(kind: OpeningKind, span: Span, low: float, high: float, storey_m: float) -> OpeningDraft:
-    """An opening in the wall of `span`, with the usual height of its kind.
+    """Return an opening in the wall of `span`, with the usual height of its kind.
 
-    `low` and `high` are the coordinates of its ends along the wall [m]. The ceiling is `storey_m` above the floor [m], and
-    the upper edge of the opening stays at least 5 cm below it.
+    `low` and `high` are the coordinates of the opening's ends along the wall [m]. The ceiling is `storey_m` above the floor
+    [m], and the upper edge of the opening stays at least 5 cm below the ceiling.
     """
     wall = span[0]
     crown = {"arch": 2.3, "cased": 2.1}.get(kind, 2.05)
@@ -164,7 +166,7 @@ def make_opening(kind: OpeningKind, span: Span, low: float, high: float, storey_
 def free_spans(
     walls: Iterable[Boundary], gaps: Sequence[OpeningDraft], corner_m: float = CORNER_M, apart_m: float = APART_M
 ) -> list[Span]:
-    """The parts of walls that are free, at least `corner_m` from the walls' ends and `apart_m` from all `gaps` [m]."""
+    """Return the free parts of walls, at least `corner_m` from the walls' ends and `apart_m` from all `gaps` [m]."""
     spans: list[Span] = []
     for wall in walls:
         start, stop = wall.low + corner_m, wall.high - corner_m

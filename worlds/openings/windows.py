@@ -122,10 +122,11 @@ def sample_windows(room: RoomSpec, outer: Sequence[Boundary], height_m: float, r
 def _spot(
     outer: Sequence[Boundary], widths: tuple[float, float], t: float, placed: Sequence[tuple[Boundary, float, float]]
 ) -> tuple[Boundary, float, float] | None:
-    """The wall and the ends of a window at the share `t` in [0, 1) of all possible positions along the outer walls [m].
+    """Return the wall and both ends of a window, as (wall, lower end, upper end) [m].
 
-    The window has the first of `widths` that fits into any of the walls. None if no width fits, or if the window would be
-    too near to one of the windows in `placed`.
+    The window lies at the share `t` in [0, 1) of all possible positions along the outer walls. It has the first of `widths`
+    that fits into any of the walls. The result is None if no width fits, or if the window would be too near to one of the
+    windows in `placed`.
     """
     for width in widths:
         rooms = [max(0.0, wall.length - 2 * _CORNER_M - width) for wall in outer]
@@ -145,7 +146,7 @@ def _spot(
 def hang_windows(
     spec: HouseSpec, level: int, windows: Sequence[WindowSpec], outer: Mapping[str, Sequence[Boundary]], floor_m: float
 ) -> Iterator[Window]:
-    """The windows of a storey as placed objects.
+    """Yield the windows of a storey as placed objects.
 
     `outer` has the stretches of outer wall of every room, by room id; `floor_m` is the floor's height in W [m]. Raises
     `HouseError` for a window that lies in no outer wall of its room, or whose sill is not below its upper edge.
@@ -167,16 +168,18 @@ def hang_windows(
 
 
 def _style(spec: HouseSpec, room: RoomSpec, index: int) -> int:
-    """Seed of a window's appearance. It depends only on the seeds of house and appearance, the room, and the window's index.
+    """Return the seed of the appearance of a room's window number `index`.
 
-    Twin rooms (with equal seeds) get the same window seeds.
+    The seed depends on this number, on the seed of the house's appearance, and on the room: on the room's own seed if it has
+    one, and otherwise on the house's seed and the room's id. Twin rooms (with equal seeds) thus have windows that look
+    alike.
     """
     own = (spec.seed, room.id) if room.seed is None else (room.seed,)
     return zlib.crc32(repr((own, spec.appearance.seed, index)).encode())
 
 
 def _wall_of(spec: WindowSpec, outer: Sequence[Boundary]) -> Boundary | None:
-    """The stretch of outer wall in which the whole window lies; None if no stretch contains it."""
+    """Return the stretch of outer wall in which the whole window lies; None if no stretch contains it."""
     span = segment_span(spec.start_m, spec.end_m)
     if span is None:
         return None

@@ -2,7 +2,7 @@
 
 `importer` calls the steps in order: `geojson` or `svg` (with `svg_tree` and `svg_shapes`) reads a `drawn_plan`, `straighten`
 makes the rooms' outlines rectilinear, `drawn_openings` moves each stroke (a drawn opening) to the nearest wall, and
-`added_openings` adds the openings without which rooms or stairs could not be reached.
+`added_openings` adds openings to rooms and stairs that could not be reached otherwise.
 """
 
 import lazy_loader

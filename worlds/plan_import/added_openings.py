@@ -1,7 +1,7 @@
 """Adds the openings that an imported plan lacks.
 
 1. Stairs at which no passage (an opening that one walks through) is drawn get openings on every storey that they join: one
-   to the foot of the flight that begins on the storey, one to the head of the flight that ends there.
+   opening to the foot of the flight that begins on the storey, and one opening to the head of the flight that ends there.
 2. Doors are added between rooms that neither drawn openings nor stairs connect, until every room can be reached on foot.
 """
 
@@ -24,13 +24,13 @@ _HUBS = ("corridor", "entrance hall", "lobby", "open-plan office", "living room"
 _SIDE_M = 0.05
 _FLIGHT_M = 0.9
 Side = tuple[int, bool]
-"""A side of a rectangle: the axis that it runs along (0: x, 1: y), and whether it is the one of the two parallel sides with
-the larger coordinate on the other axis."""
+"""A side of a rectangle: the axis along which the side runs (0: x, 1: y), and whether its coordinate on the other axis is
+larger than the coordinate of the opposite side."""
 _SIDES: tuple[Side, ...] = ((0, False), (0, True), (1, False), (1, True))
 
 
 def added_openings(storeys: Sequence[StoreySpec], slab_m: float) -> list[tuple[OpeningSpec, ...]]:
-    """For each storey, lowest first, the openings to add so that every room can be reached on foot from every other room.
+    """Return the openings to add on each storey, lowest first, so that every room can be reached on foot from all others.
 
     No opening is added between rooms that are already connected, or at stairs with a drawn passage (an opening that one
     walks through). Raises `WorldsError` if a needed opening fits nowhere.
@@ -63,9 +63,9 @@ def _has_passage(storeys: Sequence[StoreySpec], cell: RoomSpec) -> bool:
 
 
 def _walked_groups(storeys: Sequence[StoreySpec]) -> dict[str, str]:
-    """For each room except stairs, by id, the group of rooms that drawn openings and stairs connect with it.
+    """Return the group of each room except stairs, by the room's id. Drawn openings and stairs connect the rooms of a group.
 
-    A group is named by the id of one of its rooms.
+    The name of a group is the id of one of its rooms.
     """
     spec = HouseSpec(storeys=tuple(storeys))
     group = {room.id: room.id for storey in storeys for room in storey.rooms if room.label != STAIRS}
@@ -83,9 +83,9 @@ def _walked_groups(storeys: Sequence[StoreySpec]) -> dict[str, str]:
 
 
 def _merge(group: dict[str, str], *rooms: str) -> bool:
-    """Merge the groups of two rooms. Return whether they were two different groups.
+    """Merge the groups of two rooms. Return whether the groups were different and have been merged.
 
-    Nothing is merged if one of the rooms is stairs, which belong to no group, or if `rooms` are not exactly two.
+    Nothing is merged if one of the rooms is stairs, because stairs belong to no group, or if `rooms` are not exactly two.
     """
     if len(rooms) != 2 or not group.keys() >= {*rooms} or group[rooms[0]] == group[rooms[1]]:
         return False
@@ -97,8 +97,9 @@ def _merge(group: dict[str, str], *rooms: str) -> bool:
 def _added_doors(storey: StoreySpec, present: Sequence[OpeningSpec], group: dict[str, str]) -> Iterator[Link]:
     """Yield requests for doors that connect all groups of rooms, as far as walls allow; `group` is updated in place.
 
-    The doors are chosen by Kruskal's algorithm. Doors to gardens and balconies come last, doors to corridors, halls and
-    living rooms come first, and among equals the longest wall comes first. `present` are the openings that already exist.
+    The doors are chosen by Kruskal's algorithm, as in a minimum spanning tree. Doors to corridors, halls and living rooms
+    are preferred; doors to gardens and balconies are the last choice. Among equally good doors, the one in the longest wall
+    is chosen. `present` are the openings that already exist.
     """
     label = {room.id: room.label for room in storey.rooms}
     gaps = [OpeningDraft.of(opening, {room.id: room for room in storey.rooms}) for opening in present]
@@ -122,11 +123,11 @@ def _cells(storey: StoreySpec, cell: RoomSpec) -> list[RoomSpec]:
 
 
 def _stair_openings(storeys: Sequence[StoreySpec], lowest: int, cell: RoomSpec, slab_m: float) -> list[list[OpeningSpec]]:
-    """The openings of a staircase, storey by storey from `lowest` on, in the first arrangement that can be built.
+    """Return the openings of a staircase on each storey, from `lowest` on, in the first arrangement that can be built.
 
     `cell` is the room of the stairs on the storey `lowest`. An arrangement is the side of this room at which every flight
-    begins, and the side at which every flight ends. Both on the same side (stairs that turn by 180 degrees) are tried first.
-    Raises `SpecError` if no arrangement works.
+    begins, and the side at which every flight ends. Arrangements in which both are the same side (stairs that turn by 180
+    degrees) are tried first. Raises `SpecError` if no arrangement works.
     """
     stack = [storeys[lowest]]
     while lowest + len(stack) < len(storeys) and _cells(storeys[lowest + len(stack)], cell):
@@ -148,7 +149,7 @@ def _stair_openings(storeys: Sequence[StoreySpec], lowest: int, cell: RoomSpec, 
 
 
 def _foot_span(cell: RoomSpec, foot: Side, head: Side) -> tuple[float, float]:
-    """Both ends of the opening at the foot of a flight, along the side `foot` of the stairs' room [m]."""
+    """Return both ends of the opening at a flight's foot, as coordinates along the side `foot` of the stairs' room [m]."""
     low, high = _extent(cell, foot)
     if foot == head:
         return low + _SIDE_M, (low + high) / 2
@@ -156,7 +157,7 @@ def _foot_span(cell: RoomSpec, foot: Side, head: Side) -> tuple[float, float]:
 
 
 def _head_span(cell: RoomSpec, foot: Side, head: Side) -> tuple[float, float]:
-    """Both ends of the opening at the head of a flight, along the side `head` of the stairs' room [m]."""
+    """Return both ends of the opening at a flight's head, as coordinates along the side `head` of the stairs' room [m]."""
     low, high = _extent(cell, head)
     if foot == head:
         return (low + high) / 2, high - _SIDE_M
@@ -164,9 +165,10 @@ def _head_span(cell: RoomSpec, foot: Side, head: Side) -> tuple[float, float]:
 
 
 def _away_from(larger: bool, low: float, high: float) -> tuple[float, float]:
-    """Both ends of an opening of L-shaped stairs, along its side from `low` to `high` [m].
+    """Return both ends of an opening of L-shaped stairs, as coordinates along its side of the room [m].
 
-    The opening lies as far as possible from the side with the other opening, which is at the larger coordinate if `larger`.
+    The side reaches from `low` to `high` [m]. The other opening of the flight is in an adjacent side, which is at `high` if
+    `larger`, else at `low`. The opening lies as far as possible from that adjacent side.
     """
     return (low + _SIDE_M, low + _SIDE_M + _FLIGHT_M) if larger else (high - _SIDE_M - _FLIGHT_M, high - _SIDE_M)
 
@@ -179,7 +181,10 @@ def _extent(cell: RoomSpec, side: Side) -> tuple[float, float]:
 def _stair_opening(
     storey: StoreySpec, cell: RoomSpec, side: Side, span: tuple[float, float], leads: Leads
 ) -> Iterator[OpeningSpec]:
-    """Yield the opening that takes the interval `span` of a side; yield nothing unless one room lies behind all of it."""
+    """Yield an opening in one side of the stairs' room, to the room behind this side, from `span[0]` to `span[1]` [m].
+
+    Yield nothing unless a single room lies behind the whole interval `span`.
+    """
     (own,) = _cells(storey, cell)
     axis, larger = side
     at = bounds(cell)[1 - axis + 2 * larger]

@@ -19,13 +19,13 @@ _OVERLAP_M = 0.1
 
 
 def opening_on_wall(stroke: Stroke, points: Sequence[Point], storey: StoreySpec, ids: dict[str, str]) -> OpeningSpec | None:
-    """The opening that a stroke stands for, or None if the stroke lies on an outer wall of the house.
+    """Return the opening that a stroke stands for, or None if the stroke lies on an outer wall of the house.
 
     Args:
         stroke: the stroke as drawn.
         points: the points of the stroke after the plan was turned and moved [m].
         storey: the storey that the stroke lies on.
-        ids: the ids of the rooms by the names in the drawing.
+        ids: the id of each room, by the room's name in the drawing.
 
     Raises:
         SpecError: if no wall is near, or the wall is much shorter than the stroke.
@@ -66,9 +66,10 @@ def _span_across(line: Boundary, points: Sequence[Point]) -> float:
 
 
 def _fitted_to_wall(stroke: Stroke, line: Boundary, low: float, high: float) -> tuple[float, float]:
-    """Both ends of the opening along the wall, moved and cut so that the opening lies within the wall [m].
+    """Return both ends of the opening, as coordinates along the wall [m], moved and cut so that it lies within the wall.
 
-    Raises `SpecError` if the stroke from `low` to `high` is longer than the wall by more than 2 `NEAR_M`.
+    `low` and `high` are the ends of the stroke along the wall [m]. Raises `SpecError` if the stroke is longer than the wall
+    by more than 2 `NEAR_M`.
     """
     if high - low > line.length + 2 * NEAR_M:
         raise SpecError(
@@ -91,9 +92,9 @@ def _details(stroke: Stroke, rooms: tuple[str, str], ids: dict[str, str]) -> dic
 
 
 def without_overlaps(openings: Sequence[OpeningSpec]) -> tuple[OpeningSpec, ...]:
-    """The openings without small overlaps.
+    """Return the openings, with small overlaps removed.
 
-    Two openings in one line that overlap by at most 0.1 m are both cut, so that they meet in the middle of the overlap.
+    If two openings in one line overlap by at most 0.1 m, both are cut, so that they meet in the middle of the overlap.
     """
     placed = list(openings)
     for i, j in combinations(range(len(placed)), 2):

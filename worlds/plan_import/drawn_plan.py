@@ -18,8 +18,8 @@ from worlds.valid_names import did_you_mean
 MAX_STROKES = 3200
 MAX_STOREYS = 8
 _SURE = 0.8
-"""Least similarity, in [0, 1], at which a note suggests a known word for an unknown one. With a lower value, the notes would
-suggest `half wall` for `wall`."""
+"""Least similarity, in [0, 1], of an unknown word and the known word that a note suggests instead. With a lower value, the
+notes would suggest `half wall` for `wall`."""
 _MAX_WORDS, _MAX_NOTES = 1000, 20
 _Thing = TypeVar("_Thing")
 _Model = TypeVar("_Model", bound=BaseModel)
@@ -37,7 +37,7 @@ _KINDS: dict[str, OpeningKind] = {kind: kind for kind in KINDS} | {
 
 @dataclass(frozen=True)
 class DrawnRoom:
-    """The outline of a room."""
+    """The outline of a room, as drawn."""
 
     where: str
     """Place of the room in the file, for messages."""
@@ -46,7 +46,7 @@ class DrawnRoom:
     label: str
     storey: int
     corners: tuple[Point, ...]
-    """Corners, clockwise or counter-clockwise; the first corner is not repeated at the end [m]."""
+    """Corners [m], clockwise or counter-clockwise. The first corner is not repeated at the end."""
 
 
 @dataclass(frozen=True)
@@ -76,21 +76,21 @@ class DrawnPlan:
 
     @property
     def doubt(self) -> str:
-        """The first note in parentheses, to be appended to an error message; empty if there are no notes.
+        """Text for the end of an error message: the first of the notes, put in parentheses; empty if there are no notes.
 
-        A shape that was ignored may be the one whose absence caused the error.
+        The note helps because a shape that was ignored may have caused the error.
         """
         return f" (note: {self.notes[0]})" if self.notes else ""
 
 
 @lru_cache(maxsize=256)
 def normalised_name(text: str) -> str:
-    """A name in lower case, with spaces for underscores and without a number at its end: "Office_2" becomes "office"."""
+    """Return a name in lower case, with spaces for underscores and without a number at its end: "office" for "Office_2"."""
     return re.sub(r"\s+", " ", re.sub(r"[ _.#-]*\d+$", "", text.strip().lower().replace("_", " "))).strip()
 
 
 def find_label(text: str) -> str | None:
-    """The room label that a text stands for, or None."""
+    """Return the room label that a text stands for, such as "toilet" for "WC"; None if the text is no known label."""
     return _LABELS.get(normalised_name(text).replace("-", " "))
 
 
@@ -103,7 +103,7 @@ def label_of(where: str, text: str) -> str:
 
 
 def find_kind(text: str) -> OpeningKind | None:
-    """The kind of opening that a text stands for, or None."""
+    """Return the kind of opening that a text stands for, such as "door" for "Doors"; None if the text is no known kind."""
     word = normalised_name(text).replace("-", " ")
     return _KINDS.get(word) or _KINDS.get(word.removesuffix("s")) or _KINDS.get(word.removesuffix("es"))
 
@@ -117,7 +117,7 @@ def kind_of(where: str, text: str) -> OpeningKind:
 
 
 def spelling_notes(spoken: Iterable[tuple[str, str]], meaningful: Iterable[str]) -> tuple[str, ...]:
-    """Notes on unknown words in a file that resemble a word in `meaningful`.
+    """Return notes for the user on unknown words in a file that resemble a word in `meaningful`.
 
     `spoken` lists the unknown words as pairs (place in the file, word). Each word is reported once, at its first place.
     """
@@ -131,12 +131,12 @@ def spelling_notes(spoken: Iterable[tuple[str, str]], meaningful: Iterable[str])
 
 
 def listed_some(things: Sequence[_Thing], shown: Callable[[_Thing], str] = str, most: int = 8) -> str:
-    """One line that lists the first `most` of the things and says how many more there are."""
+    """Return one line that lists the first `most` things, as text by `shown`, and says how many more things there are."""
     return "; ".join(map(shown, things[:most])) + (f"; and {len(things) - most} more" if len(things) > most else "")
 
 
 def storey_of(where: str, value: object) -> int:
-    """The number of a storey, 0 for the ground floor. Raises `SpecError` if `value` is no such number."""
+    """Return `value` as the number of a storey, 0 for the ground floor. Raises `SpecError` if it is no valid number."""
     text = str(value)
     if isinstance(value, bool) or not re.fullmatch(r"\d(\.0)?", text) or int(text[0]) >= MAX_STOREYS:
         raise SpecError(f"{where}: storey {text[:40]!r}; valid: 0 (the lowest) to {MAX_STOREYS - 1}")
@@ -144,7 +144,10 @@ def storey_of(where: str, value: object) -> int:
 
 
 def validated(where: str, model: type[_Model], **fields: Any) -> _Model:
-    """Build a part of a spec from its fields. Raises `SpecError`, which names the place `where` and lists all mistakes."""
+    """Build a part of a spec from its fields.
+
+    Raises `SpecError` for fields that are not valid. The message names the place `where` and lists all mistakes.
+    """
     try:
         return model.model_validate(fields, strict=True)
     except ValidationError as error:
@@ -155,7 +158,7 @@ def validated(where: str, model: type[_Model], **fields: Any) -> _Model:
 
 
 def checked(rooms: Iterable[DrawnRoom], strokes: Iterable[Stroke], **more: Any) -> DrawnPlan:
-    """The plan with these rooms and strokes; `more` are further fields of `DrawnPlan`.
+    """Return a plan with these rooms and strokes; `more` are further fields of `DrawnPlan`.
 
     Raises `SpecError` if there is no room, or if there are too many rooms or strokes.
     """

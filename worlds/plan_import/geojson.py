@@ -37,7 +37,7 @@ _PROPERTIES = ("label", "name", "storey", "kind", *_DETAILS)
 
 
 def read_geojson(text: str, metres_per_unit: float) -> DrawnPlan:
-    """The plan in a FeatureCollection. Raises `SpecError` if `text` is no FeatureCollection, or if a feature is invalid."""
+    """Read a plan from GeoJSON. Raises `SpecError` if `text` is no FeatureCollection, or if a feature is invalid."""
     try:
         return _drawing(json.loads(text), metres_per_unit)
     except RecursionError:  # raised by the JSON reader, or by a message that shows a deeply nested value
@@ -78,7 +78,10 @@ def _drawing(data: object, metres_per_unit: float) -> DrawnPlan:
 
 
 def _in_degrees(rooms: Sequence[DrawnRoom]) -> bool:
-    """Whether corners look like longitudes and latitudes: numbers up to 180, and a plan smaller than 0.5 units."""
+    """Return whether corners look like longitudes and latitudes [deg] instead of metres.
+
+    This is so if no coordinate exceeds 180 and the whole plan extends over less than 0.5 units.
+    """
     x, y = zip(*(corner for room in rooms for corner in room.corners), strict=True)
     is_small = max(x) - min(x) < 0.5 and max(y) - min(y) < 0.5
     return is_small and all(abs(degrees) <= 180.0 for degrees in (*x, *y))

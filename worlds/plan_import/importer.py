@@ -56,18 +56,19 @@ def import_plan(
     name: str | None = None,
     seed: int = 0,
 ) -> ImportedPlan:
-    """The house that a floor plan shows, without windows and furniture: `build_house` adds these later.
+    """Return the house that a floor plan shows, without windows and furniture, which `build_house` adds later.
 
-    Rooms that the drawn openings do not reach get doors. Stairs without an opening get an opening at the foot and another at
-    the head.
+    Rooms that the drawn openings do not reach get doors. Stairs without drawn openings get one opening at the foot and one
+    at the head of each flight.
 
     Args:
         path: a file of at most 16 MB that ends in .svg, .geojson or .json.
-        metres_per_unit: scale of the drawing. None: 1 for GeoJSON; for SVG, the scale that its root element states.
-        snap_m: if the plan is invalid as drawn, corners that are at most this far off are moved to common lines [m]. If
-            rooms are drawn with gaps for the walls between them, give the thickness of the walls.
+        metres_per_unit: length of a unit of the drawing [m]. None stands for 1 m in GeoJSON; in SVG, it stands for the scale
+            that the root element states.
+        snap_m: greatest distance by which corners are moved to common lines, if the plan is invalid as drawn [m]. If rooms
+            are drawn with gaps for the walls between them, give the thickness of the walls.
         only_drawn: whether the house gets only the drawn openings, even if these do not reach every room.
-        name: name of the house. None: the name of the file without its ending.
+        name: name of the house. None stands for the name of the file without its ending.
         seed: seed of the house.
 
     Raises:
@@ -99,10 +100,11 @@ class _Plan:
 
 
 def _valid_house(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
-    """The house as drawn if it is valid, or else with corners moved by up to `snap_m` [m]; and notes for the user.
+    """Return a valid house and notes for the user.
 
-    Raises `WorldsError` if both houses are invalid. The message suggests an option with which the plan is valid, if one is
-    found.
+    This is the house as drawn, or else, if that is invalid, the house with corners moved to common lines by up to `snap_m`
+    [m]. Raises `WorldsError` if both are invalid. The message suggests an option with which the plan is valid, if there is
+    such an option.
     """
     with suppress(WorldsError):
         return _checked_house(plan, _EXACT_M)
@@ -114,7 +116,7 @@ def _valid_house(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
 
 
 def _suggestion(plan: _Plan, snap_m: float) -> str:
-    """The end of an error message: an option with which the plan would be valid; empty if none is found."""
+    """Return the end of an error message: an option with which the plan would be valid. Empty if no such option is found."""
     for wider_m in (wider_m for wider_m in _WIDER_SNAPS_M if wider_m > snap_m):
         with suppress(WorldsError):
             _checked_house(plan, wider_m)
@@ -127,7 +129,7 @@ def _suggestion(plan: _Plan, snap_m: float) -> str:
 
 
 def _checked_house(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
-    """The house with this `snap_m`, and notes on what was changed in the drawing.
+    """Return the house with corners moved by up to `snap_m` [m], and notes on what was changed in the drawing.
 
     Raises `WorldsError` if the house cannot be built or does not pass the checks.
     """
@@ -174,7 +176,10 @@ def _house(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
 
 
 def _with_added_openings(storeys: Sequence[StoreySpec], notes: list[str]) -> list[StoreySpec]:
-    """The storeys with openings added where the drawn ones do not connect all rooms; `notes` gets a list of them."""
+    """Add openings where the drawn openings do not connect all rooms, and return the storeys.
+
+    A note that lists the added openings is appended to `notes`.
+    """
     added = added_openings(storeys, _SLAB_M)
     listing = [f"{opening.rooms[0]} - {opening.rooms[1]} ({opening.kind})" for openings in added for opening in openings]
     if listing:
@@ -216,7 +221,7 @@ def _storeys(drawing: DrawnPlan, rooms: Sequence[RoomSpec]) -> list[StoreySpec]:
 
 
 def _ids(rooms: Sequence[DrawnRoom]) -> list[str]:
-    """A unique id for each room, as close to its drawn name as the format of ids allows."""
+    """Return a unique id for each room, as similar to its drawn name as the format of ids allows."""
     ids: list[str] = []
     for room in rooms:
         plain = unicodedata.normalize("NFKD", room.name).encode("ascii", "ignore").decode()  # "Büro" becomes "Buro"
@@ -230,7 +235,7 @@ def _ids(rooms: Sequence[DrawnRoom]) -> list[str]:
 
 
 def _shift(corners: Sequence[Point]) -> Point:
-    """The translation that moves a plan in map coordinates (far from the origin) to the origin; (0, 0) for others [m]."""
+    """Return the translation that moves a plan to the origin if it is far away, as in map coordinates; else (0, 0) [m]."""
     x, y = zip(*corners, strict=True)
     near = max(map(abs, (*x, *y))) <= _FAR_M
     return (0.0, 0.0) if near else (-float(math.floor(min(x))), -float(math.floor(min(y))))

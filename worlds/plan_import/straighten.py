@@ -17,19 +17,20 @@ from worlds.plan_import.drawn_plan import DrawnRoom
 from worlds.spec import Point
 
 _SLOPE = 0.02
-"""Greatest slope at which a wall is taken to run along x or y [m/m]. In addition, each end of it may be off by `snap_m`."""
+"""Greatest slope, relative to x or y, of a wall that is taken to run along this axis [m/m]. In addition, each end of the
+wall may be off by `snap_m`."""
 _AGREE_RAD = math.radians(3.0)
 """Largest angle between walls that count as having the same direction [rad]."""
 _ROUNDING_M = 1e-6
 """Tolerance for rounding [m]: lines 0.1 m apart in a file may be slightly more than 0.1 m apart in floating point."""
 _TURN_RAD = 1e-3
-"""Least deviation of a plan's main direction from the axes at which the plan is turned [rad]."""
+"""Least angle between a plan's main direction and the axes at which the plan is turned to the axes [rad]."""
 Lines = Callable[[float], float]
 """A function from the coordinate of a wall to the coordinate of the common line that the wall belongs to [m]."""
 
 
 def main_direction(rooms: Sequence[DrawnRoom]) -> float:
-    """The angle by which the walls are turned against the x and y axes, counter-clockwise, in [-pi/4, pi/4] [rad].
+    """Return the angle from the x and y axes to the walls, counter-clockwise, in [-pi/4, pi/4] [rad].
 
     The angle is 0 if the walls that agree on a direction make up less than half of the total length of all walls.
     """
@@ -51,13 +52,13 @@ def main_direction(rooms: Sequence[DrawnRoom]) -> float:
 
 
 def turned(points: Sequence[Point], angle: float) -> tuple[Point, ...]:
-    """The points, rotated clockwise about the origin by `angle` [rad]."""
+    """Return the points, rotated clockwise about the origin by `angle` [rad]."""
     cos, sin = math.cos(angle), math.sin(angle)
     return tuple((cos * x + sin * y, cos * y - sin * x) for x, y in points) if angle else tuple(points)
 
 
 def straighten(outlines: Sequence[tuple[DrawnRoom, tuple[Point, ...]]], snap_m: float) -> list[tuple[Point, ...]]:
-    """Rectilinear, counter-clockwise polygons for outlines that have been turned to the axes.
+    """Return rectilinear, counter-clockwise polygons for outlines that have been turned to the axes.
 
     Raises `SpecError`, which names the room, if a wall runs along neither x nor y, if a room has too few corners, and if
     nothing is left of a room once its corners have moved to common lines.
@@ -79,9 +80,10 @@ def _edges(corners: Sequence[Point]) -> Iterator[tuple[Point, Point]]:
 
 
 def _walls(room: DrawnRoom, corners: Sequence[Point], snap_m: float) -> Iterator[tuple[int, float]]:
-    """Yield (0, y) for each wall along x and (1, x) for each wall along y, in order. Edges up to `snap_m` are left out.
+    """Yield (0, y) for each wall along x and (1, x) for each wall along y, in their order around the room.
 
-    Raises `SpecError` if a wall runs along neither x nor y, or if fewer than 4 corners are left.
+    Edges no longer than `snap_m` are left out. Raises `SpecError` if a wall runs along neither x nor y, or if fewer than 4
+    corners are left.
     """
     kept = [corner for corner, after in _edges(corners) if math.dist(corner, after) > snap_m]
     if len(kept) < 4:
@@ -97,7 +99,7 @@ def _walls(room: DrawnRoom, corners: Sequence[Point], snap_m: float) -> Iterator
 
 
 def _common_lines(values: list[float], snap_m: float) -> Lines:
-    """Group wall coordinates, and return the function from a coordinate to the common line of its group.
+    """Group the coordinates of walls, and return the function from the coordinate of a wall to the common line of its group.
 
     Neighbouring coordinates in a group differ by at most `snap_m`, and the whole group spans at most 2 `snap_m`.
     """
@@ -112,17 +114,21 @@ def _common_lines(values: list[float], snap_m: float) -> Lines:
 
 
 def _line(group: Sequence[float]) -> float:
-    """The common line of a group of coordinates, rounded to 1 mm: the value of the majority, or else the mean [m]."""
+    """Return the common line of a group of coordinates [m].
+
+    If more than half of the coordinates are equal when rounded to 1 mm, the line is at this value. Otherwise it is at the
+    mean of all coordinates, rounded to 1 mm.
+    """
     millimetres = Counter(round(value, 3) for value in group)
     (line, times), middle = millimetres.most_common(1)[0], sum(group) / len(group)
     return line + 0.0 if 2 * times > len(group) else round(middle, 3) + 0.0
 
 
 def _corners(lines: Sequence[tuple[int, float]]) -> tuple[Point, ...]:
-    """Intersections of consecutive walls, which are given as (axis, coordinate); empty if fewer than 4 walls are left.
+    """Return the corners of a room: the intersections of consecutive walls.
 
-    First, consecutive walls along the same axis are merged and walls of zero length are dropped, until there are no such
-    walls.
+    The walls in `lines` are given as (axis, coordinate). Consecutive walls along the same axis are merged and walls of zero
+    length are dropped, again and again, until neither occurs. The result is empty if fewer than 4 walls are left.
     """
     around = list(lines)
     while True:

@@ -4,8 +4,8 @@
   its `class`, its Inkscape label or its `id`.
 - An opening is a `line`, `polyline` or `path` that names a kind of opening ("door"): in its `data-kind`, its `class`, its
   Inkscape label or its `id`.
-- A shape that names neither takes the name from the innermost group around it that names one: every stroke in a layer
-  "Doors" is a door, and the only shape in a group "kitchen" is the kitchen.
+- A shape that names neither a label nor a kind takes it from the innermost group around the shape that names one: every
+  stroke in a layer "Doors" is a door, and the only shape in a group "kitchen" is the kitchen.
 - `data-name`, or else the Inkscape label, is the name of a room.
 - `data-storey` on an element or on a group around it gives the storey. So does the name of a group or layer such as
   "storey-1" or "Floor 1".
@@ -43,16 +43,16 @@ from worlds.spec import OpeningKind, Point
 
 _PX_M = 0.0254 / 96.0
 _SMALLEST_PLAN_M = 2.0
-"""Least size of a plan drawn at full scale [m]; a smaller plan is taken to be drawn at a reduced scale, such as 1:100."""
+"""Least size of a plan at full scale [m]. A smaller plan must have been drawn at a reduced scale, such as 1:100."""
 _FAR_M = 1e8
 _MAX_CHARACTERS = 1_000_000
 _Meaning: TypeAlias = tuple[SvgShape, str | None, OpeningKind | None]
-"""A shape, the label if it is a room, and the kind if it is an opening. Either the label or the kind is None."""
+"""A shape, its label if it is a room, and its kind if it is an opening. Either the label or the kind is None."""
 _PAGE = re.compile(r"\s*[\d.]+\s*(?:mm|cm|in|pt|pc)\s*")
 
 
 def read_svg(text: str, metres_per_unit: float | None) -> DrawnPlan:
-    """The plan in an SVG. Raises `SpecError` if the text is not SVG, or if a room or an opening is invalid.
+    """Read the plan in an SVG. Raises `SpecError` if the text is not SVG, or if a room or an opening is invalid.
 
     If `metres_per_unit` is None, the root element has to state the scale: by `data-metres-per-unit`, or by a page width with
     a unit such as mm.
@@ -89,7 +89,7 @@ def _stroke(shape: SvgShape, kind: OpeningKind, scale: float) -> Stroke:
 
 
 def _scale(root: Element) -> float:
-    """Metres per unit as stated by the root element: in `data-metres-per-unit`, or by the width of its page."""
+    """Return the metres per unit that the root element states: in `data-metres-per-unit`, or by the width of its page."""
     if (stated := root.get("data-metres-per-unit")) is not None:
         try:
             return float(stated)
@@ -121,9 +121,10 @@ def _check_true_to_scale(drawing: DrawnPlan, scale: float) -> None:
 
 
 def _meaning(thing: Named) -> tuple[str | None, OpeningKind | None]:
-    """The room label or the kind of opening that a shape or group itself names, as (label, kind); at least one is None.
+    """Return (label, kind): the room label or the kind of opening that a shape or group itself names. At least one is None.
 
-    A name in the class, label or id counts only if the tag suits it: a room is no `line`, an opening no `rect` or `polygon`.
+    A name in the class, the Inkscape label or the id counts only if it suits the tag: a `line` cannot be a room, and a
+    `rect` or `polygon` cannot be an opening.
     """
     attributes, tag = thing.attributes, thing.tag
     if "data-kind" in attributes:
@@ -141,11 +142,11 @@ def _meaning(thing: Named) -> tuple[str | None, OpeningKind | None]:
 
 
 def _meanings(shapes: Sequence[SvgShape]) -> list[_Meaning]:
-    """The shapes that stand for a room or an opening, by their own names or else by the names of the groups around them.
+    """Return the shapes that stand for a room or an opening, by their own names or else by the names of groups around them.
 
-    If a group names a kind of opening, every stroke in it is such an opening. If a group names a room label, this counts
-    only if exactly one shape in the group can be the room. With several shapes, such as the furniture of a kitchen, it would
-    be unclear which of them is the room.
+    If a group names a kind of opening, every stroke in the group is an opening of this kind. If a group names a room label,
+    the label counts only if exactly one shape in the group can be the room. With several shapes, such as the outline and the
+    furniture of a kitchen, it would be unclear which shape is the room.
     """
     found: list[tuple[_Meaning, Named | None]] = []
     for shape in shapes:
@@ -160,9 +161,10 @@ def _meanings(shapes: Sequence[SvgShape]) -> list[_Meaning]:
 
 
 def _inherited(shape: SvgShape) -> tuple[Named, str | None, OpeningKind | None] | None:
-    """The innermost group around a shape that names a label or a kind, with this label and kind (one of them is None).
+    """Return the innermost group around a shape that names a room label or a kind of opening, with this label and kind.
 
-    The result is None if no group names anything, or if the shape's tag does not suit what the group names.
+    Either the label or the kind is None. The whole result is None if no group names anything, or if the shape's tag does not
+    suit what the group names.
     """
     for group in shape.groups:
         label, kind = _meaning(group)
@@ -174,7 +176,7 @@ def _inherited(shape: SvgShape) -> tuple[Named, str | None, OpeningKind | None] 
 
 
 def _points(where: str, drawn: Outline, scale: float) -> tuple[Point, ...]:
-    """The corners in metres, with y up."""
+    """Return the corners in metres, with y up."""
     corners = drawn.corners * scale
     if not np.isfinite(corners).all() or np.abs([corners.real, corners.imag]).max() > _FAR_M:
         raise SpecError(f"{where}: has a corner more than {_FAR_M:g} m from the origin; valid: nearer corners")
@@ -182,7 +184,11 @@ def _points(where: str, drawn: Outline, scale: float) -> tuple[Point, ...]:
 
 
 def _notes(ignored: Sequence[SvgShape]) -> Iterator[str]:
-    """Notes on ignored shapes: words that resemble known words, known words on unsuitable tags, and a list of the shapes."""
+    """Yield notes for the user on ignored shapes.
+
+    The notes name words that resemble known words, and known words on shapes that do not suit them. The last note lists the
+    ignored shapes.
+    """
     spoken: list[tuple[str, str]] = []
     misfits: dict[tuple[str, str], str] = {}
     for shape in ignored:
@@ -200,7 +206,7 @@ def _notes(ignored: Sequence[SvgShape]) -> Iterator[str]:
 
 
 def _located(shape: SvgShape) -> str:
-    """The place of a shape in the file, with its first corner in the units of the drawing."""
+    """Return the place of a shape in the file, as text that also gives its first corner in the units of the drawing."""
     try:
         corner = outline_of(shape).corners[0]
     except SpecError:

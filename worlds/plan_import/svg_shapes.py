@@ -33,7 +33,7 @@ class Outline:
 
 
 def outline(where: str, tag: str, attributes: Mapping[str, str], T_svg_shape: Float64[np.ndarray, "3 3"]) -> Outline:
-    """The corners of a shape made of straight lines, in the units of the drawing.
+    """Return the corners of a shape made of straight lines, in the units of the drawing.
 
     `where` is the place of the shape in the file, for messages. Raises `SpecError` if the shape has curves, more than one
     part or too few or too many corners, or if its coordinates cannot be read.
@@ -78,7 +78,7 @@ def is_curved(attributes: Mapping[str, str]) -> bool:
 
 
 def length_px(where: str, name: str, text: str) -> float:
-    """A length in CSS pixels, the units of a drawing without a viewBox. Raises `SpecError` if `text` is not a length."""
+    """Convert a length to CSS pixels, the units of a drawing without a viewBox. Raises `SpecError` for an invalid length."""
     match = _LENGTH.fullmatch(text.strip())
     if match is None or match[2] not in PX_PER_UNIT:
         units = ", ".join(filter(None, PX_PER_UNIT))
@@ -87,7 +87,7 @@ def length_px(where: str, name: str, text: str) -> float:
 
 
 def transform(where: str, text: str) -> Float64[np.ndarray, "3 3"]:
-    """The matrix of a `transform` attribute. Raises `SpecError` if the attribute cannot be read."""
+    """Return the matrix of a `transform` attribute. Raises `SpecError` if the attribute cannot be read."""
     try:
         return np.asarray(parse_transform(text, strict=True), np.float64)
     except ValueError:

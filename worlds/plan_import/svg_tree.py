@@ -1,6 +1,7 @@
-"""Reads the element tree of an SVG and lists its visible shapes, with groups, transforms, storeys and `<use>` resolved.
+"""Reads the element tree of an SVG, and lists its visible shapes with their groups, transforms and storeys.
 
-Document types and entities are refused, because with them a small file could expand without bound or read other files.
+Copies of shapes by `<use>` are listed, too. Document types and entities are refused, because with them a small file could
+expand without bound or read other files.
 """
 
 import re
@@ -42,7 +43,7 @@ class Named:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """All texts that may say what the element is: its classes together and one by one, its Inkscape label and its id."""
+        """All texts that may say what the element is: the whole `class`, each single class, the Inkscape label, the id."""
         classes = self.attributes.get("class", "")
         return (classes, *classes.split(), self.attributes.get(LABEL, ""), self.attributes.get("id", ""))
 
@@ -60,12 +61,12 @@ class SvgShape(Named):
 
 
 def outline_of(shape: SvgShape) -> Outline:
-    """The corners of a shape in the units of the drawing. Raises `SpecError` as `svg_shapes.outline` does."""
+    """Return the corners of a shape in the units of the drawing. Raises `SpecError` as `svg_shapes.outline` does."""
     return outline(shape.where, shape.tag, shape.attributes, shape.T_svg_shape)
 
 
 def read_tree(text: str) -> Element:
-    """The root element of an SVG. Raises `SpecError` if `text` is not SVG, is too large or has a document type."""
+    """Return the root element of an SVG. Raises `SpecError` if `text` is not SVG, is too large or has a document type."""
     builder, parser, depth, elements = TreeBuilder(), expat.ParserCreate(), 0, 0
 
     def start(name: str, attributes: dict[str, str]) -> None:
@@ -97,7 +98,7 @@ def _refuse(*_: object) -> None:
 
 
 def shown_shapes(root: Element) -> Iterator[SvgShape]:
-    """Every visible shape, in the order of the drawing. Raises `SpecError` for an invalid transform or too many elements."""
+    """List the visible shapes in their order in the file. Raises `SpecError` for invalid transforms or too many elements."""
     return _Walk({identifier: element for element in root.iter() if (identifier := element.get("id"))}).below(
         root, _Inherited()
     )
@@ -125,8 +126,8 @@ class _Walk:
     def at(self, element: Element, attributes: Mapping[str, str], around: _Inherited) -> Iterator[SvgShape]:
         """Yield the visible shapes inside an element; if the element is a shape itself, yield only this shape.
 
-        `attributes` are those of the element. If a `<use>` shows the element, names given on the `<use>` replace the names
-        of the element.
+        `attributes` are the attributes of the element. If a `<use>` shows the element, names given on the `<use>` replace
+        the names of the element.
         """
         self.visited += 1
         if len(around.groups) > _MAX_DEPTH or self.visited > _MAX_ELEMENTS:
@@ -152,7 +153,10 @@ class _Walk:
 
 
 def _storey_of_group(element: Named) -> str | None:
-    """The storey number in the name of a group, as in "storey-1" or "Floor 1"; None without such a name, or for no group."""
+    """Return the storey number in the name of a group, as in "storey-1" or "Floor 1".
+
+    The result is None if the name contains no storey number, or if the element is not a group.
+    """
     names = (element.attributes.get(LABEL, ""), element.attributes.get("id", ""))
     numbers = (match[1] for name in names if (match := _STOREY.fullmatch(name.strip())))
     return next(numbers, None) if element.tag == "g" else None

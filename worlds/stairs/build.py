@@ -30,11 +30,11 @@ from worlds.stairs.flights import MIN_WIDTH_M, Point, StairsKind, StairsLayout, 
 from worlds.stairs.geometry import floor_beside_flight, rail_parts, slab_parts
 
 APPROACH_M = 0.4
-"""The walking line begins and ends this far outside the room of the stairs [m]."""
+"""Distance from the room of the stairs at which the walking line begins and ends, outside of the room [m]."""
 MIN_HEAD_ROOM_M = 1.95
 """Least head room above every tread and landing, and least height of the openings to the stairs [m]."""
 BODY_HALF_M = 0.3
-"""Half the width of a body [m]. Openings to a flight must reach this far to either side of the flight's middle line."""
+"""Half the width of a body [m]. Openings to a flight must extend at least this far to either side of its middle line."""
 _TOLERANCE_M = 1e-6
 
 
@@ -50,8 +50,9 @@ class Stairs:
     treads: tuple[Part, ...]
     """Steps and landings, from the lowest to the highest."""
     floors: tuple[Part, ...]
-    """Level floors inside the stairs' room: after the last riser and, unless these are the lowest stairs of their staircase,
-    before the first riser; also in openings that are wider than the flight."""
+    """Pieces of level floor in the stairs' room. One piece lies after the last riser. Another lies before the first riser,
+    except in the lowest stairs of a staircase, where the storey's own floor is. Where the opening at one of these two places
+    is wider than the flight, further pieces lie beside the flight."""
     railing: tuple[Part, ...]
     walking_line: Float64[np.ndarray, "k 3"]
     """Path in W up the stairs [m], from the room in front of them on the lower storey to the room in front of them on the
@@ -64,7 +65,7 @@ class Stairs:
 
 
 def build_stairs(spec: HouseSpec, floors_m: Sequence[float]) -> tuple[Stairs, ...]:
-    """All flights of a house whose storeys have their floors at the heights `floors_m` in W [m].
+    """Build all flights of a house whose storeys have their floors at the heights `floors_m` in W [m].
 
     Raises `HouseError` if it is not clear which opening leads to which flight, if a flight cannot be reached through its
     openings, if a room of stairs is too small, or if there is too little head room. The message names the stairs and what
@@ -77,7 +78,7 @@ def build_stairs(spec: HouseSpec, floors_m: Sequence[float]) -> tuple[Stairs, ..
 
 @dataclass(frozen=True)
 class _Site:
-    """A place for a flight: the cell, the two storeys and the two openings that the flight has to join."""
+    """A place for a flight: the cell (room) of the flight, and the two storeys and the two openings that it has to join."""
 
     room: str
     storey: int
@@ -97,7 +98,7 @@ class _Site:
 
     @staticmethod
     def of(spec: HouseSpec, floors_m: Sequence[float], level: int, place: int) -> "_Site":
-        """The place for the flight that leads up from storeys[`level`], in that storey's room with the index `place`."""
+        """Return the place for the flight up from storeys[`level`], in the room with the index `place` on that storey."""
         lower, upper, room = spec.storeys[level], spec.storeys[level + 1], spec.storeys[level].rooms[place]
         above = next(other for other in upper.rooms if is_same_cell(room, other))
         foot, head = opening_that_leads(spec, level, room, "up"), opening_that_leads(spec, level + 1, above, "down")
@@ -170,14 +171,17 @@ class _Site:
 
 
 def _outwards(inside: Point, border: Point) -> Point:
-    """The end of the walking line: `APPROACH_M` beyond the point `border` on the cell's side, as seen from `inside`."""
+    """Return the end of a walking line outside the cell: `APPROACH_M` beyond `border`, on the straight line from `inside`.
+
+    `inside` is a point of the walking line in the cell. `border` is the point at which the line leaves the cell.
+    """
     dx, dy = border[0] - inside[0], border[1] - inside[1]
     scale = APPROACH_M / math.hypot(dx, dy)
     return border[0] + scale * dx, border[1] + scale * dy, border[2]
 
 
 def _check_head_room(stairs: Sequence[Stairs]) -> None:
-    """Raise `HouseError` where a flight leaves too little head room over the flights of the storey below."""
+    """Raise `HouseError` if a flight leaves too little head room over a flight that begins on the storey below."""
     for lower in stairs:
         for upper in stairs:
             if upper.storey != lower.storey + 1:
@@ -191,15 +195,16 @@ def _check_head_room(stairs: Sequence[Stairs]) -> None:
 
 
 def _extents(parts: Sequence[Part]) -> Float64[np.ndarray, "2 n 3"]:
-    """The corners of least and of greatest coordinates of axis-aligned boxes [m]."""
+    """Return two corners of each axis-aligned box: the one with the least and the one with the greatest coordinates [m]."""
     centre, half = np.array([part.centre for part in parts]), np.array([part.size for part in parts]) / 2
     return np.stack([centre - half, centre + half])
 
 
 def _least_gap(lower: Float64[np.ndarray, "2 n 3"], upper: Float64[np.ndarray, "2 m 3"]) -> float:
-    """Least height from the top of a lower box to the underside of an upper box that overlaps it in plan [m].
+    """Return the least height from the top of a lower box to the underside of an upper box that overlaps it in plan [m].
 
-    Boxes are given as least and greatest corners. Upper boxes whose top is no higher than the lower box's top are ignored.
+    The boxes are given by their corners of least and greatest coordinates. Pairs in which the top of the upper box is no
+    higher than the top of the lower box are ignored. The result is infinite if no pair is left.
     """
     (low, high), (start, stop) = lower[:, :, None], upper[:, None]
     over = ((low < stop - _TOLERANCE_M) & (start < high - _TOLERANCE_M))[..., :2].all(axis=-1)

@@ -1,4 +1,4 @@
-"""The cells of stairs: which cells are one staircase, which opening leads to which flight, and a frame for each flight.
+"""The cells of stairs: which cells are one staircase, which opening leads to which flight, and the frame of each flight.
 
 A cell is a room of stairs on one storey. The cells of a staircase cover the same rectangle on consecutive storeys.
 """
@@ -16,19 +16,20 @@ Leads = Literal["up", "down"]
 Bounds = tuple[float, float, float, float]
 _TOLERANCE_M = 1e-6
 _SAME_HALF_M = 0.2
-"""Least distance between the middles of the two openings of U-shaped stairs [m]; closer ones count as in the same half."""
+"""Least distance between the middles of the two openings of U-shaped stairs [m]. Openings that are closer to each other
+count as in the same half of their side of the cell, which is not allowed."""
 _INWARD = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
-"""Unit vectors into the cell from its sides of low x, high x, low y and high y."""
+"""Unit vectors that point into a cell from its four sides, in this order: low x, high x, low y, high y."""
 
 
 def bounds(room: RoomSpec) -> Bounds:
-    """Bounding box of a room's polygon: x0, y0, x1, y1 [m]."""
+    """Return the bounding box of a room's polygon: x0, y0, x1, y1 [m]."""
     x, y = zip(*room.polygon_m, strict=True)
     return min(x), min(y), max(x), max(y)
 
 
 def is_same_cell(room: RoomSpec, other: RoomSpec) -> bool:
-    """Whether two rooms are stairs that cover the same rectangle of the plan, to a micrometre.
+    """Return whether two rooms are stairs that cover the same rectangle of the plan, with a tolerance of a micrometre.
 
     All code that needs to know which rooms belong to one staircase uses this function. It compares coordinates with a
     tolerance instead of rounding them, because two nearly equal coordinates may be rounded differently.
@@ -39,16 +40,16 @@ def is_same_cell(room: RoomSpec, other: RoomSpec) -> bool:
 
 
 def cell_on(spec: HouseSpec, level: int, cell: RoomSpec) -> RoomSpec | None:
-    """The room of stairs on storeys[`level`] that covers the same rectangle as `cell`; None if there is no such room."""
+    """Return the room of stairs on storeys[`level`] that covers the same rectangle as `cell`; None if there is none."""
     if not 0 <= level < len(spec.storeys):
         return None
     return next((room for room in spec.storeys[level].rooms if is_same_cell(room, cell)), None)
 
 
 def lowest_cells(spec: HouseSpec) -> dict[str, str]:
-    """For every room of stairs, by id, the id of the lowest room of its staircase.
+    """Return, for the id of every room of stairs, the id of the lowest room of the same staircase.
 
-    A room of stairs belongs to the staircase of the room of stairs directly below it. Raises `HouseError` where a staircase
+    A room of stairs belongs to the staircase of the room of stairs directly below it. Raises `HouseError` if a staircase
     skips a storey.
     """
     lowest: dict[str, str] = {}
@@ -71,7 +72,7 @@ def _check_skips_no_storey(spec: HouseSpec, level: int, cell: RoomSpec) -> None:
 
 
 def flight_places(spec: HouseSpec) -> Iterator[tuple[int, int]]:
-    """Yield a pair for each flight of a house: index of the lower storey, and index of the flight's room on that storey."""
+    """Yield, for each flight of a house, the index of its lower storey and the index of its room on that storey."""
     for level, lower in enumerate(spec.storeys):
         for place, room in enumerate(lower.rooms):
             if cell_on(spec, level + 1, room) is not None:
@@ -79,10 +80,10 @@ def flight_places(spec: HouseSpec) -> Iterator[tuple[int, int]]:
 
 
 def opening_that_leads(spec: HouseSpec, level: int, room: RoomSpec, leads: Leads) -> OpeningSpec:
-    """The opening of `room` (stairs on storeys[`level`]) that leads to the flight up or to the flight down, as `leads` says.
+    """Return the opening of `room` (stairs on storeys[`level`]) that leads to its flight up or down, as `leads` says.
 
-    Raises `HouseError` unless exactly one opening leads to that flight. Also raises it if flights go up and down from the
-    room, but an opening does not say to which of them it leads.
+    Raises `HouseError` unless exactly one opening leads to that flight; if flights go up and down from the room, but an
+    opening does not say to which flight it leads; and if an opening leads in a direction in which no flight goes.
     """
     openings = _openings_of(spec.storeys[level], room)
     found = [opening for place, opening in openings if _leads(spec, level, room, place) == leads]
@@ -96,14 +97,18 @@ def opening_that_leads(spec: HouseSpec, level: int, room: RoomSpec, leads: Leads
 
 
 def _openings_of(storey: StoreySpec, room: RoomSpec) -> Iterator[tuple[int, OpeningSpec]]:
-    """The openings of a room that one can walk through, with their indices."""
+    """Yield the openings of a room that one can walk through, with their indices."""
     for i, opening in enumerate(storey.openings):
         if room.id in opening.rooms and opening.kind in PASSABLE:
             yield i, opening
 
 
 def _leads(spec: HouseSpec, level: int, room: RoomSpec, place: int) -> Leads:
-    """Direction in which the opening with index `place` leads. The spec must state it if flights go up and down."""
+    """Return the direction of the flight to which the opening with the index `place` leads.
+
+    Raises `HouseError` if flights go up and down and the spec does not state the direction, or if no flight goes in the
+    stated direction.
+    """
     opening = spec.storeys[level].openings[place]
     goes = {
         "up": cell_on(spec, level + 1, room) is not None,
@@ -123,7 +128,7 @@ def _leads(spec: HouseSpec, level: int, room: RoomSpec, place: int) -> Leads:
 class CellFrame:
     """Coordinates (u, v) in a cell, the room of a flight of stairs: u points inwards from the side where the flight begins.
 
-    v points across, at a right angle to u. The origin is a corner of the cell. L- and U-shaped stairs begin at low v and end
+    v is horizontal and perpendicular to u. The origin is a corner of the cell. L- and U-shaped stairs begin at low v and end
     at high v.
     """
 
@@ -137,21 +142,21 @@ class CellFrame:
     """Extent of the cell along v, between wall centre lines [m]."""
 
     def world(self, u: float, v: float) -> tuple[float, float]:
-        """The coordinates (x, y) in W of the point (u, v) of the cell [m]."""
+        """Convert the point (u, v) of the cell to coordinates (x, y) in W [m]."""
         (ux, uy), (vx, vy), (x, y) = self.u_axis, self.v_axis, self.origin
         return x + u * ux + v * vx, y + u * uy + v * vy
 
     def plan(self, x: float, y: float) -> tuple[float, float]:
-        """The coordinates (u, v) in the cell of the point (x, y) in W [m]."""
+        """Convert the point (x, y) in W to coordinates (u, v) in the cell [m]."""
         dx, dy = x - self.origin[0], y - self.origin[1]
         return dx * self.u_axis[0] + dy * self.u_axis[1], dx * self.v_axis[0] + dy * self.v_axis[1]
 
 
 def cell_frame(level: int, room: RoomSpec, foot: OpeningSpec, head: OpeningSpec) -> CellFrame:
-    """The coordinate frame of a cell (a room of stairs) for the flight between two openings, with the kind of its stairs.
+    """Return the coordinate frame of a cell (a room of stairs) for the flight between two openings, and the kind of stairs.
 
-    `foot` is the opening on storeys[`level`], `head` the opening on the storey above. Raises `HouseError` for an opening
-    that is in no side of the cell, and for two openings in the same half of one side.
+    `foot` is the opening on storeys[`level`], `head` the opening on the storey above. Raises `HouseError` if an opening is
+    in no side of the cell, or if both openings are in the same half of one side.
     """
     x0, y0, x1, y1 = bounds(room)
     u, from_head = _inward(level, room, foot), _inward(level + 1, room, head)
@@ -182,7 +187,7 @@ def _middle(opening: OpeningSpec) -> tuple[float, float]:
 
 
 def _inward(level: int, room: RoomSpec, opening: OpeningSpec) -> tuple[float, float]:
-    """Unit vector into the cell from the side that the opening is in. Raises `HouseError` if the opening is in no side."""
+    """Return the unit vector into a cell from the side with the opening. Raises `HouseError` if it is in no side."""
     x0, y0, x1, y1 = bounds(room)
     x, y = _middle(opening)
     gaps = (abs(x - x0), abs(x1 - x), abs(y - y0), abs(y1 - y))

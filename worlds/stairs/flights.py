@@ -1,8 +1,8 @@
 """`fit_stairs`: straight, L- and U-shaped stairs in a rectangular cell, and the rules that make them walkable.
 
-Everything here concerns the stairs from one storey to the next, in the cell's own coordinates [m]: u from the side where the
-climb begins, v across, both measured from wall centre lines, and z above the lower floor. In the drawings the arrows point
-up the stairs.
+Everything here concerns the stairs from one storey to the next, in the coordinates of their cell (their room) [m]. u points
+inwards from the side where the climb begins, and v is perpendicular to u; both are measured from wall centre lines. z is the
+height above the lower floor. In the drawings, the arrows point up the stairs.
 
     straight          L                     U
     +---------+       +------+--------+     +-------------+
@@ -30,7 +30,7 @@ MIN_WIDTH_M = 0.8
 MAX_FLIGHT_RISE_M = 3.7
 """Greatest rise of straight stairs without a landing half way [m]."""
 OPEN_SIDE_M = 1.0
-"""Greatest drop beside a step, landing or floor at which its open side needs no railing [m]."""
+"""Greatest drop beside a step, landing or floor without a railing on that side [m]."""
 INSET_M = WALL_THICKNESS_M / 2
 """Distance from a wall's centre line to its face [m]."""
 _USUAL_TREAD_M = 0.3
@@ -38,7 +38,8 @@ _USUAL_TREAD_M = 0.3
 _USUAL_L_WIDTHS_M = (1.0, 0.9)
 """Widths that are tried for the flights of an L-shape, in this order [m]; `MIN_WIDTH_M` is the last resort."""
 _USUAL_L_TREAD_M = 0.26
-"""Least depth of the treads at a usual width [m]. If the treads would be less deep, the next smaller width is tried."""
+"""Least depth of the treads of an L-shape with one of these widths [m]. If the treads would be less deep, the next smaller
+width is tried."""
 _TOLERANCE_M = 1e-6
 
 Point = tuple[float, float, float]
@@ -47,10 +48,10 @@ Point = tuple[float, float, float]
 def cell_needed(
     kind: StairsKind, rise_m: float, tread_m: float = MIN_TREAD_M, width_m: float = MIN_WIDTH_M
 ) -> tuple[float, float]:
-    """Least length (along the first flight) and width of the cell (the room) of stairs, rounded up to the centimetre [m].
+    """Return the least length (along the first flight) and the least width of a cell (a room) for stairs [m].
 
-    Both are measured between wall centre lines. `rise_m` is the height from floor to floor; treads are to be at least
-    `tread_m` deep and flights at least `width_m` wide.
+    Both are measured between wall centre lines, and rounded up to the centimetre. `rise_m` is the height from floor to
+    floor. The treads are to be `tread_m` deep, and the flights `width_m` wide.
     """
     n = risers(kind, rise_m)
     if kind == "straight":
@@ -64,7 +65,7 @@ def cell_needed(
 
 
 def risers(kind: StairsKind, rise_m: float) -> int:
-    """Number of risers of stairs that rise by `rise_m`. For a U-shape it is even, because its two flights are alike."""
+    """Return the number of risers of stairs that rise by `rise_m`. U-shapes have an even number, for two equal flights."""
     if kind == "U":
         return 2 * math.ceil(rise_m / 2 / MAX_RISER_M - _TOLERANCE_M)
     return math.ceil(rise_m / MAX_RISER_M - _TOLERANCE_M)
@@ -76,7 +77,7 @@ def _rounded_up(length_m: float) -> float:
 
 @dataclass(frozen=True)
 class Slab:
-    """A level rectangle to stand on: a step, a landing or a piece of floor. u and v are the coordinates of `CellFrame`."""
+    """A level rectangle to stand on: a step, a landing or a piece of floor. `CellFrame` defines its coordinates u and v."""
 
     u: tuple[float, float]
     """Interval that the slab covers along u, the direction inwards from the side where the climb begins [m]."""
@@ -123,7 +124,8 @@ def fit_stairs(kind: StairsKind, length: float, width: float, rise: float, above
     """Fit stairs into a room of `length` (along the first flight) by `width`, for a `rise` from floor to floor [m].
 
     Treads are as deep as the room allows, up to 0.3 m. If the room is too small, the result is not walkable. `above_void`
-    says that there is no floor beside the stairs on the lower storey; L-shaped stairs then get railings all along.
+    says that there is no floor beside the stairs on the lower storey. L-shaped stairs then have railings along their whole
+    open side.
     """
     match kind:
         case "straight":
@@ -154,7 +156,7 @@ class _Flight:
         return [self.slab((i - 1) * self.tread, i * self.tread, i * self.riser) for i in range(1, self.risers)]
 
     def slab(self, begin: float, end: float, rise: float) -> Slab:
-        """A slab as wide as the flight, `begin` to `end` behind the first riser and `rise` above the flight's start [m]."""
+        """Return a slab as wide as the flight, from `begin` to `end` behind the first riser, `rise` above the start [m]."""
         (u, v, z), (du, dv), half = self.start, self.along, self.width / 2
         us, vs = (u + du * begin, u + du * end), (v + dv * begin, v + dv * end)
         across_u, across_v = half * abs(dv), half * abs(du)
@@ -165,9 +167,9 @@ class _Flight:
         return u + du * distance, v + dv * distance, z + rise
 
     def line(self) -> list[Point]:
-        """The ends of the walking line: half a tread before the first riser, and half a tread after the last.
+        """Return both ends of the walking line: half a tread before the first riser, and half a tread after the last riser.
 
-        The straight line between the ends passes the middle of each tread at the tread's height.
+        The straight line between these ends passes the middle of each tread at the tread's height.
         """
         return [self.at(-self.tread / 2, 0.0), self.at((self.risers - 0.5) * self.tread, self.risers * self.riser)]
 
@@ -232,9 +234,10 @@ def _l_shaped(length: float, width: float, rise: float, above_void: bool) -> Sta
 
 
 def _split(first_m: float, second_m: float, n: int) -> tuple[int, float]:
-    """Number of the `n` risers in the first flight of an L-shape that gives the deepest treads, and the treads' depth [m].
+    """Divide the `n` risers of an L-shape between its two flights so that treads are as deep as possible.
 
-    `first_m` and `second_m` are the lengths that the two flights can have.
+    Return the number of risers in the first flight, and the depth of the treads [m]. `first_m` and `second_m` are the
+    lengths available to the two flights [m].
     """
     depth = {k: min(first_m / (k - 0.5), second_m / (n - k - 0.5)) for k in range(2, n - 1)}
     first = max(depth, key=lambda k: depth[k])

@@ -13,7 +13,7 @@ _WOOD = (0.62, 0.47, 0.33)
 _DARK_WOOD = (0.36, 0.26, 0.18)
 _RAIL_HEIGHT_M, _RAIL_M, _POST_M = 0.95, 0.05, 0.03
 _RAIL_DEPTH_M = 0.2
-"""Height of a rail's cross-section [m]. It exceeds a riser, so that neighbouring rails join to one hand rail."""
+"""Height of a rail's cross-section [m]. It exceeds a riser, so that the rails of neighbouring steps form one hand rail."""
 _POST_SPACING_M = 0.3
 _MIN_SILL_M = 0.02
 
@@ -21,23 +21,23 @@ Interval = tuple[float, float]
 
 
 def slab_parts(slabs: Sequence[Slab], frame: CellFrame, floor_m: float) -> tuple[Part, ...]:
-    """A box for each slab (step, landing or floor); `floor_m` is the height of the lower storey's floor in W [m]."""
+    """Return a box for each slab (step, landing or floor). `floor_m` is the height of the lower storey's floor in W [m]."""
     return tuple(_box(frame, s.u, s.v, (floor_m + s.top - SLAB_THICKNESS_M, floor_m + s.top), _WOOD) for s in slabs)
 
 
 def rail_parts(rails: Sequence[Rail], frame: CellFrame, floor_m: float) -> tuple[Part, ...]:
-    """A hand rail on posts for each railing; `floor_m` is the height of the lower storey's floor in W [m].
+    """Return a hand rail on posts for each railing. `floor_m` is the height of the lower storey's floor in W [m].
 
-    Each hand rail is thin and centred on the edge of the floor slab that it guards. It does not obstruct the walking line.
+    Each hand rail is thin and centred on the edge of the slab that it guards, so that it does not obstruct the walking line.
     """
     return tuple(part for rail in rails for part in _railing(rail, frame, floor_m))
 
 
 def floor_beside_flight(opening: OpeningSpec, floor: Slab, frame: CellFrame) -> list[tuple[Slab, Rail]]:
-    """Slabs and railings in an opening that is wider than the flight behind it.
+    """Return pairs of a slab and a railing for an opening that is wider than the flight behind it.
 
-    The flight begins or ends on `floor`. Each part of the opening beside `floor` gets a slab as deep as half the wall, and a
-    railing at the slab's inner edge, where the drop is.
+    The flight begins or ends on the slab `floor`. Each part of the opening beside `floor` gets a slab as deep as half the
+    wall, and a railing at the inner edge of this slab, beyond which there is a drop.
     """
     (ua, va), (ub, vb) = frame.plan(*opening.start_m), frame.plan(*opening.end_m)
     if abs(va - vb) > abs(ua - ub):

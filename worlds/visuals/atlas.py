@@ -13,13 +13,12 @@ from worlds.spec import HouseSpec
 from worlds.visuals.materials import texture
 
 Paint = tuple[str, Colour, int | None]
-"""Material, colour and seed: the piece's own seed for materials in `SHOWN_WHOLE`, else None, so that pieces share paints."""
+"""Material, colour and seed of the paint of a part. The seed is None for most materials, so that pieces of furniture share
+paints. For materials in `SHOWN_WHOLE`, it is the piece's own seed, so that no two pieces show the same motif."""
 
 SHOWN_WHOLE = frozenset({"picture", "screen", "scribble"})
-"""Materials with a motif: every piece has a patch of its own, and each face shows the whole patch.
-
-A face of any other material shows a cut-out of a shared patch, true to scale.
-"""
+"""Materials with a motif, such as pictures. Every piece with such a material has a patch of its own in the atlas, and each
+face shows the whole patch. Faces of all other materials show cut-outs of shared patches, true to scale."""
 
 _PATCH_PX = 128
 _COLUMNS = 16
@@ -28,7 +27,7 @@ _MARGIN = 1.0 / _PATCH_PX
 
 
 def paint_of(material: str, colour: Colour, piece_seed: int) -> Paint:
-    """The paint of a part, the key of its patch in the atlas; `piece_seed` is the seed of the piece with this part."""
+    """Return the paint of a part, the key of its patch in the atlas. `piece_seed` is the seed of the part's piece."""
     return material, colour, piece_seed if material in SHOWN_WHOLE else None
 
 
@@ -36,7 +35,7 @@ def paint_of(material: str, colour: Colour, piece_seed: int) -> Paint:
 class Atlas:
     """An image made of patches, each of which shows one square metre of a paint.
 
-    The content of a patch depends only on its paint, the seeds of the house, and its `appearance.texture`.
+    The content of a patch depends only on its paint, and on the seeds and the `appearance.texture` of the house.
     """
 
     image: UInt8[np.ndarray, "h w 3"]
@@ -62,10 +61,10 @@ class Atlas:
     ) -> Float64[np.ndarray, "q 4 2"]:
         """Texture coordinates of quads, as fractions of the atlas image's width and height; v points upwards.
 
-        `uv_m` are the corners of each quad in its own plane [m], from (0, 0); `patches` are the indices of the quads'
-        patches. A quad that is `whole` shows its whole patch. Any other quad shows a cut-out of the patch that is as large
-        as the quad (or scaled down, if the quad is larger than the patch). `cut`, in [0, 1], is the relative position of the
-        cut-out within the patch.
+        `uv_m` are the corners of each quad in its own plane [m], with a smallest u and v of 0. `patches` has the index of
+        each quad's patch. A quad that is `whole` shows its whole patch. Any other quad shows a cut-out of the patch, as
+        large as the quad; where the quad is larger than the patch, the quad is scaled down to it. `cut`, in [0, 1], is the
+        relative position (u, v) of the cut-out within the patch.
         """
         room = 1.0 - 2 * _MARGIN
         extent = np.maximum(uv_m.max(axis=1, keepdims=True), 1e-9)

@@ -26,7 +26,8 @@ class Visual:
     name: str
     """The name of these quads, unique in the house."""
     shows: str
-    """What is shown: the id of furniture, a door leaf or a window; `STAIRS_OBJECT`; or "<room id>/<wall|floor|ceiling>"."""
+    """What the quads show: the id of a piece of furniture, a door leaf or a window; `STAIRS_OBJECT` for stairs; or
+    "<room id>/<wall|floor|ceiling>"."""
     image: str
     """Key of the image in `Visuals.images`."""
     corners: Float64[np.ndarray, "q 4 3"]
@@ -41,7 +42,7 @@ class Visuals:
     """The textured quads of a whole house, with their images."""
 
     images: Mapping[str, UInt8[np.ndarray, "h w 3"]]
-    """RGB images of the textures, by the name that `Visual.image` refers to."""
+    """RGB images of the textures. The keys are the names in `Visual.image`."""
     parts: tuple[Visual, ...]
 
 

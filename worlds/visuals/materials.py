@@ -1,4 +1,4 @@
-"""Procedural textures: `texture` paints a named pattern over a surface of a given size; no two textures are alike.
+"""Procedural textures: `texture` paints a named pattern over a surface of a given size, differently for every random seed.
 
 A texture is the shade of a pattern times a colour. Patterns have details at all scales from two pixels to half a metre,
 because the distance of the camera decides at which scale the SLAM finds its features. Textures do not repeat, because a

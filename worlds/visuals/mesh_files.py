@@ -30,7 +30,7 @@ def to_trimesh(house: House) -> trimesh.Scene:
 
 
 def to_glb(house: House) -> bytes:
-    """The house as a binary glTF file. That format has y up: its (x, y, z) are (x, z, -y) of the world frame W."""
+    """Return the house as a binary glTF file. In glTF, y points up: a point (x, y, z) in W is written as (x, z, -y)."""
     scene = to_trimesh(house)
     scene.apply_transform(_Y_UP)  # type: ignore[no-untyped-call]
     return bytes(scene.export(file_type="glb"))  # type: ignore[no-untyped-call]

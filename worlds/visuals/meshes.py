@@ -14,10 +14,8 @@ from worlds.parts import Part, Vector
 
 _SIDES = 10
 _GROWTH_M = 2e-5
-"""Part number k of a solid, counted from 0, is enlarged by k times this length [m].
-
-Where faces of two parts lie in one plane, the face of the later part is therefore the visible one.
-"""
+"""Every part is drawn larger than it is: by this length for each part that comes before it in its solid [m]. Where faces of
+two parts lie in one plane, the face of the later part is therefore the visible one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +45,7 @@ class SolidsMesh:
 
 
 def solids_mesh(solids: Sequence[Solid]) -> SolidsMesh:
-    """The mesh of all `solids`, with the quads ordered by solid and by part."""
+    """Return the mesh of all `solids`. Its quads are ordered by solid, and within a solid by part."""
     parts = [part for solid in solids for part in solid.parts]
     counts = [len(solid.parts) for solid in solids]
     owner = np.repeat(np.arange(len(solids)), counts)
@@ -101,9 +99,10 @@ def _turned(points: Float64[np.ndarray, "*n 3"], yaw: Float64[np.ndarray, "*m"])
 
 
 def _metric_uv(quads: Float64[np.ndarray, "q 4 3"]) -> Float64[np.ndarray, "q 4 2"]:
-    """Coordinates (u, v) of the corners within the plane of each quad, from (0, 0) [m].
+    """Return coordinates (u, v) of the corners within the plane of each quad [m]; the smallest u and the smallest v are 0.
 
-    The u axis runs along the bottom edge, or along the top edge if the bottom edge has no length. The v axis runs across.
+    The u axis runs along the bottom edge, or along the top edge if the bottom edge has no length. The v axis is
+    perpendicular to the u axis.
     """
     bottom, top = quads[:, 1] - quads[:, 0], quads[:, 2] - quads[:, 3]
     along = np.where((np.linalg.norm(bottom, axis=1) > 1e-9)[:, None], bottom, top)
@@ -124,7 +123,11 @@ def _unit_box() -> Float64[np.ndarray, "6 4 3"]:
 
 
 def _lathe(profile: Sequence[tuple[float, float]]) -> Float64[np.ndarray, "f 4 3"]:
-    """Quads of a profile rotated about z, within the unit cube; the profile lists (radius, z) from bottom to top."""
+    """Return the quads of the solid that a profile describes when it rotates about the z axis.
+
+    The profile lists points (radius, z), from bottom to top. Radius and z are in [-0.5, 0.5], so that the solid fits into a
+    unit cube around the origin.
+    """
     angles = 2 * np.pi * np.arange(_SIDES + 1) / _SIDES
     ring = np.column_stack([np.cos(angles), np.sin(angles)])
     quads = []

@@ -18,7 +18,7 @@ from worlds.spec import OpeningSpec
 from worlds.walls import WALL_THICKNESS_M, Boundary
 
 NOTHING = -1
-"""Owner of the cells below the ground, which are never visible."""
+"""Value of `ShellGrid.owner` for cells below the ground, where no surface is visible."""
 _MARGIN_M = 1.0
 _DECIMALS = 6
 _TOLERANCE_M = 1e-6
@@ -40,14 +40,16 @@ class ShellGrid:
     solid: Bool[np.ndarray, "nx ny nz"]
     """Whether a cell is inside a wall or slab. Openings are free."""
     slab: Bool[np.ndarray, "nz"]
-    """Whether a layer of cells lies where slabs are: between two storeys, below the lowest, or above the highest storey."""
+    """For each layer of cells along z, whether it is at the height of a slab: between two storeys, below the lowest storey,
+    or above the highest storey."""
     arch: Int[np.ndarray, "nx ny nz"]
-    """0 for most cells. For the cells with the curve of an arch: 1 if the wall of the arch runs along x, 2 if along y."""
+    """Whether the curve of an arch passes through a cell: 0 if not, 1 in a wall along x, 2 in a wall along y."""
     owner: Int[np.ndarray, "nx ny nz"]
-    """Index into `house.rooms` of the room that a free cell is in; `len(house.rooms)` outside, `NOTHING` underground."""
+    """Index into `house.rooms` of the room that a free cell is in; `len(house.rooms)` for cells outside of all rooms, and
+    `NOTHING` for cells below the ground."""
     reveal: Int[np.ndarray, "nx ny nz"]
-    """Like `owner`, but all cells of an opening belong to one room. The reveals of the opening (its inner faces, across the
-    thickness of the wall) therefore get one texture."""
+    """Like `owner`, but all cells of an opening belong to one room. The reveals of the opening (its inner faces, which span
+    the thickness of the wall) therefore get one texture."""
 
 
 def shell_grid(house: House) -> ShellGrid:
@@ -124,7 +126,7 @@ def _with_margin(planes: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "_"]:
 
 
 def _cells(planes: Sequence[Float64[np.ndarray, "_"]], boxes: Sequence[_Box]) -> Iterator[_Cells]:
-    """The cells inside each box, as slices; the faces of the boxes must be planes of the grid."""
+    """Yield the cells inside each box, as slices along x, y and z. The faces of the boxes must lie on planes of the grid."""
     table = np.round(np.array(boxes).reshape(-1, 6), _DECIMALS)
     x, y, z = (np.searchsorted(p, table[:, c]) for p, c in zip(planes, ([0, 2], [1, 3], [4, 5]), strict=True))
     for (i0, i1), (j0, j1), (k0, k1) in zip(x.tolist(), y.tolist(), z.tolist(), strict=True):
@@ -132,7 +134,7 @@ def _cells(planes: Sequence[Float64[np.ndarray, "_"]], boxes: Sequence[_Box]) ->
 
 
 def _plan(house: House, level: int, planes: Sequence[Float64[np.ndarray, "_"]]) -> Int[np.ndarray, "nx ny"]:
-    """Index of the room that covers each cell of a storey's plan; `len(house.rooms)` for cells that no room covers."""
+    """Return, for each cell of a storey's plan, the index of the room that covers the cell; `len(house.rooms)` for none."""
     plan = np.full((len(planes[0]) - 1, len(planes[1]) - 1), len(house.rooms), np.int16)
     index = {room.id: i for i, room in enumerate(house.rooms)}
     for spec in house.spec.storeys[level].rooms:
@@ -142,7 +144,10 @@ def _plan(house: House, level: int, planes: Sequence[Float64[np.ndarray, "_"]]) 
 
 
 def _covered(polygon: Polygon, planes: Sequence[Float64[np.ndarray, "_"]]) -> Bool[np.ndarray, "nx ny"]:
-    """Cells inside a rectilinear polygon, by even-odd fill: each edge parallel to y inverts all cells beyond it in x."""
+    """Return which cells of the plan are inside a rectilinear polygon.
+
+    Each edge parallel to y inverts the state of all cells beside the edge at larger x (even-odd rule).
+    """
     x, y = (np.round(np.asarray(c), _DECIMALS) for c in polygon.exterior.coords.xy)
     i, j = np.searchsorted(planes[0], x).tolist(), np.searchsorted(planes[1], y).tolist()
     inside = np.zeros((len(planes[0]) - 1, len(planes[1]) - 1), bool)
@@ -173,9 +178,9 @@ def _slabs(
     plans: Sequence[Int[np.ndarray, "nx ny"]],
     walls: Sequence[_Box],
 ) -> tuple[Bool[np.ndarray, "nx ny nz"], Bool[np.ndarray, "nz"]]:
-    """Whether each cell belongs to a slab, and whether each layer of cells lies where slabs are.
+    """Return whether each cell belongs to a slab, and whether each layer of cells along z is at the height of a slab.
 
-    There is a slab below every room and above every indoor room, out to the outer faces of the walls. A slab has a hole
+    There is a slab below every room and above every indoor room. It reaches to the outer faces of the walls, and has a hole
     where a staircase passes through it.
     """
     solid, slab = np.zeros((*plans[0].shape, len(planes[2]) - 1), bool), np.zeros(len(planes[2]) - 1, bool)

@@ -21,16 +21,14 @@ _KINDS: tuple[SurfaceKind, ...] = ("wall", "floor", "ceiling")
 _PX_PER_M: Mapping[SurfaceKind, float] = {"wall": 90.0, "floor": 80.0, "ceiling": 40.0}
 _MAX_PX = 4096
 PERIOD_M: Mapping[SurfaceKind, float] = {"wall": 1.0, "floor": 0.5, "ceiling": 0.5}
-"""Period of repeating textures for each kind of surface, the same along both axes [m].
-
-One metre is a whole number of periods, so the textures look the same from a viewpoint one metre further along a surface.
-"""
+"""Period of the texture of each kind of surface, along both axes, in houses with repeating textures [m]. One metre is a
+whole number of periods, so all textures look the same from a viewpoint one metre further along a surface."""
 _OUTSIDE_LOOKS = "garden"
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceTexture:
-    """The faces of one kind in one room, with the material and the image that cover them."""
+    """The faces of one kind (walls, floor or ceiling) in one room, with their material and their image."""
 
     room: str
     kind: SurfaceKind
@@ -43,7 +41,10 @@ class SurfaceTexture:
 
 
 def finishes(house: House) -> dict[str, Finish]:
-    """Finish of each room by the room's id, and of the outside by `OUTSIDE`. A finish depends only on label and seed."""
+    """Return the finish of each room by the room's id, and the finish of the outside by `OUTSIDE`.
+
+    A room's finish is drawn at random. It depends only on the room's label and on the seed of the room (see `room_rng`).
+    """
     return {room: finish_of(label, _rng(house, room)) for room, label in _labels(house).items()}
 
 

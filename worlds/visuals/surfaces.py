@@ -2,8 +2,8 @@
 
 `surfaces` works in these steps:
 
-1. Find the upright faces, which lie wherever a solid cell of the `ShellGrid` touches a free cell. Add the wall beside the
-   curves of arches (the spandrels), which is not part of the grid.
+1. Find the upright faces, which lie wherever a solid cell of the `ShellGrid` touches a free cell. Add the spandrels: the
+   parts of a wall between the curve of an arch and the top of its opening, which are not part of the grid.
 2. Unroll the walls of each room side by side onto one flat sheet, so that the texture of the sheet need not repeat.
 3. Add the level faces (floors, ceilings, sills, tops of walls) and the curved undersides of arches.
 """
@@ -24,7 +24,7 @@ from worlds.walls import WALL_THICKNESS_M, Boundary, arch_curve
 
 SurfaceKind = Literal["wall", "floor", "ceiling"]
 OUTSIDE = "(outside)"
-"""Name of the outside of the house where a room id is expected; no room id has brackets."""
+"""Stands for the outside of the house where a room id is expected. It cannot equal a room id, since no id has brackets."""
 _KINDS: tuple[SurfaceKind, ...] = ("wall", "floor", "ceiling")
 _HALF = WALL_THICKNESS_M / 2
 _TOLERANCE_M = 1e-6
@@ -45,9 +45,9 @@ class Surface:
 
 
 def surfaces(house: House) -> list[Surface]:
-    """All faces of the shell. The walls of a room are unrolled onto one sheet, with their openings left out.
+    """Return all faces of the shell. The walls of a room are unrolled onto one flat sheet, with holes where openings are.
 
-    Every solid cell has a face on each side that borders a room or the outside, except for the top of the roof.
+    Every solid cell has a face on each side that borders a room or the outside. Only the top of the roof has no faces.
     """
     grid = shell_grid(house)
     planes: dict[_Plane, list[_Outline]] = defaultdict(list)
@@ -59,9 +59,11 @@ def surfaces(house: House) -> list[Surface]:
 
 
 _Plane = tuple[int, int, int, float]
-"""Index of the room (number of rooms: the outside), axis of the normal, sign of the normal, position on that axis [m]."""
+"""An upright plane, seen from one room: index of this room (or the number of rooms, for the outside), axis of the plane's
+normal (0: x, 1: y), sign of the normal, and coordinate of the plane on that axis [m]."""
 _Outline = tuple[_Point, _Point, _Point, _Point]
-"""Corners of a quad as (position along the plane, z) [m], counter-clockwise if positions increase to the right."""
+"""Corners of a quad in an upright plane, as (x or y along the plane, z) [m]. The corners are counter-clockwise for a viewer
+to whom the first coordinate increases to the right."""
 
 
 class _Unrolling:
@@ -73,7 +75,7 @@ class _Unrolling:
         self._cursor = [0.0] * len(self._names)
 
     def panels(self, plane: _Plane, outlines: Sequence[_Outline]) -> Iterator[Surface]:
-        """The faces in one upright plane, placed on the sheet of their room. Faces that touch still touch on the sheet."""
+        """Place the faces in one upright plane on the sheet of their room. Faces that touch also touch on the sheet."""
         room, axis, facing, at = plane
         to_right = (facing > 0) == (axis == 0)
         for low, high, group in _runs(outlines):
@@ -85,13 +87,13 @@ class _Unrolling:
                 yield Surface(self._names[room], "wall", np.array(corners), np.array(uv))
 
     def strip(self, room: int, corners: Sequence[tuple[float, float, float]], length: float, width: float) -> Surface:
-        """A rectangular face at a free position on its room's sheet; its first edge is `length` [m] long."""
+        """Place a rectangular face at a free position on its room's sheet. Its first edge is `length` [m] long."""
         u = self._advance(room, length)
         uv = np.array([(u, 0.0), (u + length, 0.0), (u + length, width), (u, width)])
         return Surface(self._names[room], "wall", np.array(corners), uv)
 
     def flat(self, room: int, kind: SurfaceKind, corners: Sequence[tuple[float, float, float]], origin: _Point) -> Surface:
-        """A rectangle of floor or ceiling. Its sheet is the plan of the room, shifted so that `origin` becomes (0, 0)."""
+        """Place a rectangle of a floor or ceiling on its sheet: the room's plan, moved so that `origin` is at (0, 0)."""
         points = np.array(corners)
         return Surface(self._names[room], kind, points, points[:, :2] - origin)
 
@@ -102,7 +104,7 @@ class _Unrolling:
 
 
 def _runs(outlines: Sequence[_Outline]) -> Iterator[tuple[float, float, list[_Outline]]]:
-    """Group the outlines into stretches without gaps, as (start, end, outlines of the stretch) [m]."""
+    """Group outlines in one plane into stretches without gaps. Yield (start [m], end [m], outlines) for each stretch."""
     group: list[_Outline] = []
     low = high = 0.0
     for outline in sorted(outlines, key=lambda o: (o[0][0], o[0][1])):
@@ -133,9 +135,10 @@ def _rectangle(x: _Point, y: _Point) -> _Outline:
 
 
 def _rectangles(labels: Int[np.ndarray, "p a b"]) -> Iterator[tuple[int, int, int, int, int, int]]:
-    """Cover the cells of equal label in each layer by rectangles (layer, a0, a1, b0, b1, label), except the label `NOTHING`.
+    """Cover the cells of every layer by rectangles of equal labels, except for cells with the label `NOTHING`.
 
-    Stretches of equal labels along a are found first; equal stretches at consecutive b are then merged into one rectangle.
+    Yield (layer, a0, a1, b0, b1, label): the rectangle covers the cells `labels[layer, a0:a1, b0:b1]`. Stretches of equal
+    labels along a are found first. Equal stretches at consecutive b are then merged into one rectangle.
     """
     edge = np.full((labels.shape[0], 1, labels.shape[2]), NOTHING, labels.dtype)
     padded = np.concatenate([edge, labels, edge], axis=1).swapaxes(1, 2)
@@ -155,7 +158,7 @@ def _rectangles(labels: Int[np.ndarray, "p a b"]) -> Iterator[tuple[int, int, in
 
 
 def _level(house: House, grid: ShellGrid, unrolling: _Unrolling) -> Iterator[Surface]:
-    """All level faces: floors, ceilings, roofs of lower storeys, and tops, sills and undersides of walls."""
+    """Yield all level faces: floors, ceilings, roofs of lower storeys, and the tops and undersides of walls and sills."""
     x, y, z = grid.planes
     origins = [*(room.polygon.bounds[:2] for room in house.rooms), (float(x[0]), float(y[0]))]
     for facing in (1, -1):
@@ -173,7 +176,11 @@ def _level(house: House, grid: ShellGrid, unrolling: _Unrolling) -> Iterator[Sur
 
 
 def _level_labels(house: House, grid: ShellGrid, facing: int) -> Int[np.ndarray, "p a b"]:
-    """For each plane across z and each cell of the plan: room index * number of kinds + index of the kind, or `NOTHING`."""
+    """Return a label for the level face in each plane across z at each cell of the plan; `NOTHING` where there is no face.
+
+    A label stands for the room and the kind of the face: index of the room * number of kinds + index of the kind. `facing`
+    is 1 for faces that look up, -1 for faces that look down.
+    """
     solid, free = grid.solid | (grid.arch > 0), ~grid.solid & (grid.arch == 0)
     if facing < 0:
         solid = grid.solid
@@ -192,7 +199,10 @@ def _level_labels(house: House, grid: ShellGrid, facing: int) -> Int[np.ndarray,
 
 
 def _arches(house: House) -> Iterator[tuple[Boundary, list[_Point], float]]:
-    """For each arch: its boundary, its curve as points (position along the boundary, z), and its crown's z, in W [m]."""
+    """Yield three values for each arch: its boundary, its curve and the z of its crown in W [m].
+
+    The curve is a list of points (x or y along the boundary, z) in W [m].
+    """
     for level, pieces in enumerate(house.boundaries):
         floor = house.storeys[level].floor_m
         for boundary, opening in pieces:
@@ -216,7 +226,7 @@ def _spandrels(house: House) -> Iterator[tuple[_Plane, _Outline]]:
 
 
 def _undersides(house: House, unrolling: _Unrolling) -> Iterator[Surface]:
-    """The faces under the curve of each arch, which span the thickness of the wall."""
+    """Yield the faces on the underside of each arch, which span the thickness of the wall."""
     for boundary, curve, _ in _arches(house):
         room = _room_on(house, boundary, 0 if boundary.rooms[0] is not None else 1)
         near, far = (boundary.at + s * _HALF for s in ((1, -1) if boundary.axis == 0 else (-1, 1)))

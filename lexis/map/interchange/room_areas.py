@@ -1,7 +1,8 @@
-"""The area of every room: the free cells of a storey, each given to the room of the keyframe with the shortest free way.
+"""The area of every room, as cells of a storey.
 
-A way through free cells leads through doors and never through walls. Cells that a room encloses, such as those under its
-furniture, belong to the room too.
+A free cell belongs to the room of the keyframe from which the way to the cell is shortest. A way leads through free cells
+only: through doors and never through walls. Cells that a room encloses, such as those under its furniture, belong to the
+room too.
 """
 
 from collections.abc import Iterator, Mapping
@@ -17,14 +18,15 @@ from lexis.map.interchange.storey_grid import CELL_M, StoreyGrid
 from lexis.types import LexisMap
 
 REACH_M = 4.0
-"""Longest way from a keyframe to a cell of its room; what is seen through doors from afar belongs to no room [m]."""
+"""Longest way from a keyframe to a cell of its room [m]. Cells that are seen from afar through doors thus belong to no
+room."""
 NO_ROOM = -1
 Rectangle = tuple[int, int, int, int]
-"""First row, first column, and the row and column after the last."""
+"""First row, first column, the row after the last row, and the column after the last column."""
 
 
 def room_masks(map: LexisMap, grid: StoreyGrid) -> Mapping[int, Bool[np.ndarray, "rows columns"]]:
-    """Which cells of a storey belong to each room, by the room's id. A cell belongs to one room at most."""
+    """Return which cells of a storey belong to each room, by the room's id. A cell belongs to at most one room."""
     owners = _owners(map, grid)
     masks = {}
     for room in map.rooms:
@@ -36,7 +38,7 @@ def room_masks(map: LexisMap, grid: StoreyGrid) -> Mapping[int, Bool[np.ndarray,
 
 
 def _owners(map: LexisMap, grid: StoreyGrid) -> Int[np.ndarray, "rows columns"]:
-    """The room of every free cell."""
+    """Return the id of every free cell's room; `NO_ROOM` for cells that are not free or not reached."""
     cameras = (map.T_W_B @ map.camera.T_B_C)[:, :3, 3]
     starts = np.flatnonzero((map.floors == grid.floor) & (map.room_of >= 0))
     number = np.full(grid.free.shape, -1)
@@ -54,7 +56,10 @@ def _owners(map: LexisMap, grid: StoreyGrid) -> Int[np.ndarray, "rows columns"]:
 
 
 def _steps_between(number: Int[np.ndarray, "rows columns"]) -> csr_array:
-    """The graph of free cells, whose numbers are given: steps of one cell to the sides, as a symmetric matrix."""
+    """Return the graph of steps from each free cell to the free cells beside it, as a symmetric matrix.
+
+    `number` is the number of each free cell, and -1 for all other cells.
+    """
     pairs = np.concatenate([
         np.stack([number[:-1].ravel(), number[1:].ravel()], axis=1),
         np.stack([number[:, :-1].ravel(), number[:, 1:].ravel()], axis=1),
@@ -65,7 +70,10 @@ def _steps_between(number: Int[np.ndarray, "rows columns"]) -> csr_array:
 
 
 def rectangles(mask: Bool[np.ndarray, "rows columns"]) -> list[Rectangle]:
-    """Divide the marked cells into rectangles: stretches of rows, joined with equal stretches of the rows above."""
+    """Divide the marked cells into rectangles.
+
+    A rectangle is a stretch of marked cells in one row, joined with the same stretches in the rows below it.
+    """
     whole: list[Rectangle] = []
     growing: dict[tuple[int, int], int] = {}
     for row in range(len(mask) + 1):
@@ -78,13 +86,13 @@ def rectangles(mask: Bool[np.ndarray, "rows columns"]) -> list[Rectangle]:
 
 
 def _stretches(row: Bool[np.ndarray, "columns"]) -> Iterator[tuple[int, int]]:
-    """The first marked cell of every stretch of a row, and the cell after the last."""
+    """Yield the first marked cell of every stretch of a row, and the cell after the last marked cell."""
     ends = np.flatnonzero(np.diff(np.concatenate([[False], row, [False]]).astype(np.int8)))
     yield from zip(ends[::2].tolist(), ends[1::2].tolist(), strict=True)
 
 
 def outline(mask: Bool[np.ndarray, "rows columns"], grid: StoreyGrid) -> shapely.MultiPolygon:
-    """The marked cells as polygons in W [m]."""
+    """Return the marked cells as polygons in W [m]."""
     boxes = [shapely.box(c, r, c_end, r_end) for r, c, r_end, c_end in rectangles(mask)]
     cells = shapely.union_all(boxes)
     area = shapely.transform(cells, lambda corners: np.round(grid.origin + CELL_M * corners, 6))

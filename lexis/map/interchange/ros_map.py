@@ -1,8 +1,9 @@
 """Occupancy grids for ROS: for each storey the `map.yaml` and PGM of map_server and Nav2, with the rooms as polygons.
 
-The folder holds for floor 0 `floor0.yaml`, `floor0.pgm` and `floor0.geojson`, and so on, and `storeys.json`, which lists
-them. Pixels are 254 for free, 0 for occupied and 205 for unknown cells, as map_saver writes them, and the thresholds keep
-the unknown apart from the free. All coordinates are in the frame W of the map [m], those of the GeoJSON too.
+For floor 0, the folder holds `floor0.yaml`, `floor0.pgm` and `floor0.geojson`, and so on for other floors. `storeys.json`
+lists the storeys. Pixels are 254 for free, 0 for occupied and 205 for unknown cells, as map_saver writes them; the
+thresholds are chosen so that unknown cells do not count as free. All coordinates are in the frame W of the map [m], also
+those of the GeoJSON.
 """
 
 import json
@@ -23,15 +24,17 @@ from lexis.types import LexisMap
 
 INDEX = "storeys.json"
 FREE, OCCUPIED, UNKNOWN = 254, 0, 205
-"""Values of pixels."""
+"""Values of pixels for free, occupied and unknown cells."""
 _THRESHOLDS = {"occupied_thresh": 0.65, "free_thresh": 0.196}
-"""A pixel of value v is free if (255 - v) / 255 is below `free_thresh`; for the value of unknown cells, it is 0.1961."""
+"""A pixel of value v is free if (255 - v) / 255 is below `free_thresh`. This quotient is 0.1961 for unknown cells, which are
+thus not free."""
 
 
 def write_ros_maps(map: LexisMap, path: Path) -> None:
     """Write a folder with the grids and rooms of all floors. An earlier folder of this kind is replaced.
 
-    Raises LexisError if the folder cannot be written or holds something else, or if the map has no floor or too large ones.
+    Raises LexisError if the folder cannot be written or holds something else, or if the map has no floor or a floor is too
+    large.
     """
     grids = [storey_grid(map, floor) for floor in floors(map)]
     if not grids:
@@ -55,14 +58,14 @@ def _write_storey(map: LexisMap, grid: StoreyGrid, folder: Path) -> None:
 
 
 def _entry(grid: StoreyGrid) -> dict[str, Any]:
-    """The files of a storey, and the heights of its floor and ceiling."""
+    """Return the names of a storey's files, and the heights of its floor and ceiling in W [m]."""
     name = f"floor{grid.floor}"
     heights = {"floor_m": round(grid.heights[0], 3), "ceiling_m": round(grid.heights[1], 3)}
     return {"floor": grid.floor, "map": f"{name}.yaml", "image": f"{name}.pgm", "rooms": f"{name}.geojson"} | heights
 
 
 def _pixels(grid: StoreyGrid) -> UInt8[np.ndarray, "rows columns"]:
-    """The image of a grid, whose first row is the one with the highest y."""
+    """Return the image of a grid. Its first row is the row with the highest y."""
     pixels = np.full(grid.free.shape, UNKNOWN, np.uint8)
     pixels[grid.free] = FREE
     pixels[grid.occupied] = OCCUPIED
@@ -70,7 +73,7 @@ def _pixels(grid: StoreyGrid) -> UInt8[np.ndarray, "rows columns"]:
 
 
 def _rooms(map: LexisMap, grid: StoreyGrid) -> dict[str, Any]:
-    """The rooms of a storey as GeoJSON."""
+    """Return the rooms of a storey as GeoJSON."""
     names = instance_names(map.rooms)
     features = [
         {

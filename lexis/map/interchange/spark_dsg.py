@@ -1,6 +1,7 @@
-"""Export of a map as a scene graph in the JSON format of Spark-DSG; `spark_dsg_format` tells what becomes of what.
+"""Export of a map as a scene graph in the JSON format of Spark-DSG.
 
-The file needs no library of Spark-DSG to be written. Tests load it with the library, and read what the library saves again.
+`spark_dsg_format` describes how a map becomes layers, nodes and edges. The file is written without the library of Spark-DSG.
+Tests load the file with the library, and read the file that the library saves again.
 """
 
 import json
@@ -25,7 +26,7 @@ from lexis.types import LexisMap
 
 _HEADER = {"project_name": "lexis", "version": {"major": 1, "minor": 1, "patch": 3}}
 _LAST_NS = 2**63 - 1
-"""Largest time that fits into a node [ns], the year 2262."""
+"""Largest time that a node can hold [ns], in the year 2262."""
 _NO_LABEL = 2**32 - 1
 _UPRIGHT = {"w": 1.0, "x": 0.0, "y": 0.0, "z": 0.0}
 _Json = dict[str, Any]
@@ -34,14 +35,14 @@ _Json = dict[str, Any]
 def write_spark_dsg(map: LexisMap, path: Path) -> None:
     """Write the map as a scene graph. Raises LexisError if the file cannot be written.
 
-    The graph holds everything but key points, descriptors and landmarks, as `save_map` without `features`.
+    The graph leaves out key points, descriptors and landmarks, as `save_map` does without `features`.
     """
     with replaced_file(path) as beside:
         beside.write_text(json.dumps(scene_graph(map), separators=(",", ":"), allow_nan=False) + "\n", encoding="utf-8")
 
 
 def scene_graph(map: LexisMap) -> _Json:
-    """The scene graph of a map as plain data for JSON."""
+    """Return the scene graph of a map as plain data for JSON."""
     return {
         "SPARK_DSG_header": _HEADER,
         "directed": False,
@@ -78,7 +79,7 @@ def _floors(map: LexisMap) -> Iterator[_Json]:
 
 
 def _floor_numbers(map: LexisMap) -> list[int]:
-    """Numbers of the floors of keyframes and rooms, ascending."""
+    """Return the numbers of all floors that have keyframes or rooms, ascending."""
     of_keyframes = {int(floor) for floor in map.floors if floor != NO_FLOOR}
     return sorted(of_keyframes | {room.floor for room in map.rooms if room.floor is not None})
 
@@ -122,7 +123,7 @@ def _places(map: LexisMap) -> Iterator[_Json]:
 
 
 def _clearances(map: LexisMap) -> Float64[np.ndarray, "n"]:
-    """Distance of every keyframe from the nearest landmark of any keyframe [m], 0 without landmarks."""
+    """Return the distance of every keyframe from the nearest landmark of any keyframe [m]; 0 if there are no landmarks."""
     points = [transform(T, keyframe.landmarks.points) for T, keyframe in zip(map.T_W_B, map.keyframes, strict=True)]
     landmarks = np.concatenate(points)
     if not len(landmarks):
@@ -141,6 +142,7 @@ def _agents(map: LexisMap) -> Iterator[_Json]:
             "dbow_values": None,
         }
         own = {
+            "session": keyframe.session,
             "observation_index": keyframe.observation_index,
             "stamp": keyframe.stamp,
             "T_O_B": keyframe.T_O_B.tolist(),
@@ -150,7 +152,7 @@ def _agents(map: LexisMap) -> Iterator[_Json]:
 
 
 def _hierarchy(map: LexisMap) -> Iterator[_Json]:
-    """Edges from floors to rooms, from rooms to places, and from places to agents."""
+    """Yield edges from floors to rooms, from rooms to places, and from places to agents."""
     for room in map.rooms:
         if room.floor is not None:
             yield _edge(FLOORS.node(room.floor), ROOMS.node(room.id))
@@ -159,8 +161,14 @@ def _hierarchy(map: LexisMap) -> Iterator[_Json]:
 
 
 def _walk(map: LexisMap) -> Iterator[_Json]:
-    """Edges between consecutive keyframes, the rooms between which the camera walked, and the keyframes of loop edges."""
-    steps = list(pairwise(range(len(map.keyframes))))
+    """Yield edges between consecutive places, between rooms that follow each other on the walk, and between agents.
+
+    The last keyframe of a session and the first keyframe of the next session are not consecutive, because nobody walked from
+    one to the other.
+    There is an edge between the agents of two keyframes if they are consecutive or a loop edge connects them. The edge's
+    metadata hold all loop edges between the two keyframes.
+    """
+    steps = [(a.id, b.id) for a, b in pairwise(map.keyframes) if a.session == b.session]
     yield from (_edge(PLACES.node(a), PLACES.node(b)) for a, b in steps)
     room_of = map.room_of.tolist()
     passages = {tuple(sorted((room_of[a], room_of[b]))) for a, b in steps if -1 != room_of[a] != room_of[b] != -1}
@@ -187,7 +195,7 @@ def _node(id: int, layer: dict[str, int], kind: str, position: Any, more: _Json,
 
 
 def _semantic(name: str, label: int, points: Float64[np.ndarray, "k 3"]) -> _Json:
-    """The attributes of all nodes with a name, a label and a bounding box, which is the box around `points`."""
+    """Return the attributes of a node with a name, a label and a bounding box, which is the box around `points`."""
     low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3), np.zeros(3))
     box = {"dimensions": (high - low).tolist(), "world_P_center": ((low + high) / 2).tolist(), "world_R_center": _UPRIGHT}
     return {

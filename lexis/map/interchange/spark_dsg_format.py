@@ -1,14 +1,14 @@
-"""The part of Spark-DSG's JSON format that holds a map: layers, names of nodes, and the checked form of a file.
+"""The part of Spark-DSG's JSON format that holds a map: layers, identifiers of nodes, and models that check a file.
 
-Spark-DSG is the library of 3-D scene graphs behind Hydra (https://github.com/MIT-SPARK/Spark-DSG; format of version 1.1).
-A graph has layers of nodes, and edges within layers and between them. A map of LEXIS becomes these layers:
+Spark-DSG is the library of 3-D scene graphs behind Hydra (https://github.com/MIT-SPARK/Spark-DSG; format of version 1.1). A
+graph has layers of nodes, and edges within layers and between layers. A map of LEXIS becomes these layers:
 
-- FLOORS: one node per floor. This layer is our own; Spark-DSG has none for floors.
+- FLOORS: one node per floor. This layer is an addition of LEXIS; Spark-DSG has none for floors.
 - ROOMS: one node per room instance, below its floor. Stairs are rooms without a floor.
 - PLACES: one node per keyframe, with its label and the embedding of its image, below its room.
 - AGENTS: one node per keyframe, with its pose and time, below its place.
 
-What the format has no field for is in the metadata of nodes, edges and the graph, under the key `KEY`.
+Data for which the format has no field are in the metadata of nodes, edges and the graph, under the key `KEY`.
 """
 
 from dataclasses import dataclass
@@ -21,9 +21,9 @@ from lexis.inputs import MAX_NAME_LENGTH, MAX_ROOM_NAMES
 from lexis.types import Verdict
 
 KEY = "lexis"
-"""Key of our own data in the metadata of nodes, edges and the graph; the field of `Tagged`."""
+"""Key of the data of LEXIS in the metadata of nodes, edges and the graph. `Tagged` has a field of this name."""
 AGENT, PLACE, ROOM, FLOOR = "AgentNodeAttributes", "PlaceNodeAttributes", "RoomNodeAttributes", "SemanticNodeAttributes"
-"""Types of the attributes of nodes."""
+"""Types of node attributes in files, for agents, places, rooms and floors."""
 _FEW, _MANY = 10_000, 1_000_000
 _INDEX_BITS = 56
 _Own = TypeVar("_Own")
@@ -31,7 +31,7 @@ _Own = TypeVar("_Own")
 
 @dataclass(frozen=True)
 class Layer:
-    """A layer of the graph. Layers of one level are told apart by their partitions."""
+    """A layer of the graph. Several layers can have the same level; they differ in their partitions."""
 
     name: str
     level: int
@@ -41,15 +41,15 @@ class Layer:
 
     @property
     def key(self) -> dict[str, int]:
-        """The layer as it is named in files."""
+        """The layer's level and partition, by which files refer to the layer."""
         return {"layer": self.level, "partition": self.partition}
 
     def node(self, index: int) -> int:
-        """Identifier of a node, which Spark-DSG prints as the letter of the layer and the index, for example R3."""
+        """Return a node's identifier, which Spark-DSG prints as the letter of the layer and the index, for example R3."""
         return (ord(self.category) << _INDEX_BITS) | index
 
     def index(self, node: int) -> int | None:
-        """Index of a node in this layer; None if the node is in another layer."""
+        """Return the index of a node in this layer; None if the node is in another layer."""
         return node & ((1 << _INDEX_BITS) - 1) if node >> _INDEX_BITS == ord(self.category) else None
 
 
@@ -61,7 +61,8 @@ LAYERS = (AGENTS, PLACES, ROOMS, FLOORS)
 
 _STRICT = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
 _OPEN = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
-"""For what Spark-DSG defines: later versions may add fields."""
+"""Configuration of models for data that Spark-DSG defines. Unknown fields are ignored, because later versions may add
+fields."""
 Vector = tuple[float, float, float]
 Matrix4 = tuple[Row, Row, Row, Row]
 Row6 = tuple[float, float, float, float, float, float]
@@ -81,7 +82,7 @@ class EncoderData(BaseModel):
 
 
 class GraphData(BaseModel):
-    """What a map has besides keyframes, rooms and edges."""
+    """Data of a map besides its keyframes, rooms and edges."""
 
     model_config = _STRICT
 
@@ -95,10 +96,12 @@ class GraphData(BaseModel):
 
 
 class AgentData(BaseModel):
-    """What a keyframe has besides its optimised pose: the odometry, and its exact time [s]."""
+    """Data of a keyframe besides its optimised pose: its session, the odometry, and the exact time of its image [s]."""
 
     model_config = _STRICT
 
+    session: Id = 0
+    """Number of the recording session. Files of earlier versions of LEXIS do not state it."""
     observation_index: Annotated[int, Field(ge=-(2**62), lt=2**62)]
     stamp: float
     T_O_B: Matrix4
@@ -106,7 +109,7 @@ class AgentData(BaseModel):
 
 
 class PlaceData(BaseModel):
-    """What the label of a keyframe came from, and the keyframe's floor; None on stairs."""
+    """Data from which a keyframe's label was derived, and the number of the keyframe's floor; None on stairs."""
 
     model_config = _STRICT
 
@@ -116,7 +119,7 @@ class PlaceData(BaseModel):
 
 
 class RoomData(BaseModel):
-    """The floor of a room; None for stairs."""
+    """Number of a room's floor; None for stairs."""
 
     model_config = _STRICT
 
@@ -124,12 +127,12 @@ class RoomData(BaseModel):
 
 
 class LoopData(BaseModel):
-    """A loop edge. Two keyframes may have several."""
+    """A loop edge. Two keyframes may have several loop edges."""
 
     model_config = _STRICT
 
     order: Id
-    """Position among the loop edges of the map."""
+    """Position of the edge among the loop edges of the map, from 0."""
     query: Id
     match: Id
     T_match_query: Matrix4
@@ -158,7 +161,7 @@ class QuaternionData(BaseModel):
 
 
 class FeatureData(BaseModel):
-    """A vector with one column."""
+    """A vector, as a matrix with one column."""
 
     model_config = _OPEN
 
@@ -168,7 +171,7 @@ class FeatureData(BaseModel):
 
 
 class Tagged(BaseModel, Generic[_Own]):
-    """Metadata that hold our own data beside any others."""
+    """Metadata that contain data of LEXIS. Data of other programs may stand beside these and are ignored."""
 
     model_config = _OPEN
 
@@ -206,13 +209,13 @@ class RoomAttributes(BaseModel):
 
 
 class OtherAttributes(BaseModel):
-    """Attributes of a node that no map needs: a floor, or whatever others have added."""
+    """Attributes of a node that is not needed to read a map: a floor, or a node that another program has added."""
 
     model_config = _OPEN
 
 
 def _kind(attributes: object) -> str:
-    """Name of the model of a node's attributes: their type, or "other"."""
+    """Return the tag of the model for a node's attributes: their type, or "other"."""
     kind = attributes.get("type") if isinstance(attributes, dict) else None
     return kind if kind in (AGENT, PLACE, ROOM) else "other"
 
@@ -227,7 +230,7 @@ Attributes = Annotated[
 
 
 class NodeFile(BaseModel):
-    """A node."""
+    """A node of the graph."""
 
     model_config = _OPEN
 
@@ -252,7 +255,7 @@ class EdgeInfo(BaseModel):
 
 
 class EdgeFile(BaseModel):
-    """An edge between two nodes, from the parent to the child where the nodes are of two levels."""
+    """An edge between two nodes. If the nodes are of two levels, it leads from the parent to the child."""
 
     model_config = _OPEN
 

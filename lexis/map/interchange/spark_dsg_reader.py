@@ -1,7 +1,7 @@
 """Import of a map from a scene graph that `spark_dsg` wrote, also after Spark-DSG has loaded and saved it.
 
-The graph decides where it has a field of its own: poses, labels, embeddings, and which keyframes a room has may have been
-changed by other programs. The rest is read from the metadata.
+Other programs may have changed the graph. Poses, labels, embeddings and the keyframes of each room are therefore read from
+the graph's own fields. Everything else is read from the metadata.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -40,14 +40,14 @@ _Attributes = TypeVar("_Attributes")
 
 
 def read_spark_dsg(path: Path) -> LexisMap:
-    """Read a map from a scene graph; its keyframes have no key points and landmarks. Raises MapError for anything else."""
+    """Read a map from a scene graph; its keyframes have no key points or landmarks. Raises MapError for anything else."""
     file = read_model(path, _FILE, GraphFile)
     try:
         lexis_map = _map(file)
         check_camera(lexis_map.camera)
         check_room_names(lexis_map.room_names)
         check(pack(lexis_map, features=False))
-    except ValueError as error:  # all errors of LEXIS are ValueErrors
+    except ValueError as error:  # LexisError and its subclasses are ValueErrors
         raise _FILE.refusal(path, error) from None
     return lexis_map
 
@@ -80,7 +80,10 @@ def _map(file: GraphFile) -> LexisMap:
 
 
 def _in_order(file: GraphFile, layer: Layer, kind: type[_Attributes]) -> list[_Attributes]:
-    """Attributes of the nodes of a layer by index. Raises MapError unless the indices are 0, 1 and so on."""
+    """Return the attributes of a layer's nodes, in the order of the nodes' indices.
+
+    Raises MapError unless the indices are 0, 1 and so on, and all attributes are of the type `kind`.
+    """
     nodes = {layer.index(node.id): node.attributes for node in file.nodes if layer.index(node.id) is not None}
     missing = [i for i in range(len(nodes)) if not isinstance(nodes.get(i), kind)]
     if missing:
@@ -111,6 +114,7 @@ def _keyframe(i: int, agent: AgentAttributes, place: PlaceAttributes) -> Keyfram
         embedding=np.array(place.semantic_feature.data, np.float32),
         features=Features(np.zeros((0, 2), np.float32), np.zeros((0, 0), np.uint8)),
         landmarks=Landmarks(np.zeros((0, 3)), np.zeros(0, int)),
+        session=own.session,
     )
 
 
@@ -144,7 +148,10 @@ def _rooms(file: GraphFile, own: GraphData, keyframes: int) -> tuple[RoomInstanc
 
 
 def _members(edges: Iterable[EdgeFile], keyframes: int) -> Mapping[int, list[int]]:
-    """Keyframes of every room, by the edges from rooms to places. Raises MapError if a keyframe is in two rooms."""
+    """Return the keyframes of every room, by the edges from rooms to places.
+
+    Raises MapError if an edge leads to a place that is no keyframe, or a keyframe is in two rooms.
+    """
     room_of: dict[int, int] = {}
     for edge in edges:
         room, place = ROOMS.index(edge.source), PLACES.index(edge.target)
@@ -159,7 +166,7 @@ def _members(edges: Iterable[EdgeFile], keyframes: int) -> Mapping[int, list[int
 
 
 def _loops(edges: Iterable[EdgeFile]) -> list[LoopData]:
-    """The loop edges of all edges between agents, in the order in which the map had them."""
+    """Return the loop edges that the edges of the graph hold, in the order in which the map had them."""
     lists = [edge.info.metadata.lexis.loops for edge in edges if edge.info.metadata.lexis is not None]
     return sorted((loop for loops in lists for loop in loops), key=lambda loop: loop.order)
 

@@ -1,10 +1,11 @@
-"""The free and the occupied cells of a storey, as far as the map witnesses them: lines of sight to landmarks, and the walk.
+"""Finds the free and the occupied cells of a storey, by lines of sight to landmarks and by the path of the camera.
 
-1. The space between a camera and a landmark is free, and the landmark is on something. Only heights at which a robot could
-   run into something count: neither the floor nor the ceiling is an obstacle (`_obstacle_heights`).
-2. Count for every cell the keyframes that look through it and those with a landmark in it. A cell is occupied if these are
-   enough (`OCCUPIED_SHARE`), and else free if `MIN_VIEWS` keyframes look through it: single landmarks may be behind walls.
-3. Where the camera itself went, all cells within `WALKED_M` are free.
+1. The space between a camera and a landmark is free, and there is an obstacle at the landmark. Only heights at which a robot
+   could run into something count: neither the floor nor the ceiling is an obstacle (`_obstacle_heights`).
+2. For every cell, count the keyframes that look through it and the keyframes that see a landmark in it. The cell is occupied
+   if the latter are at least the share `OCCUPIED_SHARE` of both together. Otherwise it is free if at least `MIN_VIEWS`
+   keyframes look through it; fewer are not enough, because single landmarks may be behind walls.
+3. All cells within `WALKED_M` of the camera's path are free.
 """
 
 from collections.abc import Iterator
@@ -25,22 +26,26 @@ CELL_M = 0.1
 RANGE_M = 8.0
 """Largest distance of a landmark from the camera; farther landmarks are not accurate enough [m]."""
 OCCUPIED_SHARE = 0.25
-"""A cell is occupied if at least this share of the keyframes that say something about it have a landmark in it."""
+"""A cell is occupied if h / (h + p) is at least this share, where h keyframes see a landmark in the cell and p keyframes
+look through the cell."""
 MIN_VIEWS = 3
-"""Least number of keyframes that have to look through a free cell. On a rendered home, 1 to 2 % of the free cells were then
-outside of the true rooms; with 1 view, 6 to 12 % were."""
+"""Least number of keyframes that have to look through a cell before it counts as free. On a rendered home, 1 to 2 % of the
+free cells were then outside of the true rooms; with 1 keyframe, 6 to 12 % were."""
 WALKED_M = 0.2
-"""Cells within this distance of the walk are free [m]; every robot that can do the walk is at least that wide."""
+"""Cells within this distance of the camera's path are free [m], because the robot itself has passed there."""
 MAX_CELLS = 20_000_000
-"""Largest number of cells in a grid, an area of 447 m by 447 m."""
+"""Largest number of cells in a grid; a square of as many cells is 447 m wide."""
 _FLOOR_M, _HEAD_M = 0.2, 0.5
-"""Things up to this height above the floor, and from this height above the camera on, are no obstacles [m]."""
+"""Landmarks are no obstacles up to the first height above the floor, from the second height above the highest camera on, and
+up to the first height below the ceiling [m]."""
 _LAST = 0.1
-"""The last part of a line of sight, of this share of its length, is left out, as the landmark may really be nearer."""
+"""This share of a line of sight, and at least the width of a cell, is left out before the landmark, because the landmark may
+really be nearer."""
 _MARGIN_M = 0.5
 """Width of the unknown border around everything that was seen [m]."""
 _LOWEST, _HIGHEST = 2, 98
-"""Percentiles of the heights of landmarks that count as floor and ceiling; a few landmarks are wrong."""
+"""Percentiles of the heights of landmarks that are taken as the floor and the ceiling. Lower and higher landmarks are
+probably wrong."""
 
 Cells = Int[np.ndarray, "k 2"]
 
@@ -56,15 +61,15 @@ class StoreyGrid:
     occupied: Bool[np.ndarray, "rows columns"]
     """Occupied cells. Cells that are neither free nor occupied are unknown."""
     heights: tuple[float, float]
-    """Heights of the floor and the ceiling in W, as far as landmarks show them [m]."""
+    """Heights of the floor and the ceiling in W, as far as the landmarks and cameras show them [m]."""
 
     def cells(self, points: Float64[np.ndarray, "k d"]) -> Cells:
-        """Row and column of the cell that contains each point (x and y in W [m])."""
+        """Return row and column of the cell that contains each point (x and y in W [m])."""
         return np.asarray(np.floor((points[:, 1::-1] - self.origin[::-1]) / CELL_M).astype(np.int64))
 
 
 def floors(map: LexisMap) -> list[int]:
-    """Numbers of the floors on which the map has keyframes, ascending."""
+    """Return the numbers of the floors on which the map has keyframes, ascending."""
     return sorted({int(floor) for floor in map.floors} - {NO_FLOOR})
 
 
@@ -88,26 +93,29 @@ def storey_grid(map: LexisMap, floor: int) -> StoreyGrid:
 
 
 def _landmarks(map: LexisMap, i: int, camera: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "k 3"]:
-    """Positions of a keyframe's landmarks near the camera, in W [m]."""
+    """Return the positions of a keyframe's landmarks within `RANGE_M` of the camera, in W [m]."""
     points = transform(map.T_W_B[i], map.keyframes[i].landmarks.points)
     with np.errstate(over="ignore"):
         return np.asarray(points[np.linalg.norm(points - camera, axis=1) <= RANGE_M])
 
 
 def _heights(cameras: Float64[np.ndarray, "n 3"], seen: Float64[np.ndarray, "k 3"]) -> tuple[float, float]:
-    """Heights of the floor and the ceiling, which are at least as low and high as the cameras [m]."""
+    """Return the heights of the floor and the ceiling. All cameras are between them [m]."""
     low, high = np.percentile(seen[:, 2], (_LOWEST, _HIGHEST))
     return float(min(low, cameras[:, 2].min())), float(max(high, cameras[:, 2].max()))
 
 
 def _obstacle_heights(cameras: Float64[np.ndarray, "n 3"], heights: tuple[float, float]) -> tuple[float, float]:
-    """The range of heights at which something is an obstacle, which includes the cameras themselves [m]."""
+    """Return the range of heights at which a landmark is an obstacle, which includes the heights of the cameras [m]."""
     lowest, highest = float(cameras[:, 2].min()), float(cameras[:, 2].max())
     return min(heights[0] + _FLOOR_M, lowest), max(min(highest + _HEAD_M, heights[1] - _FLOOR_M), highest)
 
 
 def _empty_grid(floor: int, seen: Float64[np.ndarray, "k 3"], heights: tuple[float, float]) -> StoreyGrid:
-    """A grid around everything seen, without free or occupied cells; its corner is a multiple of the cells' width."""
+    """Return a grid around all cameras and landmarks, without free or occupied cells.
+
+    The grid's corner is at multiples of the cells' width. Raises MapError if the grid is too large.
+    """
     low, high = seen[:, :2].min(axis=0) - _MARGIN_M, seen[:, :2].max(axis=0) + _MARGIN_M
     size = np.ceil((high - low) / CELL_M) + 1
     if size.prod() > MAX_CELLS:
@@ -119,7 +127,7 @@ def _empty_grid(floor: int, seen: Float64[np.ndarray, "k 3"], heights: tuple[flo
 
 
 def _samples(camera: Float64[np.ndarray, "3"], points: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "m 3"]:
-    """Positions on the lines of sight, twice as dense as cells, without the last part before each landmark."""
+    """Return positions on the lines of sight, half a cell apart, without the last part before each landmark."""
     rays = points - camera
     lengths = np.linalg.norm(rays, axis=1)
     distances = np.arange(0.0, RANGE_M, CELL_M / 2)
@@ -132,20 +140,20 @@ def _within(points: Float64[np.ndarray, "k 3"], band: tuple[float, float]) -> Fl
 
 
 def _marked(grid: StoreyGrid, points: Float64[np.ndarray, "k d"]) -> Bool[np.ndarray, "rows columns"]:
-    """Which cells contain a point."""
+    """Return which cells contain a point."""
     marked = np.zeros_like(grid.free)
     marked[tuple(grid.cells(points).T)] = True
     return marked
 
 
 def _walked(map: LexisMap, grid: StoreyGrid) -> Bool[np.ndarray, "rows columns"]:
-    """Which cells are within `WALKED_M` of the walk on this floor."""
+    """Return which cells are within `WALKED_M` of the camera's path on this floor."""
     walk = _marked(grid, np.concatenate(list(_steps(map, grid.floor))))
     return np.asarray(distance_transform_edt(~walk) * CELL_M <= WALKED_M)
 
 
 def _steps(map: LexisMap, floor: int) -> Iterator[Float64[np.ndarray, "k 2"]]:
-    """The positions of keyframes, with positions between consecutive ones [m]."""
+    """Yield positions (x and y in W) along the camera's path on a floor, less than a cell apart except at gaps [m]."""
     cameras = (map.T_W_B @ map.camera.T_B_C)[:, :2, 3]
     yield cameras[map.floors == floor]
     both = (map.floors[:-1] == floor) & (map.floors[1:] == floor)

@@ -9,16 +9,16 @@ from sim.baselines.rooms.cells import Free, Segments, clearance, grown, large_co
 
 @dataclass(frozen=True)
 class DistanceTransform:
-    """Keeps the cells farther from walls than a threshold, and takes the threshold that leaves the most parts.
+    """Keeps the cells farther from walls than a threshold. The threshold is the one that leaves the most separate parts.
 
-    Every part is the centre of a room. The rest of the free space goes to the closest centre by a wave front.
+    Every part is the centre of a room. The centres then grow until they cover the rest of the free space.
     """
 
     least_area_m2: float = 0.35
-    """Least area of the centre of a room [m²]: the best of 0.35 to 4 m²,
-    tuned on homes 900 to 906 at openness 0 to 0.9, and the value of the survey."""
+    """Least area of the centre of a room [m²]: the best of 0.35 to 4 m², tuned on homes 900 to 906 at openness 0 to 0.9, and
+    the value in Bormann's survey."""
     least_m: float = 0.4
-    """Least threshold of the distance to walls [m]; 0.55 m gives the same rooms in the tuning homes."""
+    """Smallest threshold that is tried for the distance to walls [m]; 0.55 m gives the same rooms in the tuning homes."""
 
     def segments(self, free: Free, resolution_m: float) -> Segments:
         """Divide the free cells of a storey into rooms."""

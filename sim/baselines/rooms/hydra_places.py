@@ -83,7 +83,11 @@ def _components(graph: csr_array, kept: Bool[np.ndarray, "n"], least_places: flo
 
 
 def _longest_plateau(counts: list[int]) -> int:
-    """The first step of the longest run of equal counts above 0; of equally long runs, the run with the most rooms."""
+    """Return the index of the first dilation of the longest series of dilations that give the same number of rooms.
+
+    `counts` holds the number of rooms for each dilation. Dilations without rooms do not form a series. Of equally long
+    series, the one with the most rooms is taken.
+    """
     best, best_key, first = 0, (0, 0), 0
     for k in range(1, len(counts) + 1):
         if k == len(counts) or counts[k] != counts[first]:

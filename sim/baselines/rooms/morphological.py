@@ -1,4 +1,4 @@
-"""Morphological segmentation: rooms are what falls apart when the free space is eroded (Bormann et al. 2016, Sec. III-A)."""
+"""Morphological segmentation: erosion divides the free space into parts, the rooms (Bormann et al. 2016, Sec. III-A)."""
 
 from dataclasses import dataclass
 
@@ -9,16 +9,16 @@ from sim.baselines.rooms.cells import Free, Segments, clearance, grown, large_co
 
 @dataclass(frozen=True)
 class Morphological:
-    """Erodes the free space cell by cell, and takes every part that is as large as a room out of the map.
+    """Erodes the free space by one cell at a time. A part that is cut off becomes a room if it has the area of a room.
 
-    The rest of the free space goes to the closest room by a wave front.
+    Rooms are not eroded further. At the end, they grow until they cover the rest of the free space.
     """
 
     least_area_m2: float = 0.8
-    """Least area of an eroded room [m²]: the value of the survey, which was better than 2 m² on the tuning homes."""
+    """Least area of an eroded room [m²]: the value of Bormann's survey, which was better than 2 m² on the tuning homes."""
     most_area_m2: float = 16.0
-    """Largest area of an eroded room [m²]: the best of 12 to 47 m²,
-    tuned on homes 900 to 906 at openness 0 to 0.9. The survey has 47 m²."""
+    """Largest area of an eroded room [m²]: the best of 12 to 47 m², tuned on homes 900 to 906 at openness 0 to 0.9. The
+    value of Bormann's survey is 47 m²."""
 
     def segments(self, free: Free, resolution_m: float) -> Segments:
         """Divide the free cells of a storey into rooms."""

@@ -19,9 +19,9 @@ RESOLUTION_M = 0.05
 
 @dataclass(frozen=True, eq=False)
 class TrueMap:
-    """The free cells of all storeys: rooms without their walls and stairs. Furniture and door leaves are left out.
+    """The free cells of all storeys: the cells of all rooms except walls and stairs. Furniture and door leaves are ignored.
 
-    Bormann et al. segment maps with and without furniture. Maps without furniture are easier, and the baselines get these.
+    Bormann et al. segment maps with and without furniture. The baselines get maps without furniture, which are easier.
     """
 
     house: House
@@ -39,7 +39,7 @@ class TrueMap:
         return TrueMap(house, space.x, space.y, (space.room >= 0) & (space.clearance > 0))
 
     def segmented(self, segment: Callable[[Free, float], Segments]) -> Int[np.ndarray, "storeys nx ny"]:
-        """Segment every storey; the numbers of segments, from 1, differ between storeys."""
+        """Segment every storey. Segments are numbered from 1, with different numbers on different storeys."""
         levels: list[Segments] = []
         for free in self.free:
             found = segment(free, RESOLUTION_M)
@@ -48,13 +48,16 @@ class TrueMap:
         return np.stack(levels)
 
     def floors_at(self, points: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "n"]:
-        """Storey of every point in W [m]; -1 on stairs."""
+        """Return the index of the storey of every point (in W [m]); -1 on stairs."""
         return np.where(self._stairs_at(points) >= 0, -1, floor_at(self.house, points))
 
     def rooms_at(
         self, segments: Int[np.ndarray, "storeys nx ny"], points: Float64[np.ndarray, "n 3"]
     ) -> Int[np.ndarray, "n"]:
-        """Segment of the closest free cell to every point in W [m]; every staircase of the house is one more segment."""
+        """Return the segment of the free cell closest to every point (in W [m]).
+
+        Every staircase of the house is a further segment, to which the points on the staircase belong.
+        """
         level = floor_at(self.house, points)
         i, j = (np.rint((points[:, k] - axis[0]) / RESOLUTION_M).astype(int) for k, axis in enumerate((self.x, self.y)))
         i, j = np.clip(i, 0, len(self.x) - 1), np.clip(j, 0, len(self.y) - 1)
@@ -63,14 +66,14 @@ class TrueMap:
         return np.asarray(np.where(stairs >= 0, segments.max() + 1 + stairs, closest[level, np.arange(len(points))]))
 
     def _stairs_at(self, points: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "n"]:
-        """Index in `house.rooms` of the staircase at every point; -1 where there is none."""
+        """Return the index in `house.rooms` of the staircase at every point; -1 for points outside of staircases."""
         rooms = room_at(self.house, points)
         stairs = [k for k, room in enumerate(self.house.rooms) if room.label == STAIRS]
         return np.where(np.isin(rooms, stairs), rooms, -1)
 
 
 def _spread(segments: Segments) -> Segments:
-    """Give every cell without a segment that of the closest cell with one."""
+    """Assign every cell without a segment to the segment of the closest cell that has a segment."""
     if not segments.any():
         return segments
     nearest = distance_transform_edt(segments == 0, return_distances=False, return_indices=True)

@@ -1,6 +1,6 @@
 """Voronoi segmentation: the free space is cut where the generalised Voronoi graph passes a narrow place.
 
-The scheme is that of Thrun as described by Bormann et al. (2016, Sec. III-C): critical points are local minima of the
+The method is that of Thrun as described by Bormann et al. (2016, Sec. III-C): critical points are local minima of the
 distance to walls along the graph, and a cut joins each critical point with its two closest walls.
 """
 
@@ -17,21 +17,25 @@ from sim.baselines.rooms.cells import Free, Segments, clearance, components, gro
 
 @dataclass(frozen=True)
 class Voronoi:
-    """Cuts at critical points, then merges small parts, and parts with a long common border, with their neighbours."""
+    """Cuts the free space into parts at the critical points of its Voronoi graph, and then merges some parts.
+
+    Small parts, and parts with a long common border, are merged with their neighbours.
+    """
 
     least_turn: float = 0.7
-    """Least of (1 - cosine) / 2 of the angle between the directions to the two closest walls, along the graph."""
+    """Least value of (1 - cosine) / 2 at a critical point, for the angle between the directions to its two closest walls; 1
+    means that the walls are on opposite sides."""
     least_width_m: float = 0.4
-    """Narrower places are no passages, but corners of rooms and rough edges of walls [m]."""
+    """Least width of a passage between rooms [m]. Narrower places are only corners of rooms or rough edges of walls."""
     contrast: float = 1.5
-    """The graph near a critical point has to be farther from walls than the point by at least this factor: the best
-    of 1.1 to 1.5, tuned on homes 900 to 906 at openness 0 to 0.9."""
+    """Near a critical point, the largest distance of the graph from walls has to be at least this factor times the distance
+    at the point: the best of 1.1 to 1.5, tuned on homes 900 to 906 at openness 0 to 0.9."""
     least_area_m2: float = 1.5
-    """Smaller parts are merged with the neighbour that has the longest common border [m²]: the best of 1.5 to 6 m² on
-    the tuning homes."""
+    """Parts smaller than this are merged with the neighbour that has the longest common border [m²]: the best of 1.5 to 6 m²
+    on the tuning homes."""
     most_border: float = 0.35
-    """Two parts merge if their common border is more than this share of the circumference of one of them; 0.2 is as
-    good on the tuning homes."""
+    """Two parts merge if their common border is more than this share of the circumference of one part; 0.2 is as good on the
+    tuning homes."""
 
     def segments(self, free: Free, resolution_m: float) -> Segments:
         """Divide the free cells of a storey into rooms."""
@@ -49,7 +53,7 @@ class Voronoi:
         """Yield each critical point between its two closest occupied cells, the narrowest place first."""
         graph, graph_walls = _graph(free)
         graph_widths = distances[tuple(graph.T)]
-        passes = _opposite(graph, graph_walls) >= self.least_turn  # not the branches that end in corners of rooms
+        passes = _opposite(graph, graph_walls) >= self.least_turn  # leaves out the branches that end in corners of rooms
         passes &= 2 * graph_widths * resolution_m >= self.least_width_m
         points, walls, widths = graph[passes], graph_walls[passes], graph_widths[passes]
         taken = np.zeros(len(points), bool)
@@ -63,7 +67,7 @@ class Voronoi:
 
 
 def _graph(free: Free) -> tuple[Int[np.ndarray, "n 2"], Int[np.ndarray, "n 2 2"]]:
-    """Cells of the Voronoi graph, each with two occupied cells that are closest to it and far from each other."""
+    """Return the cells of the Voronoi graph, each with two occupied cells that are closest to it and far from each other."""
     padded = np.pad(free, 1)
     nearest = np.moveaxis(distance_transform_edt(padded, return_distances=False, return_indices=True), 0, -1) - 1
     points, walls = [], []
@@ -80,14 +84,17 @@ def _graph(free: Free) -> tuple[Int[np.ndarray, "n 2"], Int[np.ndarray, "n 2 2"]
 
 
 def _opposite(points: Int[np.ndarray, "n 2"], walls: Int[np.ndarray, "n 2 2"]) -> Float64[np.ndarray, "n"]:
-    """(1 - cosine) / 2 of the angle at each point between its two walls: 1 if the walls lie on opposite sides."""
+    """Return (1 - cosine) / 2 for the angle at each point between its two walls: 1 if the walls lie on opposite sides."""
     towards = walls - points[:, None]
     towards = towards / np.maximum(np.linalg.norm(towards, axis=2, keepdims=True), 1e-9)
     return np.asarray((1.0 - (towards[:, 0] * towards[:, 1]).sum(axis=1)) / 2)
 
 
 def merged(parts: Segments, least_cells: float, most_border: float) -> Segments:
-    """Merge parts, the smallest first, until all are large and no two have a long common border."""
+    """Merge parts, the smallest first, until all parts are large and no two parts have a long common border.
+
+    For the limits see `Voronoi.least_area_m2` (here in cells) and `Voronoi.most_border`.
+    """
     sizes, borders, around = _borders(parts)
     owner = np.arange(len(sizes))
     alive = sizes > 0
@@ -113,7 +120,10 @@ def _next_merge(
     least_cells: float,
     most_border: float,
 ) -> tuple[int, int] | None:
-    """The smallest part that has to be merged, and the neighbour with the longest common border; None if there is none."""
+    """Return the smallest part that has to be merged, and the neighbour with the longest common border.
+
+    Returns None if no part has to be merged.
+    """
     for k in sorted(np.flatnonzero(alive).tolist(), key=lambda k: int(sizes[k])):
         into = int(np.argmax(borders[k]))
         longest = borders[k, into]
@@ -123,7 +133,10 @@ def _next_merge(
 
 
 def _borders(parts: Segments) -> tuple[Int[np.ndarray, "n"], Int[np.ndarray, "n n"], Int[np.ndarray, "n"]]:
-    """Number of cells of each part, length of the border of each two parts, and circumference of each part [cells]."""
+    """Return the number of cells of each part, the border length of each two parts, and the circumference of each part.
+
+    Lengths are in cells.
+    """
     count = int(parts.max()) + 1
     borders = np.zeros((count, count), int)
     padded = np.pad(parts, 1)

@@ -1,8 +1,8 @@
 """`lexis-sim bench encoders`: how well vision-language models name the rooms of test houses.
 
 `measure` computes the figures of one encoder on the walks of `runs`: labels, `retrieval` of revisited places and answers to
-`questions`. `ceiling` estimates the best accuracy that single images allow, `times` measures inference, and `table` prints
-and plots a table like Table I of the LEXIS paper. `texts` caches the embeddings of texts.
+`questions`. `ceiling` estimates the best accuracy that single images allow, and `times` measures inference times. `table`
+writes and plots a table like Table I of the LEXIS paper. `texts` caches the embeddings of texts.
 """
 
 import lazy_loader

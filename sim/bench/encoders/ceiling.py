@@ -24,8 +24,8 @@ Ceiling = Callable[[Frames], Int[np.ndarray, "n"]]
 """A function that predicts for every frame the label of the camera's room, as an index into `ROOM_LABELS`. It chooses only
 among labels of rooms in which at least one of the frames was taken."""
 OWN_ROOM = (0.25, 0.5, 0.75)
-"""Frames are grouped by the share of the image that shows rooms with the label of the camera's room. These shares are the
-limits between the groups (`Band`)."""
+"""Limits between groups of frames (`Band`). Frames are grouped by the share of the image that shows rooms with the label of
+the camera's room."""
 _TREES = 100
 
 
@@ -41,7 +41,7 @@ class Band:
     share: float
     """Share of all frames that are in the band."""
     right: Mapping[str, float | None]
-    """Share of right answers in the band, by the name of the method; None if the band has no frames."""
+    """Share of right answers among the frames of this `Band`, by the name of the method; None if the band has no frames."""
 
 
 def ceiling_of(work: Path) -> Ceiling:
@@ -50,7 +50,7 @@ def ceiling_of(work: Path) -> Ceiling:
     Raises `SimError` if the folder has no frames or scikit-learn is not installed.
     """
     # The frames are of training and tuning houses, never of test houses. They are read house by house, and only what the
-    # forest needs is kept, since all images together would fill the memory.
+    # forest needs is kept, since all images together do not fit into memory.
     shares, rooms = zip(*((frames.shares, frames.rooms) for frames in frames_by_house(work / "frames")), strict=True)
     try:
         from sklearn.ensemble import RandomForestClassifier
@@ -71,12 +71,15 @@ def ceiling_of(work: Path) -> Ceiling:
 
 
 def own_room(frames: Frames) -> Float[np.ndarray, "n"]:
-    """For each frame, the share of the image that shows rooms with the label of the camera's room, with their objects."""
+    """Return for each frame the share of the image that shows rooms with the label of the camera's room.
+
+    The objects in these rooms count as parts of the rooms.
+    """
     return np.asarray(frames.views[np.arange(len(frames.rooms)), frames.rooms])
 
 
 def own_room_prevails(frames: Frames) -> Bool[np.ndarray, "n"]:
-    """For each frame, whether the rooms that fill the largest share of the image have the label of the camera's room."""
+    """Return for each frame whether the room label with the largest share of the image is that of the camera's room."""
     return np.asarray(own_room(frames) >= frames.views.max(axis=1))
 
 

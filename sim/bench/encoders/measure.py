@@ -1,7 +1,7 @@
 """`lexis-sim bench encoders`: how well an encoder labels keyframes of test houses, finds revisits and answers questions.
 
-It also says how well the encoder's probabilities are calibrated. Everything is measured on the embeddings alone, before any
-refinement by LEXIS.
+It also measures how well the encoder's probabilities are calibrated. All figures are computed from the embeddings alone,
+without any refinement by LEXIS.
 """
 
 from collections import defaultdict
@@ -28,7 +28,7 @@ _NAME_SETS = 12
 
 @dataclass(frozen=True)
 class EncoderRow:
-    """Figures of one encoder on one house, in [0, 1]; a figure is None if the house has no such questions or revisits."""
+    """Figures of one encoder on one house, in [0, 1]. A figure is None if the questions or revisits for it are missing."""
 
     accuracy: float
     """Zero-shot label accuracy among the labels of the house."""
@@ -49,7 +49,8 @@ class EncoderRow:
     activities: float | None
     """Share of right answers to questions for activities typical of a room label: the room ranked first has this label."""
     held_out_questions: float | None
-    """Mean of `things`, `typical_things` and `activities`, but for questions in words that were never used in training."""
+    """Mean of the shares for `things`, `typical_things` and `activities` if the questions are asked in words that were never
+    used in training."""
     trained_looks: float
     """Label accuracy in houses with a texture and a lighting that occur together in training."""
     held_out_looks: float
@@ -79,17 +80,18 @@ class EncoderFigures:
     right: Bool[np.ndarray, "n"]
     """For each frame, whether the predicted label is right."""
     ceiling_right: Bool[np.ndarray, "n"] | None
-    """For each frame, whether the reference classifier of `EncoderRow.ceiling` predicts the right label; None without it."""
+    """For each frame, whether the reference classifier of `EncoderRow.ceiling` predicts the right label; None if there is no
+    classifier."""
     found: Mapping[str, Bool[np.ndarray, "revisits"]]
     """For each revisit, whether it was found; the keys are the names of the recalls in `EncoderRow`."""
     own_room: Float[np.ndarray, "n"]
     """For each frame, the share of the image that shows rooms with the label of the camera's room."""
     prevails: Bool[np.ndarray, "n"]
-    """For each frame, whether the rooms that fill the largest share of the image have the label of the camera's room."""
+    """For each frame, whether the room label with the largest share of the image is that of the camera's room."""
     asked: Sequence[AnsweredQuestion]
     held_out_losses: Mapping[tuple[str, str], float]
-    """Loss of label accuracy if the rooms of one label get another name, and all others keep theirs; the keys are (label,
-    held-out name)."""
+    """Loss of label accuracy if the rooms of one label get a name that was never used in training, and all other rooms keep
+    their names. The keys are (label, new name)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +102,7 @@ class References:
     orb: OrbWords | None = None
 
     def of(self, run: EncoderRun) -> "ReferenceAnswers":
-        """Run the reference methods on one run. Their answers do not depend on the encoder."""
+        """Return the answers of the reference methods on one run. These answers do not depend on the encoder."""
         right = None if self.ceiling is None else self.ceiling(run.frames) == run.frames.rooms
         if self.orb is None:
             return ReferenceAnswers(right, {})
@@ -168,7 +170,7 @@ def _measured(run: EncoderRun, encoder: ImageTextEncoder, texts: EmbeddedTexts, 
 
 
 def overall_calibration_error(houses: Sequence[EncoderFigures]) -> float:
-    """Expected calibration error over the frames of all houses."""
+    """Return the expected calibration error over the frames of all houses."""
     confidence = np.concatenate([house.confidence for house in houses])
     return calibration_error(confidence, np.concatenate([house.right for house in houses]))
 
@@ -190,7 +192,7 @@ def _renamed(
     table: Table,
     seed: int,
 ) -> float:
-    """Mean label accuracy over several lists of names, in which every label has a random name from the table."""
+    """Return the mean label accuracy over several lists of names, in which every label has a random name from the table."""
     rng = np.random.default_rng(seed)
     lists = [[table[name][int(rng.integers(len(table[name])))] for name in names] for _ in range(_NAME_SETS)]
     return float(np.mean([((images @ texts.rooms(chosen).T).argmax(axis=1) == own).mean() for chosen in lists]))
@@ -203,7 +205,7 @@ def _held_out_losses(
     own: Int[np.ndarray, "n"],
     similarities: Float32[np.ndarray, "n rooms"],
 ) -> dict[tuple[str, str], float]:
-    """Compute `EncoderFigures.held_out_losses`. `similarities` compare the images with all labels of the house."""
+    """Compute `EncoderFigures.held_out_losses`. `similarities` compares the images with all labels of the house."""
     before = (similarities.argmax(axis=1) == own).mean()
     losses = {}
     for room, label in enumerate(names):
@@ -215,7 +217,7 @@ def _held_out_losses(
 
 
 def worst_names(houses: Sequence[EncoderFigures]) -> list[tuple[str, str, float]]:
-    """List (label, held-out name, mean loss) of all names that cost label accuracy, worst first.
+    """Return (label, held-out name, mean loss) for all held-out names that reduce label accuracy, worst first.
 
     The mean is over the houses that have rooms of the label.
     """

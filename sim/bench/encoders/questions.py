@@ -106,7 +106,8 @@ def questions_of(run: EncoderRun) -> Iterator[RoomQuestion]:
 def standing_in_one(run: EncoderRun) -> Mapping[str, str]:
     """Return the kinds of furniture that stand in rooms of a single label, each with this label.
 
-    Kinds that too few images of the run show (see `SEEN`) are left out.
+    Two sorts of kinds are left out: kinds that too few images of the run show (see `SEEN`), and kinds in rooms with a label
+    that no room on the walk has.
     """
     house = run.house
     labels: dict[str, set[str]] = {}
@@ -122,7 +123,10 @@ def standing_in_one(run: EncoderRun) -> Mapping[str, str]:
 
 
 def share_right(asked: Iterable[AnsweredQuestion], topic: str, wording: str) -> tuple[float | None, int]:
-    """Share of right answers to questions of one topic and wording (None without questions), and number of questions."""
+    """Return the share of right answers to questions of one topic and wording, and the number of these questions.
+
+    The share is None if there are no such questions.
+    """
     right = [a.right for a in asked if (a.question.topic, a.question.wording) == (topic, wording)]
     return (float(np.mean(right)) if right else None), len(right)
 

@@ -15,7 +15,7 @@ def found_at_1(
     stamps: Float64[np.ndarray, "n"],
     groups: Int[np.ndarray, "n"] | None = None,
 ) -> Bool[np.ndarray, "revisits"]:
-    """For each revisit, whether its best match is within 1 m and 0.5 rad of it.
+    """Return for each revisit whether its best match is within 1 m and 0.5 rad of it.
 
     The queries are the revisits: keyframes within 1 m and 0.5 rad of a keyframe at least 10 s earlier (as defined by
     `lexis.evaluation.loops.true_revisits`). The candidates are all keyframes of the house except those within 10 s of the
@@ -37,7 +37,7 @@ def found_at_1(
 
 
 def share(found: Bool[np.ndarray, "n"]) -> float | None:
-    """The share of true entries; None for an empty array."""
+    """Return the share of true entries; None for an empty array."""
     return float(found.mean()) if len(found) else None
 
 

@@ -41,9 +41,9 @@ class EncoderRun:
     """For each keyframe, the room that contains the camera, as an index into the house's rooms."""
     frames: Frames
     looked_at: Int[np.ndarray, "k"]
-    """Indices of the keyframes that were rendered in other looks too."""
+    """Indices of the keyframes that were also rendered with other textures, lightings and furniture colours."""
     held_out_looks: UInt8[np.ndarray, "looks k h w 3"]
-    """Images of the keyframes `looked_at` in pairs of texture and lighting that never occur in training."""
+    """Images of the keyframes in `looked_at`, rendered with pairs of texture and lighting that never occur in training."""
     trained_looks: UInt8[np.ndarray, "looks k h w 3"]
     """Images of the keyframes `looked_at` with the same textures and lightings, but in pairs that occur in training."""
     held_out_variants: UInt8[np.ndarray, "1 k h w 3"]
@@ -82,7 +82,10 @@ def encoder_runs(preset: str, seeds: Sequence[int], folder: Path | None = None) 
 
 
 def keyframes_along(positions: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "k"]:
-    """Indices of frames that are LEXIS's keyframe spacing apart along the path, or farther so that there are at most 400."""
+    """Return indices of frames that are LEXIS's keyframe spacing apart along the path.
+
+    On long paths, the frames are farther apart, so that there are at most 400.
+    """
     return evenly_along(positions, KeyframeConfig().spacing_m, _MOST)
 
 

@@ -1,4 +1,4 @@
-"""Accuracy and inference time of every encoder on our presets, as in Table I of the LEXIS paper: rows, CSV file and plot."""
+"""Accuracy on each preset and inference time of every encoder, as in Table I of the LEXIS paper: rows, CSV file and plot."""
 
 import csv
 from collections.abc import Mapping, Sequence

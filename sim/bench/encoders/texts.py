@@ -22,15 +22,15 @@ class ImageTextEncoder(Protocol):
         ...
 
     def encode_images(self, images: Images) -> Float32[np.ndarray, "images d"]:
-        """Embeddings of RGB images, unit norm."""
+        """Return embeddings of RGB images, with unit norm."""
         ...
 
     def encode_rooms(self, names: Sequence[str]) -> Float32[np.ndarray, "rooms d"]:
-        """Embeddings of room names, each averaged over prompts, unit norm."""
+        """Return embeddings of room names, each averaged over prompts, with unit norm."""
         ...
 
     def encode_texts(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:
-        """Embeddings of texts without prompts around them, unit norm."""
+        """Return embeddings of texts without prompts around them, with unit norm."""
         ...
 
 
@@ -43,11 +43,11 @@ class EmbeddedTexts:
         self._texts: Known = {}
 
     def rooms(self, names: Sequence[str]) -> Float32[np.ndarray, "rooms d"]:
-        """Embeddings of room names, by `encode_rooms`."""
+        """Return embeddings of room names, computed by `encode_rooms`."""
         return _looked_up(self._rooms, names, self._encoder.encode_rooms)
 
     def texts(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:
-        """Embeddings of texts without prompts, by `encode_texts`."""
+        """Return embeddings of texts without prompts, computed by `encode_texts`."""
         return _looked_up(self._texts, texts, self._encoder.encode_texts)
 
 

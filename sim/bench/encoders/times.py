@@ -28,8 +28,8 @@ WAYS = {
     "gpu fp16": EncoderOptions(device="cuda", precision="fp16"),
     "gpu fp16 compiled": EncoderOptions(device="cuda", precision="fp16", compiled=True),
 }
-"""Options for loading an encoder, by name. Images are encoded one at a time on one thread, by default with 32-bit floats and
-uncompiled."""
+"""Options for loading an encoder, by name. The defaults are 32-bit floats, no compilation and one thread. Images are encoded
+one at a time."""
 _WARM_UP, _TIMES = 2, 9
 
 
@@ -78,7 +78,7 @@ def timing(encoder: OpenClipEncoder, image: Image, loading_s: float) -> Timing:
 
 
 def example_image() -> Image:
-    """An image of noise in LEXIS's image size. Networks take as long for noise as for an image of a house."""
+    """Return an image of noise in LEXIS's image size. Networks take as long for noise as for an image of a house."""
     return np.random.default_rng(0).integers(0, 256, (360, 480, 3), np.uint8)
 
 

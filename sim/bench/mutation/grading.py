@@ -1,4 +1,4 @@
-"""`grade`: whether, by which check and how soon the suite `pr` finds a planted bug.
+"""Grades a suite, by default `pr`, on a planted bug: whether the suite finds the bug, by which check, and how soon.
 
 LEXIS runs in another process, with the changed copy first on Python's path. The suite sees it as a black box; LEXIS's own
 tests play no part.
@@ -23,34 +23,37 @@ from sim.errors import SimError
 from sim.suites.examination import COMPLETES
 
 COMPARED = "worse than before"
-"""How a mutant is caught that passes the suite, but whose figures are worse than those of unchanged LEXIS."""
+"""Beginning of `Grade.caught_by` for a mutant that passes the suite, but has worse figures than unchanged LEXIS."""
 _MOST_S = 3600.0
 
 
 @dataclass(frozen=True)
 class Grade:
-    """How the suite fared with one mutant."""
+    """Whether and how a suite found one mutant."""
 
     mutant: str
     suite: str
     """Name of the suite."""
     seed: int
     caught_by: str | None
-    """The check that failed; of several, the first in the order of the suite. None if the suite found nothing."""
+    """The first check of the suite that failed. If no check failed, the name of a mean that is too bad, or `COMPARED` and
+    what became worse. If the suite did not end as usual, how it ended. None if the suite found nothing."""
     scenarios: int
     """Number of scenarios that were examined."""
     seconds: float
-    """Wall time [s]."""
+    """Wall time until the suite wrote its verdicts, or ended without them [s]."""
     measured: str
-    """What the failing check measured in its first failing scenario."""
+    """What the failing check measured in its first failing scenario. If no check failed, the means that are too bad, the
+    figures that are worse than those of unchanged LEXIS, or the error output of the suite."""
     smallest: str = ""
     """Size of the smallest scenario in which the check fails, such as "2 rooms, 4 m"; "" if there is none."""
     blamed: str = ""
-    """What mends the failure in that scenario, such as "mended by: perfect odometry."; "" if the check is no claim."""
+    """The replacement that makes the failure in the smallest scenario disappear, such as "mended by: perfect odometry."; ""
+    if there is no such scenario, or if the failing check is a law instead of a claim about figures."""
 
     @property
     def is_caught(self) -> bool:
-        """Whether a check failed."""
+        """Whether the suite found the mutant."""
         return self.caught_by is not None
 
 
@@ -63,13 +66,21 @@ def grade(
     smallest: bool = True,
     before: Path | None = None,
 ) -> Grade:
-    """Plant a mutant into LEXIS, and check the result by a suite that stops at the first failure.
+    """Plant a mutant into LEXIS, and check the changed LEXIS by a suite that stops at the first failure.
 
-    The mutant is caught if a check fails, or if LEXIS hangs or aborts. The time does not include the search for the smallest
-    scenario in which the check fails. If `mutant` is None, LEXIS stays unchanged, and a check that fails is a false alarm.
-    If the suite finds nothing, its results are compared with those of unchanged LEXIS in the file `before`, if there is one.
-    Without `laws`, the suite makes claims only; without `smallest`, there is no such search. Raises `SimError` if the suite
-    cannot check unchanged LEXIS.
+    The mutant is caught if a check or a mean over all scenarios fails, or if LEXIS hangs or aborts.
+
+    Args:
+        mutant: the mutant. If it is None, LEXIS stays unchanged, and a failing check is a false alarm.
+        seed: the seed of the suite.
+        suite: the name of the suite.
+        workers: the number of worker processes; None for the default of `lexis-sim check`.
+        laws: whether the suite checks laws as well as claims about figures.
+        smallest: whether the smallest scenario in which the check fails is searched. The time of the grade does not include
+            this search.
+        before: a file with verdicts on unchanged LEXIS. If the suite finds nothing, its figures are compared with these.
+
+    Raises `SimError` if the suite cannot check unchanged LEXIS.
     """
     begin = time.time()  # wall-clock time, because it is compared with the time of the file of verdicts
     start = "unchanged" if mutant is None else mutant.name, suite if laws else f"{suite} without laws", seed
@@ -97,7 +108,7 @@ def write_grade(grade: Grade, file: Path) -> None:
 
 
 def read_grades(file: Path) -> list[Grade]:
-    """Read the grades in a file; none if there is no such file. Raises `SimError` for a line that is no grade."""
+    """Return the grades in a file, or none if the file does not exist. Raises `SimError` for a line that is no grade."""
     grades = []
     for number, line in enumerate(file.read_text().splitlines() if file.exists() else (), 1):
         try:
@@ -119,7 +130,10 @@ def markdown_table(grades: Sequence[Grade]) -> str:
 
 
 def _check(folder: Path, options: list[str]) -> tuple[int | None, str, str]:
-    """Run the command in a process group of its own; return its exit status (None: it was stopped), output and errors."""
+    """Run `lexis-sim check` on the copy of LEXIS in `folder`, in a process group of its own.
+
+    Returns the exit status (None if the command was stopped after `_MOST_S` seconds), the output and the error output.
+    """
     path = os.pathsep.join([str(folder), *filter(None, [os.environ.get("PYTHONPATH")])])
     command = [sys.executable, "-P", "-m", "sim.cli", "check", *options]  # -P: the current folder is not on the path
     process = subprocess.Popen(
@@ -138,9 +152,10 @@ def _check(folder: Path, options: list[str]) -> tuple[int | None, str, str]:
 
 
 def _graded(start: tuple[str, str, int], data: Mapping[str, Any], shown: str, seconds: float) -> Grade:
-    """Judge a suite that ended by its verdicts, and by what the command printed about the smallest scenarios.
+    """Make the grade of a mutant for which the suite ran to its end.
 
-    `start` holds the mutant, the suite and the seed.
+    `start` holds the mutant, the suite and the seed. `data` holds the verdicts of the suite. `shown` is what the command
+    printed; the size of the smallest failing scenario, and what mends the failure, are read from it.
     """
     failed = [check for check in data["checks"] if check["outcome"] == "fails"]
     scenarios = len(data["results"]) + sum(len(check["failures"]) for check in data["checks"] if check["check"] == COMPLETES)

@@ -1,6 +1,6 @@
-"""The planted bugs: mistakes that a programmer of a SLAM makes easily. Most of them leave every single run plausible.
+"""The planted bugs: mistakes that a programmer of a SLAM makes easily. With most bugs, each run by itself looks plausible.
 
-They follow the stages of `lexis/slam.py`. A bug that crashes at once is of no interest and not listed.
+The list follows the stages of `lexis/slam.py`. It has no bugs that crash at once, because these are found easily.
 """
 
 from sim.bench.mutation.planting import Mutant

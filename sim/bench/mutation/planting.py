@@ -1,4 +1,4 @@
-"""`planted`: a copy of LEXIS in which the text of one module is changed."""
+"""Makes a copy of LEXIS in which the text of one module is changed (`planted`)."""
 
 import shutil
 from collections.abc import Iterator
@@ -16,13 +16,13 @@ class Mutant:
     """A plausible bug of a SLAM, as a change of the text of one module of LEXIS."""
 
     name: str
-    """What a programmer has done wrong, in a few words."""
+    """The mistake of the programmer, in a few words."""
     file: str
-    """Path of the module in the package `lexis`."""
+    """Path of the module, relative to the folder of the package `lexis`."""
     before: str
     """Text that occurs exactly once in the module."""
     after: str
-    """Text that takes its place."""
+    """Text that replaces `before`."""
 
     def applied(self, text: str) -> str:
         """Return the changed text of the module. Raises `SimError` unless `before` occurs exactly once."""
@@ -33,10 +33,10 @@ class Mutant:
 
 @contextmanager
 def planted(mutant: Mutant | None) -> Iterator[Path]:
-    """Yield a folder that holds a copy of the package `lexis` with a mutant in it; None: an unchanged copy.
+    """Yield a folder with a copy of the package `lexis` that contains a mutant; the copy is unchanged if `mutant` is None.
 
-    Python imports this copy if the folder comes first on its path. All files but the changed module are links. The folder is
-    deleted at the end of the block.
+    Python imports this copy if the folder comes first on Python's path. All files but the changed module are symbolic links
+    to the original files. The folder is deleted at the end of the context.
     """
     source = Path(lexis.__file__).parent
     with TemporaryDirectory(prefix="lexis-mutant-") as folder:

@@ -1,8 +1,9 @@
 """LEXIS beside other methods, on the same walks.
 
-`room_methods` compares methods for labels and rooms, and `openness_sweep` LEXIS with the baselines for rooms while inner
-walls are opened. `trajectories` compares the trajectories that follow from methods of place recognition,
-and `labels` the room labels. `side_by_side` gives the observations of one walk to several systems.
+`room_methods` compares methods by which LEXIS finds labels and rooms. `difficulty_sweep` compares the rooms found by LEXIS
+and by the baselines while houses are opened, or while the runs become more difficult in another way. `trajectories` compares
+the trajectories that LEXIS estimates with different methods of place recognition. `labels` compares room labels with
+those of Hydra-like rooms, and `side_by_side` gives the observations of one walk to several systems.
 """
 
 import lazy_loader

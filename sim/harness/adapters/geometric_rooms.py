@@ -14,22 +14,22 @@ from sim.harness.estimate import Estimate
 ROOM_M = 5.0
 """Largest distance between two keyframes of one room [m]."""
 CLIMB_M = 0.25
-"""A keyframe is on stairs if the heights of the keyframes before and after it differ by at least this [m]. These two are 1 m
-of path apart."""
+"""Least difference in height between the keyframe before and the keyframe after a keyframe on stairs [m]. These two
+keyframes are 1 m of path apart."""
 STOREY_M = 0.6
-"""Level stretches of the walk count as one floor or landing if their heights differ by less than this [m]."""
+"""Level stretches of the walk belong to one floor or landing if the difference of their heights is smaller than this [m]."""
 LANDING_SHARE = 0.05
-"""Keyframes of equal height are a landing of the stairs, not a floor, if they are fewer than this share of all keyframes
-that are not on steps."""
+"""A group of keyframes at about the same height is a landing of the stairs, not a floor, if it contains less than this share
+of all keyframes that are not on steps."""
 STAIRS = -1
 """Floor number of a keyframe on stairs, in an estimate."""
 
 
 class GeometricRooms:
-    """Claims the odometry's poses, floors by height and room instances by position, but no labels.
+    """A baseline that reports the odometry's poses, floors by height and rooms by position, but no labels.
 
     Poses show no walls or doors, so the rule is simple: on each floor, and on the stairs, keyframes form rooms in which no
-    two keyframes are more than `ROOM_M` apart. This rule splits longer rooms, merges small rooms side by side, and fails on
+    two keyframes are more than `ROOM_M` apart. This rule splits longer rooms, merges small neighbouring rooms, and fails on
     walks so long that the drift of the height hides the storeys.
     """
 
@@ -69,7 +69,7 @@ def floors_by_height(heights: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
 
 
 def _climbs(heights: Float64[np.ndarray, "n"]) -> Bool[np.ndarray, "n"]:
-    """For every keyframe, whether the heights of the keyframes before and after it differ by at least `CLIMB_M`."""
+    """Return, for every keyframe, whether the heights of its two neighbours differ by at least `CLIMB_M`."""
     padded = np.pad(heights, 1, mode="edge")
     return np.asarray(np.abs(padded[2:] - padded[:-2]) >= CLIMB_M)
 

@@ -82,7 +82,7 @@ class Lexis:
         self._start(camera, room_names, verify)
 
     def start_on_features(self, camera: Camera, room_names: Sequence[str], features: FeatureInput) -> None:
-        """Begin a run on percepts of the feature sensor. Raises `SimError` if they simulate another encoder."""
+        """Begin a run on percepts of the feature sensor. Raises `SimError` if the percepts simulate another encoder."""
         features.check(self.encoder)
         self._start(camera, room_names, features.verifier)
 
@@ -160,7 +160,7 @@ def load(name: str) -> Encoder:
 
 
 def _switched(config: Config, loops: bool, refine: bool) -> Config:
-    """The settings, without loop closure unless `loops`, and without label refinement unless `refine`."""
+    """Return the settings, without loop closure if not `loops`, and without label refinement if not `refine`."""
     if not loops:
         config = replace(config, place_recognition=replace(config.place_recognition, candidates=0))
     if not refine:

@@ -15,9 +15,9 @@ SPACING_M = 0.5
 
 
 class OdometryOnly:
-    """Claims the odometry's poses of keyframes that are `SPACING_M` of path apart, and nothing else.
+    """A baseline that reports only the odometry's poses of keyframes, which are `SPACING_M` of path apart.
 
-    It fails where the odometry drifts, because its error is the odometry's error in every house.
+    Its trajectory error is the error of the odometry, so that it is large wherever the odometry drifts.
     """
 
     def __init__(self) -> None:

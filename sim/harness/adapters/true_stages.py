@@ -64,13 +64,16 @@ class TrueStages:
         return Verification(tuple(edges[: config.max_edges]))
 
     def label(self, keyframes: Sequence[Keyframe]) -> Labels:
-        """The true label of every keyframe."""
+        """Return the true label of every keyframe."""
         return np.asarray(self.labels[_frames(keyframes)])
 
     def _compared(
         self, query: Keyframe, others: Sequence[Keyframe]
     ) -> tuple[Float64[np.ndarray, "n"], Bool[np.ndarray, "n"]]:
-        """True distance of other keyframes from the query [m], and whether each has the query's place and direction."""
+        """Return the true distance of each other keyframe from the query [m], and whether it shows the query's place.
+
+        A keyframe shows the place of the query if it was truly taken near the query and in nearly the same direction.
+        """
         frames = _frames(others)
         distances_m, angles_rad = separation(self.T_W_B, np.full_like(frames, query.observation_index), frames)
         return distances_m, (distances_m <= PLACE_M) & (angles_rad <= PLACE_RAD)

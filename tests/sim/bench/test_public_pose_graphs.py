@@ -37,6 +37,14 @@ def test_both_starts_reach_the_cost_that_gtsam_reaches_from_the_truth(tmp_path, 
     assert chordal.iterations is not None and 0 < chordal.iterations < 20
 
 
+def test_a_graph_without_loops_is_solved_from_both_starts(tmp_path):
+    pose = "0 0 0 0 0 0 1"
+    information = " ".join("1" if k in (0, 6, 11, 15, 18, 20) else "0" for k in range(21))
+    lines = [f"VERTEX_SE3:QUAT {k} {pose}" for k in (0, 1)] + [f"EDGE_SE3:QUAT 0 1 1{pose[1:]} {information}"]
+    (tmp_path / "two.g2o").write_text("\n".join(lines) + "\n")
+    assert [row.cost for row in optimise_files([tmp_path / "two.g2o"])] == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
 def test_the_chordal_start_helps_where_odometry_ends_in_a_wrong_minimum(tmp_path):
     better = 0
     for seed in range(6):

@@ -254,6 +254,7 @@ def test_loops_and_candidates_refer_to_the_keyframes(tmp_path):
     assert estimate.loops.query.tolist() == [2, 1] and estimate.loops.match.tolist() == [0, 0]
     assert estimate.loops.weights.tolist() == [0.5, 1.0] and estimate.candidates == ((2, (1, 0)),)
     np.testing.assert_array_equal(estimate.loops.T_match_query[0, :3], np.c_[np.eye(3), [1.0, 2.0, 3.0]])
+    assert claimed(tmp_path, range(10), keyframes, {"loops": [loop(7, 3), loop(5, 3.1)]}).loops.weights is None
 
 
 def test_an_empty_list_of_loops_is_a_claim_and_candidates_are_optional(tmp_path):

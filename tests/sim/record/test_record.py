@@ -4,6 +4,7 @@ import csv
 import errno
 import json
 import shutil
+import sqlite3
 from dataclasses import fields, replace
 
 import cv2
@@ -26,6 +27,7 @@ from sim.faults.delivery import Dropped
 from sim.harness import Lexis, Scenario, run
 from sim.odometry.imu import ImuConfig
 from sim.record import record
+from sim.record.ros2 import write_bag
 from sim.record.settings import write_settings
 from sim.record.take import EPOCH_NS, REST_S, Take, prepare
 from sim.render.lens import Distortion
@@ -441,6 +443,22 @@ def test_a_full_disk_costs_one_line(command, tmp_path, unlit, monkeypatch, capsy
     assert main([*command, str(tmp_path / "out")]) == 2
     assert "1 MB are free" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("storage", "writer", "error"),
+    [
+        ("sqlite3", "storage_sqlite3.Sqlite3Writer", sqlite3.OperationalError("database or disk is full")),
+        ("mcap", "storage_mcap.McapWriter", OSError(errno.ENOSPC, "No space left on device")),
+    ],
+)
+def test_a_bag_on_a_full_disk_is_an_error_of_sim(storage, writer, error, tmp_path, monkeypatch):
+    def fails(*_):
+        raise error
+
+    monkeypatch.setattr(f"rosbags.rosbag2.{writer}.write", fails)
+    with pytest.raises(SimError, match=r"bag: cannot be written: .*valid: a place with room"):
+        write_bag(tmp_path, prepare(CONFIG), (), "png", storage)
 
 
 def test_folders_of_others_are_kept(command, tmp_path, capsys):

@@ -298,11 +298,29 @@ def test_limits_can_be_set_by_figure():
         FLAT.with_limits({"labels.acuracy": 0.5})
 
 
+MEAN = Claim.parse("labels.accuracy >= 0.9")
+UNEVEN = Suite("uneven", "Two parts.", (replace(PART, n=4), replace(PART, name="laws", checks=(ORIGIN,), n=6)), (MEAN,))
+
+
+@pytest.mark.parametrize(("share", "sizes", "means"), [
+    (0.5, (2, 3), (MEAN,)), (5.0, (20, 30), (MEAN,)), (0.3, (1, 2), ()), (0.01, (1, 1), ()),
+])  # fmt: skip
+def test_a_suite_of_another_size_claims_means_if_its_parts_keep_their_proportions(share, sizes, means):
+    resized = UNEVEN.with_size(share)
+    assert tuple(part.n for part in resized.parts) == sizes and resized.means == means
+
+
+def test_without_laws_the_means_are_still_over_the_scenarios_of_all_parts():
+    without = UNEVEN.without_laws()
+    assert [(part.name, len(part.checks), part.n) for part in without.parts] == [("flat", 2, 4), ("laws", 0, 6)]
+    assert without.means == (MEAN,)
+    assert [part.name for part in replace(UNEVEN, means=()).without_laws().parts] == ["flat"]
+
+
 def test_without_laws_a_suite_makes_its_claims_only():
     assert outcomes(check_slam(FloorsByHeight, FLAT.without_laws())).keys() == {
         COMPLETES, "labels.accuracy >= 0.8", "floors.accuracy >= 0.9",
     }  # fmt: skip
-    assert "language" not in [part.name for part in SUITES["pr"].without_laws().parts]
     with pytest.raises(SimError, match="suite language: has no part"):
         SUITES["language"].without_laws()
 

@@ -113,6 +113,15 @@ def test_scenarios_of_one_house_count_as_one():
     assert compare_results(a, b).worse == ("labels.accuracy",)
 
 
+def test_lost_scenarios_of_one_house_count_as_one_lost_run():
+    a = [replace(each, seed=each.seed // 4) for each in results([0.9] * 20)]
+    completed = compare_results(a, a[8:]).claims[0]
+    assert (completed.only_a, completed.only_b, completed.others) == (2, 0, 3)
+    assert completed.p_value == pytest.approx(0.5)
+    other = compare_results([*a[:1], *a[4:]], [*a[1:]]).claims[0]
+    assert (other.only_a, other.only_b, other.others) == (0, 1, 4)
+
+
 def test_differences_that_do_not_matter_are_ties():
     a, b = results([0.9] * 20), results([0.8995] * 20)
     assert compare_results(a, b).figures[0].worse == 0

@@ -10,7 +10,7 @@ from shapely import affinity
 from shapely.geometry import LineString, Point, Polygon, box
 from shapely.ops import unary_union
 
-from worlds.errors import HouseError
+from worlds.errors import HouseError, WorldsError
 from worlds.furniture.catalogue import CATALOGUE
 from worlds.furniture.placing.furnish import furnish, is_solid, kinds_for
 from worlds.furniture.placing.kept_free import PASSAGE_M
@@ -287,6 +287,14 @@ def test_another_kind_leaves_the_draws_of_the_rest_alone():
     kinds_for.cache_clear()
     assert sum(kind == "gong" for _, kind, *_ in after) > 5
     assert len(before & after) > 0.9 * len(before)
+
+
+@pytest.mark.parametrize("name", ["", "café table", "tv/stand", " gong", "-", "gong\n", "g" * 41])
+def test_a_kind_whose_pieces_would_have_no_valid_name_is_refused(name):
+    declare = furniture(name, width=(0.3, 0.3), depth=(0.3, 0.3), height=(0.3, 0.3), rooms={})
+    with pytest.raises(WorldsError, match=r"furniture kind .*; valid: up to 40 letters"):
+        declare(lambda size, rng: ())
+    assert name not in KINDS
 
 
 def test_clutter_scales_the_number_of_loose_pieces():

@@ -24,7 +24,7 @@ _UNDER_M = 0.02
 
 
 def candidates(plan: RoomPlan, kind: Kind, size: Size, host: Piece | None, draws: Draws) -> Iterator[Pose]:
-    """Poses for a piece of `kind` and `size`, best first, all at the same height.
+    """Yield poses for a piece of `kind` and `size`, best first, all at the same height.
 
     `host` is the piece that the new piece stands at or on, or hangs above; None if the new piece needs no host.
     """
@@ -127,13 +127,16 @@ def _on_ceiling(plan: RoomPlan, place: OnCeiling, size: Size, host: Piece | None
 
 
 def _backed(plan: RoomPlan, index: int, t: float, depth: float, z: float) -> Pose:
-    """The pose of a piece with its back to wall `index`, at distance `t` along the wall and at height `z` [m]."""
+    """Return the pose of a piece with its back to wall `index`, at distance `t` along the wall and at height `z` [m]."""
     side = plan.runs[index].side
     return Pose(*side.at(t, HALF_WALL_M + WALL_GAP_M + depth / 2), side.turn, z, index)
 
 
 def _evenly(length: float, each: float) -> list[float]:
-    """Positions of as many seats of width `each` as fit along a side of `length`, relative to the middle of the side [m]."""
+    """Return the positions of seats along a side of `length`, relative to the middle of the side [m].
+
+    There are as many seats of width `each` [m] as fit with gaps of 0.1 m, but at least one.
+    """
     count = max(1, int(length / (each + 0.1)))
     return [(i + 0.5) * length / count - length / 2 for i in range(count)]
 

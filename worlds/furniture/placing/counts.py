@@ -18,10 +18,11 @@ _ROOM_M2 = 12.0
 
 
 def appearances(kind: Kind, label: str, area_m2: float, draws: Draws) -> Iterator[tuple[float, int]]:
-    """Pairs (least clutter at which a piece is present, number of the piece), for a kind in a room with `label`.
+    """Return pairs (least clutter at which a piece is present, number of the piece), for a kind in a room with `label`.
 
-    Pieces are numbered from 1. The sequence is infinite for `PerClutter` and for loose kinds (small ones, and those on top
-    of other pieces). For all other kinds it ends at the clutter of a usual home.
+    Pieces are numbered from 1. The sequence is infinite for `PerClutter`, and for a loose kind whose number is an expected
+    number. Loose kinds are small, or are placed on top of other pieces. For all other kinds, the sequence ends at the
+    clutter of a usual home.
     """
     expected, luck, more = kind.rooms[label], draws.random(), draws.random()
     if isinstance(expected, PerClutter):

@@ -11,12 +11,12 @@ _MASK = _POOL - 1
 
 
 def pool(rng: Generator) -> tuple[float, ...]:
-    """The random numbers in [0, 1) that the streams of all pieces in a room share."""
+    """Draw the random numbers in [0, 1) that the streams of all pieces in a room share."""
     return tuple(rng.random(_POOL).tolist())
 
 
 def stream_key(name: str, number: int, parent: int = 0) -> int:
-    """The key of the random stream of the `number`-th piece of the kind `name` in a room.
+    """Return the key of the random stream of the `number`-th piece of the kind `name` in a room.
 
     For a piece that stands at or on, or hangs above another piece, `parent` is the key of that other piece.
     """
@@ -39,18 +39,18 @@ class Draws:
     __slots__ = ("_at", "_pool", "_stride")
 
     def __init__(self, numbers: Sequence[float], key: int) -> None:
-        """`numbers` is the `pool` of the room; `key` comes from `stream_key`."""
+        """Begin the stream with this key (see `stream_key`); `numbers` is the `pool` of the room."""
         self._pool, self._at, self._stride = numbers, key & _MASK, key >> 11 | 1
 
     def random(self) -> float:
-        """The next number, uniform in [0, 1)."""
+        """Return the next number, uniform in [0, 1)."""
         self._at = at = (self._at + self._stride) & _MASK
         return self._pool[at]
 
     def uniform(self, low: float, high: float) -> float:
-        """A number uniform in [low, high)."""
+        """Return a number uniform in [low, high)."""
         return low + (high - low) * self.random()
 
     def index(self, count: int) -> int:
-        """A random integer from 0 to `count` - 1."""
+        """Return a random integer from 0 to `count` - 1."""
         return int(count * self.random())

@@ -12,8 +12,9 @@ from worlds.furniture.placing.room_shape import Point, Rectangle, RoomShape, gro
 BODY_RADIUS_M = 0.32
 """Radius of the body that has to pass [m].
 
-The radius is larger than the 0.25 m of the body in `worlds.walkable`. The grid there has 10 cm cells too, but may be shifted
-against the grid of `FreeFloor`; thanks to the larger radius, a path on one grid also exists on the other.
+The radius is larger than the 0.25 m of the body in `worlds.walkable`. The grid of `worlds.walkable` has 10 cm cells, too,
+but may be shifted against the grid of `FreeFloor`. Thanks to the larger radius, a path on the grid of `FreeFloor` also
+exists on the other grid.
 """
 CELL_M = 0.1
 HALF_WALL_M = 0.05
@@ -29,7 +30,11 @@ class FreeFloor:
     """A grid over a room that marks the cells that the centre of a body can reach from the passages into the room."""
 
     def __init__(self, shape: RoomShape, entries: Sequence[Point], leaves: Sequence[Rectangle] = ()) -> None:
-        """`entries` are points in front of the passages. Door `leaves` are obstacles unless they block too much floor."""
+        """Begin with the room without furniture.
+
+        `entries` are points in front of the passages. `leaves` are the footprints of open door leaves. A leaf is an obstacle
+        unless it would disconnect the passages or leave less than half of the room's area to walk on.
+        """
         self._area = shape.area_m2 / CELL_M**2
         self._box = width, depth = (math.ceil(shape.size[0] / CELL_M - 1e-6), math.ceil(shape.size[1] / CELL_M - 1e-6))
         bare = np.zeros((depth + 2 * _RIM, width + 2 * _RIM), np.uint8)
@@ -44,7 +49,7 @@ class FreeFloor:
     def block(self, place: Rectangle, share: float) -> bool:
         """Block `place` if all passages stay connected and a body can still cover `share` of the room's area.
 
-        Returns True if both conditions hold. Otherwise, returns False and leaves the floor unchanged.
+        Return True if both conditions hold. Otherwise, return False and leave the floor unchanged.
         """
         rows, columns = window = self._cells(grown(place, BODY_RADIUS_M))
         if not self._free[window].any():
@@ -67,17 +72,17 @@ class FreeFloor:
         return True
 
     def _stays_in_one(self, rows: slice, columns: slice) -> bool:
-        """Whether the free cells right around a window (a block of cells) are connected: blocking it then cuts nothing off.
+        """Return whether the free cells right around a window (a block of cells) are connected to each other.
 
-        They are connected if, once around the window, the cells change from blocked to free at most once. This local test
-        avoids a flood fill.
+        If so, blocking the window cuts nothing off. The cells are connected if, once around the window, they change from
+        blocked to free at most once. This local test avoids a flood fill.
         """
         a = self._free[rows.start - 1 : rows.stop + 1, columns.start - 1 : columns.stop + 1]
         ring = a[0].tobytes() + a[1:-1, -1].tobytes() + a[-1, ::-1].tobytes() + a[-2:0:-1, 0].tobytes()
         return b"\1" in ring and (ring + ring[:1]).count(b"\0\1") <= 1
 
     def _lost(self, rows: slice, columns: slice) -> int:
-        """Number of cells that a body can no longer cover once its centre must stay out of a window (a block of cells)."""
+        """Return how many cells a body can no longer cover if its centre must stay out of a window (a block of cells)."""
         around = self._free[rows.start - _RIM : rows.stop + _RIM, columns.start - _RIM : columns.stop + _RIM]
         without = around.copy()
         without[_RIM:-_RIM, _RIM:-_RIM] = 0
@@ -86,7 +91,7 @@ class FreeFloor:
         return int(np.count_nonzero(before)) - int(np.count_nonzero(after))
 
     def _cells(self, r: Rectangle) -> tuple[slice, slice]:
-        """Slices (rows, columns) of the cells of the room's bounding box whose centres lie in the rectangle."""
+        """Return the slices (rows, columns) of the cells of the room's bounding box whose centres lie in the rectangle."""
         (x0, y0, x1, y1), (width, depth) = r, self._box
         return _between(y0, y1, depth), _between(x0, x1, width)
 
@@ -112,7 +117,7 @@ def _nearest_free(free: _Cells, entries: Sequence[Point]) -> frozenset[_Cell]:
 
 
 def _reached(free: _Cells, doors: frozenset[_Cell]) -> tuple[_Cells, int]:
-    """The free cells connected to all doors, and the number of cells that a body covers from them.
+    """Return the free cells connected to all doors, and the number of cells that a body covers from these cells.
 
     Without doors, the largest connected region is taken. If the doors are not connected to each other, no cell is free and
     the number is 0.

@@ -46,7 +46,7 @@ def furnish(
     prefix: str = "0",
     windows: Sequence[WindowSpec] = (),
 ) -> tuple[FurnitureSpec, ...]:
-    """Furniture for all rooms of a storey. Rooms of stairs stay empty.
+    """Return furniture for all rooms of a storey. Rooms of stairs stay empty.
 
     Args:
         storey: the storey to furnish.
@@ -71,7 +71,7 @@ def furnish(
 
 
 def is_solid(kind: str) -> bool:
-    """Whether pieces of `kind` block a walking person. Raises `WorldsError` for an unknown kind."""
+    """Return whether pieces of `kind` block a walking person. Raises `WorldsError` for an unknown kind."""
     return kind_of(kind).solid
 
 
@@ -106,7 +106,7 @@ class _Furnisher:
         return [piece for name in names for piece in self._by_kind[name]] if names else (None,)
 
     def _usual(self, kind: Kind, host: Piece | None) -> list[Piece]:
-        """Place the pieces of a kind that a usual home has (per host), and queue the first one that needs more clutter."""
+        """Place the pieces of a kind that a usual home has (per host); queue the first piece that needs more clutter."""
         placed: list[Piece] = []
         each = appearances(kind, self._plan.label, self._plan.shape.area_m2, self._draws(kind, 0, host))
         for since, number in each:
@@ -124,7 +124,11 @@ class _Furnisher:
             heapq.heappush(self._more, _Queued(since, _key(kind, number, host), kind, number, host, rest))
 
     def _add_queued(self, next_one: "_Queued") -> None:
-        """Place a queued piece; then queue the next piece of its kind, and the first of each kind that it can be host to."""
+        """Place a queued piece; if it fits, queue the pieces that follow it.
+
+        These are the next piece of its kind, and the first piece of each kind that can stand at or on the placed piece, or
+        hang above it.
+        """
         since, _, kind, number, host, rest = next_one
         piece = self._place(kind, number, host, since)
         if piece is None:
@@ -139,7 +143,7 @@ class _Furnisher:
                 break
 
     def _place(self, kind: Kind, number: int, host: Piece | None, since: float) -> Piece | None:
-        """Place a piece with a random size, or else with the smallest size of its kind; None if neither fits."""
+        """Place a piece with a random size, or else with the smallest size of its kind; return None if neither fits."""
         draws = self._draws(kind, number, host)
         seed, shares = int(draws.random() * 2**32), (draws.random(), draws.random(), draws.random())
         since = max(since, host.since) if host else since
@@ -191,7 +195,7 @@ class RoomKinds:
 
 @cache
 def kinds_for(label: str) -> RoomKinds:
-    """The kinds of the catalogue that belong in rooms with `label`.
+    """Return the kinds of the catalogue that belong in rooms with `label`.
 
     The result is cached: call `kinds_for.cache_clear()` after the catalogue has changed.
     """
@@ -208,7 +212,7 @@ def _by_host(kinds: Sequence[Kind]) -> dict[str, tuple[Kind, ...]]:
 
 
 def host_names(kind: Kind) -> tuple[str, ...]:
-    """The kinds that a piece of `kind` can stand at or on, or hang above; empty if it needs no host."""
+    """Return the names of the kinds that a piece of `kind` stands at or on, or hangs above; empty if it needs no host."""
     match kind.place:
         case OnTop(hosts=names) | Around(hosts=names) | OnWall(above=names):
             return names
@@ -216,7 +220,7 @@ def host_names(kind: Kind) -> tuple[str, ...]:
 
 
 def _rank(kind: Kind, label: str) -> tuple[int, bool, bool, float]:
-    """Sort key of the order of placing, since kinds that come later have less space to choose from.
+    """Return the sort key for the order of placing; kinds that come later have less space to choose from.
 
     Kinds are sorted by their place (floor, around a piece, on top, wall, ceiling). Within a place, required kinds come
     first, then solid kinds for the centre of the room, then kinds with a large footprint.
@@ -243,7 +247,7 @@ def _stage(kind: Kind) -> int:
 
 
 def _size(kind: Kind, shares: tuple[float, float, float], room_height: float) -> Size:
-    """The size at the relative positions `shares`, in [0, 1], within the kind's ranges of sizes; no higher than the room."""
+    """Return the size at the relative positions `shares`, in [0, 1], within the kind's ranges, but lower than the room."""
     width, depth, height = map(_at_share, (kind.width, kind.depth, kind.height), shares)
     return Size(width, depth, min(height, round(room_height - _HEAD_ROOM_M, 3)))
 
@@ -253,7 +257,7 @@ def _at_share(interval: Range, share: float) -> float:
 
 
 def _spec(piece: Piece, plan: RoomPlan, room: RoomSpec, name: str) -> FurnitureSpec:
-    """The spec of a piece, not validated: validation happens once, when the spec of the whole house is made."""
+    """Return the spec of a piece; it is not validated, because its values come from the placement and not from a file."""
     (x0, y0), pose, size = plan.shape.origin, piece.pose, piece.size
     return FurnitureSpec.model_construct(
         id=name,

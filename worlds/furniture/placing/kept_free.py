@@ -14,8 +14,8 @@ OPENING_DEPTH_M = 0.9
 OPENING_MARGIN_M = 0.15
 """Width by which the free floor in front of a passage extends beyond the passage on each side [m]."""
 PASSAGE_M = 1.3
-"""Greatest width of an opening that is kept free of furniture [m]. Of a wider opening, only a stretch of this width is kept
-free, at the end that is nearer to another passage."""
+"""Greatest width of an opening that is kept free of furniture [m]. If an opening is wider, only a stretch of this width is
+kept free, at the end that is nearer to another passage."""
 SIGHT_DEPTH_M = 0.35
 """Depth of the space in front of a window, half wall or counter that stays free above the sill [m]."""
 _SWING_MARGIN_M = 0.06
@@ -60,7 +60,7 @@ class KeptFree:
 
 
 def kept_free_of(shape: RoomShape, room: RoomSpec, storey: StoreySpec, windows: Sequence[WindowSpec]) -> KeptFree:
-    """The space that the openings and windows of a room need; `room` and `windows` belong to `storey`."""
+    """Return the space that the openings and windows of a room need; `room` and `windows` belong to `storey`."""
     gaps: dict[Side, list[Interval]] = {side: [] for side in shape.sides}
     zones, spaces, entries, leaves = [], [], [], []
     for opening in storey.openings:
@@ -96,7 +96,7 @@ def _before(shape: RoomShape, start: Point, end: Point, low: float, high: float)
 
 
 def _swings(shape: RoomShape, opening: OpeningSpec, leaf: LeafSpec) -> Iterator[tuple[Rectangle, Rectangle]]:
-    """For each side of the room on which the door lies: the bounding rectangles of the swing area and of the open leaf.
+    """Yield the bounding rectangles of a door's swing area and of its open leaf, for each side of the room with the door.
 
     The swing area is taken as if the leaf opened at least to a right angle.
     """
@@ -113,7 +113,7 @@ def _swings(shape: RoomShape, opening: OpeningSpec, leaf: LeafSpec) -> Iterator[
 
 
 def _passage(opening: OpeningSpec, all_openings: Sequence[OpeningSpec]) -> tuple[Point, Point]:
-    """Ends of the part of an opening that stays free, which is the same part for the rooms on both sides."""
+    """Return the ends of the part of an opening that stays free, which is the same part for the rooms on both sides."""
     a, b, width = opening.start_m, opening.end_m, opening.width_m
     if width <= PASSAGE_M:
         return a, b

@@ -27,12 +27,12 @@ class Pose(NamedTuple):
         return self.x + x * tx + y * nx, self.y + x * ty + y * ny
 
     def covers(self, size: Size) -> Rectangle:
-        """The footprint of a piece of `size` [m]."""
+        """Return the footprint of a piece of `size` in this pose [m]."""
         half_x, half_y = (size.depth / 2, size.width / 2) if self.turn % 2 else (size.width / 2, size.depth / 2)
         return self.x - half_x, self.y - half_y, self.x + half_x, self.y + half_y
 
     def ahead(self, size: Size, depth: float) -> Rectangle:
-        """The rectangle of floor in front of a piece of `size`, as wide as the piece and `depth` deep [m]."""
+        """Return the rectangle of floor in front of a piece of `size`, as wide as the piece and `depth` deep [m]."""
         (ax, ay), (bx, by) = self.moved(-size.width / 2, size.depth / 2), self.moved(size.width / 2, size.depth / 2 + depth)
         return min(ax, bx), min(ay, by), max(ax, bx), max(ay, by)
 

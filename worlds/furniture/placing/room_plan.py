@@ -39,10 +39,11 @@ class RoomPlan:
         self._floor = FreeFloor(self.shape, ways.entries, ways.leaves)
 
     def first_free(self, kind: Kind, size: Size, poses: Iterable[Pose], host: Piece | None, share: float) -> Pose | None:
-        """The first of `poses` at which a piece fits; None if it fits nowhere. All poses must have the same height.
+        """Return the first of `poses` at which a piece fits; None if no pose is found. All poses must have the same height.
 
-        A solid piece must leave all passages connected and `share` of the room's area walkable. If it fits, this method
-        already marks its floor as occupied, so the caller has to `add` the piece.
+        A solid piece must leave all passages connected and `share` of the room's area walkable; at most `_TRIES` poses are
+        checked for this. If a solid piece fits, this method already marks its floor as occupied, so the caller has to `add`
+        the piece.
         """
         obstacles: list[Rectangle] | None = None
         tries = _TRIES
@@ -65,7 +66,7 @@ class RoomPlan:
     def add(self, piece: Piece) -> None:
         """Mark the space of a piece as occupied.
 
-        Other solid pieces keep out of the clearance in front of it, except pieces placed around it, such as chairs.
+        Other solid pieces keep out of the clearance in front of this piece, except pieces placed around it, such as chairs.
         """
         kind, size, pose = piece.kind, piece.size, piece.pose
         place = pose.covers(size)

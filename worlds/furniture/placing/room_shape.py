@@ -30,24 +30,24 @@ class Side:
     """Length of the side [m]."""
 
     def at(self, t: float, off: float) -> Point:
-        """The point at distance `t` along the side and `off` into the room [m]."""
+        """Return the point at distance `t` along the side and `off` into the room [m]."""
         (tx, ty), (nx, ny) = AXES[self.turn], AXES[self.turn - 3]
         return self.start[0] + t * tx + off * nx, self.start[1] + t * ty + off * ny
 
     def along(self, point: Point) -> float:
-        """Distance of a point from the start of the side, measured along the side [m]."""
+        """Return the distance of a point from the start of the side, measured along the side [m]."""
         tx, ty = AXES[self.turn]
         return (point[0] - self.start[0]) * tx + (point[1] - self.start[1]) * ty
 
     def rectangle(self, low: float, high: float, depth: float) -> Rectangle:
-        """The rectangle in front of the stretch `low` ... `high` of the side, `depth` into the room [m]."""
+        """Return the rectangle in front of the stretch `low` ... `high` of the side, `depth` into the room [m]."""
         (ax, ay), (bx, by) = self.at(low, 0.0), self.at(high, depth)
         return min(ax, bx), min(ay, by), max(ax, bx), max(ay, by)
 
     def interval(self, a: Point, b: Point) -> Interval | None:
-        """The part of the segment from `a` to `b` that lies on this side, as distances from the start of the side [m].
+        """Return the part of the segment from `a` to `b` on this side, as distances from the start of the side [m].
 
-        None if no part of the segment lies on the side.
+        The result is None if no part of the segment lies on the side.
         """
         off = 1 if self.turn % 2 == 0 else 0
         if abs(a[off] - self.start[off]) > EPS_M or abs(b[off] - self.start[off]) > EPS_M:
@@ -68,7 +68,7 @@ class RoomShape:
 
     @staticmethod
     def of(room: RoomSpec) -> "RoomShape":
-        """The shape of a room's polygon."""
+        """Return the shape of a room's polygon."""
         polygon = room.polygon_m
         origin = min(x for x, _ in polygon), min(y for _, y in polygon)
         return RoomShape(origin, tuple(_less(point, origin) for point in polygon))
@@ -112,7 +112,7 @@ class RoomShape:
 
 
 def grown(r: Rectangle, by: float) -> Rectangle:
-    """The rectangle, larger by `by` [m] on every side."""
+    """Return the rectangle, larger by `by` [m] on every side."""
     return r[0] - by, r[1] - by, r[2] + by, r[3] + by
 
 

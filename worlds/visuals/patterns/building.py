@@ -145,7 +145,10 @@ def _blossom(planes: Planes, rng: Generator, at: tuple[float, float], radius: fl
 
 
 def _petals(centres: Float64[np.ndarray, "n 2"], rng: Generator, px_per_m: float) -> Int32[np.ndarray, "n petals corners 2"]:
-    """Outlines [px] of the petals of flowers 6 to 14 cm wide, randomly sized and rotated, around `centres` [px]."""
+    """Return the outlines [px] of the petals of flowers at `centres` [px].
+
+    The flowers are 6 to 14 cm wide. Their sizes and rotations are random.
+    """
     radius = rng.uniform(0.03, 0.07, (len(centres), 1, 1, 1)) * px_per_m
     turn = rng.uniform(0.0, 2 * np.pi, (len(centres), 1)) + 2 * np.pi / _PETALS * np.arange(_PETALS)
     around = np.linspace(0.0, 2 * np.pi, 9)[:-1]

@@ -232,8 +232,8 @@ def _text(window: Planes, rng: Generator) -> None:
 
 
 _LIDS = ((0.0, 0.0), (0.1, 0.85), (0.32, 0.7))
-"""Lids of packets, jars and bottles, in this order. The first number is the inset of the lid on each side, as a share of the
-width; the second is the height at which the lid begins, as a share of the whole height. Packets have no lid."""
+"""Lids of packets, jars and bottles, in this order. The first number says by how much the lid is narrower on either side, as
+a share of the width. The second is the height at which the lid begins, as a share of the whole height; 0 means no lid."""
 
 
 def _packet(
@@ -244,7 +244,11 @@ def _packet(
     body: tuple[float, ...],
     paper: tuple[float, ...],
 ) -> None:
-    """Paint a packet of `size` (width, height) [px], its lower left corner at `foot`; `kind` is an index into `_LIDS`."""
+    """Paint a packet, jar or bottle with a label; its `kind` is an index into `_LIDS`.
+
+    `size` is (width, height) [px], and `foot` the lower left corner (x, y) [px]. `body` is the colour of the packet, `paper`
+    the colour of its label.
+    """
     (left, bottom), (width, height), (inset, lid) = foot, size, _LIDS[kind]
 
     def band(low: float, high: float, inset: float, colour: tuple[float, ...]) -> None:

@@ -36,11 +36,12 @@ class TextureArea:
     def noise(
         self, rng: Generator, cell_m: float, octaves: int = 4, gain: float = 0.7, stretch: float = 1.0
     ) -> Float32[np.ndarray, "height width"]:
-        """Smooth random values (value noise) of zero mean and about unit variance, one per pixel, drawn anew by each call.
+        """Draw smooth random values, one per pixel, of zero mean and about unit variance (value noise).
 
-        The coarsest octave has cells of `cell_m` [m] (times `stretch` along the width). Each further octave has cells half
-        as wide and `gain` times the amplitude; octaves with cells below two pixels are left out. Before each octave is
-        added, the sum so far is enlarged to the grid of that octave, so that all octaves cost little more than the finest.
+        The noise is a sum of octaves, each of which has random values on a grid. The coarsest grid has cells of `cell_m` [m]
+        (times `stretch` along the width). Each further octave has cells half as wide and `gain` times the amplitude; octaves
+        with cells below two pixels are left out. Before each octave is added, the sum so far is enlarged to the grid of that
+        octave, so that all octaves together cost little more than the finest.
         """
         columns, rows = self.width_m / (cell_m * stretch), self.height_m / cell_m
         field: Shade = np.zeros((2, 2), np.float32)
@@ -61,7 +62,7 @@ class TextureArea:
         return enlarged
 
     def scatter(self, rng: Generator, per_m2: float, most: int = 250) -> list[tuple[float, float]]:
-        """Random points (x, y) [px]: about `per_m2` per square metre, at least one and at most `most`."""
+        """Draw random points (x, y) [px]: about `per_m2` per square metre, but at least 1 and at most `most`."""
         count = min(max(1, int(rng.poisson(per_m2 * self.width_m * self.height_m))), most)
         return [(x * self.width, y * self.height) for x, y in rng.random((count, 2)).tolist()]
 
@@ -71,18 +72,19 @@ class Courses:
     """A surface laid in rows (courses) of pieces such as bricks, tiles or planks; the pieces of a row are numbered."""
 
     row_of: Int64[np.ndarray, " height"]
-    """For every y of the texture, the number of the course that this line of pixels lies in."""
+    """For every line of pixels, the number of the row of pieces that the line belongs to."""
     piece_of: Int64[np.ndarray, "rows width"]
-    """Number of the piece within its row, for each row and each column of pixels."""
+    """For every row of pieces and every column of pixels, the number of the piece at this column."""
     line_joint: Bool[np.ndarray, " height"]
-    """Whether a line of pixels lies in the joint between two rows."""
+    """For every line of pixels, whether it belongs to the joint between two rows."""
     pieces: int
     """Upper bound on the number of pieces in a row."""
 
     def spread(self, rng: Generator, light: float, tint: float, joint: float) -> Planes:
-        """Draw a random shade near 1 for each piece, and one near `joint` for each joint.
+        """Draw a random shade near 1 for each piece, and a random shade near `joint` for each joint between pieces.
 
-        `light` and `tint` are the standard deviations of the pieces' brightness and hue.
+        `light` is the standard deviation of the brightness of pieces. `tint` is the standard deviation with which red, green
+        and blue of a piece deviate from its brightness.
         """
         rows = len(self.piece_of)
         shades = 1.0 + rng.normal(0.0, light, (rows, self.pieces, 1)) + rng.normal(0.0, tint, (rows, self.pieces, 3))

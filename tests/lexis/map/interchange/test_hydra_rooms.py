@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 import yaml
+from helpers.map_builder import build_map
 from helpers.two_rooms import two_rooms
 
 from lexis.map.export import export_map
+from lexis.map.interchange.hydra_rooms import hydra_rooms
 
 POINTS = {(2.0, 3.0, 1.0): 0, (6.0, 1.0, 1.0): 1, (9.0, 2.0, 3.0): 2, (2.0, 3.0, 9.0): None, (-1.0, 2.0, 1.0): None}
 
@@ -40,3 +42,13 @@ def test_points_lie_in_their_rooms(rooms):
 def test_every_keyframe_lies_in_its_room(rooms):
     lexis_map = two_rooms(np.random.default_rng(3))
     assert [room_at(rooms, T[:3, 3]) for T in lexis_map.T_W_B] == lexis_map.room_of.tolist()
+
+
+def test_a_room_whose_only_keyframe_shares_its_cell_with_another_room_has_a_box_too(rng):
+    rooms = [("kitchen", [0, 1]), ("office", [2])]
+    positions = [[1.0, 2.0, 1.4], [3.04, 2.04, 1.4], [3.06, 2.06, 1.4]]
+    lexis_map = build_map(positions, [0, 0, 1], rooms, ("kitchen", "office"), rng)
+    boxes = hydra_rooms(lexis_map)
+    assert len(boxes[1]) == 1
+    assert room_at({1: boxes[1]}, (3.06, 2.06, 1.4)) == 1
+    assert room_at({1: boxes[1]}, (3.2, 2.06, 1.4)) is None

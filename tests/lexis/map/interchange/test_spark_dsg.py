@@ -63,6 +63,34 @@ def test_what_spark_dsg_saves_again_is_the_same_map(saved, tmp_path):
     assert_same(read_spark_dsg(tmp_path / "again.json"), read_spark_dsg(saved))
 
 
+@pytest.fixture
+def resumed(lexis_map):
+    """The map, with its last 25 keyframes in a second session, whose clock starts at 0 again."""
+    keyframes = [replace(k, session=1, stamp=k.stamp - 15.0) if k.id >= 15 else k for k in lexis_map.keyframes]
+    return replace(lexis_map, keyframes=tuple(keyframes))
+
+
+def test_sessions_are_written_and_read(resumed, tmp_path):
+    write_spark_dsg(resumed, tmp_path / "graph.json")
+    assert_equal_but_rotations(read_spark_dsg(tmp_path / "graph.json"), without_features(resumed, tmp_path / "map"))
+
+
+def test_no_edge_leads_from_one_session_to_the_next(resumed, tmp_path):
+    write_spark_dsg(resumed, tmp_path / "graph.json")
+    graph = spark_dsg.DynamicSceneGraph.load(str(tmp_path / "graph.json"))
+    for category in "pa":
+        steps = [graph.has_edge(symbol(category, i), symbol(category, i + 1)) for i in range(39)]
+        assert [i for i, walked in enumerate(steps) if not walked] == [14]
+
+
+def test_a_graph_without_session_numbers_is_one_session(saved):
+    data = json.loads(saved.read_text())
+    for node in data["nodes"]:
+        node["attributes"]["metadata"]["lexis"].pop("session", None)
+    saved.write_text(json.dumps(data))
+    assert {keyframe.session for keyframe in read_spark_dsg(saved).keyframes} == {0}
+
+
 def symbol(category, index):
     return spark_dsg.NodeSymbol(category, index)
 

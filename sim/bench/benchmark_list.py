@@ -1,0 +1,96 @@
+"""The benchmarks of `lexis-sim bench all`, with their arguments in a quick and in a full extent."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How much the benchmarks measure."""
+
+    houses: int
+    """Number of houses of each preset."""
+    fidelity: str
+    """Fidelity of the benchmarks that can do without images."""
+    length: int
+    """Length of the long walk [m]."""
+    rooms: int
+    """Number of rooms of the house of the long walk."""
+
+
+QUICK = Extent(houses=2, fidelity="features", length=1000, rooms=10)
+FULL = Extent(houses=5, fidelity="render", length=10000, rooms=40)
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """One benchmark of the list."""
+
+    name: str
+    """Name of its files, without endings."""
+    arguments: tuple[str, ...]
+    """Arguments of `lexis-sim bench`."""
+    quick_s: int
+    """Processor time in the quick extent [s], by which the remaining time is estimated."""
+    is_timing: bool = False
+    """Whether the benchmark measures time or uses all cores, so that no other benchmark may run beside it."""
+
+
+_PRESETS = ("uh2-apt", "uh2-office", "ori", "home")
+"""The presets that are named like the datasets of the paper."""
+_LIST = (
+    ("table1", "encoders --presets ori home --encoders mini --houses {houses} --seed 500", 130),
+    ("table3", "table3 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table3.csv", 70),
+    ("openness", "openness --houses {houses} --seed 500 --out {out}/openness.csv {out}/openness.png", 70),
+    ("clutter", "sweep clutter --houses {houses} --seed 500 --out {out}/clutter.csv {out}/clutter.png", 60),
+    ("odometry", "sweep odometry --houses {houses} --seed 500 --out {out}/odometry.csv {out}/odometry.png", 40),
+    ("light", "sweep light --houses {houses} --seed 500 --out {out}/light.csv {out}/light.png", 200),
+    ("texture", "sweep texture --houses {houses} --seed 500 --out {out}/texture.csv {out}/texture.png", 200),
+    ("places", "places --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 110),
+    ("kernels", "kernels --houses {houses} --seed 500 --csv {out}/kernels.csv --plot {out}/kernels.png", 30),
+    ("sessions", "sessions --houses {houses} --seed 500", 40),
+    ("planning", "planning --houses {houses} --seed 500", 220),
+    ("queries", "queries --houses {houses} --seed 500", 125),
+    ("fidelity", "fidelity --houses {houses} --seed 500", 50),
+)
+"""Names, arguments and quick processor times of the benchmarks that may run beside each other."""
+_OF_PRESETS = (
+    ("segmentation", "segmentation --preset {preset} --houses {houses} --fidelity {fidelity} --seed 500", 35),
+    ("rooms", "rooms --preset {preset} --houses {houses} --seed 500", 20),
+)
+"""The same for benchmarks of a single preset, which run once for each of `_PRESETS`."""
+_TIMINGS = (
+    ("stages", "stages --presets {presets} --houses {houses} --seed 500 --csv {out}/stages.csv", 100),
+    ("scale", "scale --rooms {rooms} --length {length} --seed 300", 25),
+    ("speed", "speed --houses {houses} --seed 500", 60),
+    ("throughput", "throughput --houses 8 --seed 100", 10),
+)
+"""The same for benchmarks that run alone."""
+
+
+def benchmarks(extent: Extent, out: Path, pose_graphs: Sequence[Path] = ()) -> tuple[Benchmark, ...]:
+    """Return all benchmarks: first those that may run beside each other, longest first; then those that measure time.
+
+    Args:
+        extent: how much they measure.
+        out: the folder of their files.
+        pose_graphs: g2o files to optimise; without any, the benchmark `pose-graph` is left out.
+    """
+    values = {**asdict(extent), "presets": " ".join(_PRESETS), "out": "{out}"}
+
+    def filled(entries: Iterable[tuple[str, str, int]], is_timing: bool = False) -> list[Benchmark]:
+        words = ((name, template.format(**values).split(), seconds) for name, template, seconds in entries)
+        return [
+            Benchmark(name, tuple(word.replace("{out}", str(out)) for word in own), seconds, is_timing)
+            for name, own, seconds in words
+        ]
+
+    of_presets = [
+        (f"{name}-{preset}", template.replace("{preset}", preset), seconds)
+        for name, template, seconds in _OF_PRESETS
+        for preset in _PRESETS
+    ]
+    files = Benchmark("pose-graph", ("pose-graph", *map(str, pose_graphs)), 10, is_timing=True)
+    together = sorted(filled([*_LIST, *of_presets]), key=lambda each: -each.quick_s)
+    return (*together, *filled(_TIMINGS, is_timing=True), *([files] if pose_graphs else []))

@@ -1,0 +1,100 @@
+"""Runs many benchmarks as processes of their own and keeps what they print, with where it comes from.
+
+The file of a benchmark begins with its command, the commit, and the machine with its versions. A benchmark whose file begins
+so already is not run again, so that an interrupted collection can be continued.
+"""
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+from lexis.files.replace import replaced_file
+from sim.bench.benchmark_list import Benchmark
+from sim.doctor import versions
+from sim.processes import ONE_THREAD
+
+_HERE = Path(__file__).parent
+_LAST_LINES = 3
+"""Number of lines of a failed benchmark's error output that are shown."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How one benchmark of a collection ended."""
+
+    benchmark: Benchmark
+    seconds: float | None
+    """Wall time [s]; None if its file was there already."""
+    error: str = ""
+    """The last lines of its error output; empty if it succeeded."""
+
+
+def collect(benchmarks: Iterable[Benchmark], out: Path, workers: int) -> Iterator[Outcome]:
+    """Run benchmarks and yield how each of them ended, in the order in which they end.
+
+    Args:
+        benchmarks: those that measure time run one after the other, after all others.
+        out: an existing folder, in which each benchmark gets a file.
+        workers: number of benchmarks that run at the same time, each with one thread.
+    """
+    heading = source()
+    chosen = tuple(benchmarks)
+    for timing, together in ((False, workers), (True, 1)):
+        pool = ThreadPoolExecutor(together)
+        try:
+            begun: list[Future[Outcome]] = [
+                pool.submit(_run, each, out, heading) for each in chosen if each.is_timing is timing
+            ]
+            for ended in as_completed(begun):
+                yield ended.result()
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def source() -> str:
+    """Describe what figures depend on besides the command: the commit and its changes, the cores, and the versions."""
+    machine = {"cores": os.cpu_count(), **versions()}
+    return f"commit {_commit()}\nmachine {json.dumps(machine)}"
+
+
+def _commit() -> str:
+    """Name the commit of this package, with a hash of uncommitted changes; its version if it is not in a repository."""
+    commit, changes = (_git(*command) for command in (("rev-parse", "HEAD"), ("diff", "HEAD")))
+    if commit is None or changes is None:
+        return f"unknown, version {version('lexis-sim')}"
+    return commit.strip() + (f" with changes {hashlib.sha256(changes.encode()).hexdigest()[:12]}" if changes else "")
+
+
+def _git(*arguments: str) -> str | None:
+    """Output of git for the repository of this package; None if there is no repository or no git."""
+    try:
+        return subprocess.run(("git", *arguments), cwd=_HERE, capture_output=True, text=True, check=True).stdout
+    except (OSError, subprocess.CalledProcessError):
+        return None
+
+
+def _run(benchmark: Benchmark, out: Path, heading: str) -> Outcome:
+    """Run a benchmark and write its file, unless the file is there."""
+    beginning = f"lexis-sim bench {' '.join(benchmark.arguments)}\n{heading}\n"
+    file = out / f"{benchmark.name}.txt"
+    if file.is_file() and file.read_text(encoding="utf-8").startswith(beginning):
+        return Outcome(benchmark, None)
+    start = time.perf_counter()
+    command = (sys.executable, "-m", "sim.cli", "bench", *benchmark.arguments)
+    environment = os.environ if benchmark.is_timing else {**os.environ, **ONE_THREAD}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, encoding="utf-8")
+    seconds = time.perf_counter() - start
+    if done.returncode:
+        said = (done.stderr or done.stdout).strip().splitlines()[-_LAST_LINES:]
+        return Outcome(benchmark, seconds, "\n".join(said) or f"exit status {done.returncode}")
+    with replaced_file(file) as new:
+        new.write_text(f"{beginning}took {seconds:.0f} s\n\n{done.stdout}", encoding="utf-8")
+    return Outcome(benchmark, seconds)

@@ -1,0 +1,206 @@
+"""`lexis-sim bench openness` and `bench sweep`: rooms by LEXIS and by baselines, while one difficulty of the runs grows.
+
+All methods follow the same walks in the same houses; between the values of a difficulty, nothing else changes.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from lexis.files.replace import replaced_file
+from sim.baselines.rooms import (
+    LEXIS_VARIANTS,
+    DistanceTransform,
+    HydraPlaces,
+    MapRooms,
+    Morphological,
+    Voronoi,
+    WordlessLexis,
+)
+from sim.bench.encoders.table import import_matplotlib
+from sim.bench.houses import configs
+from sim.bench.row_files import write_rows
+from sim.errors import SimError
+from sim.fidelity import Fidelity
+from sim.harness import Scenario, SlamUnderTest, evaluate, run
+from sim.harness.adapters import GeometricRooms, Lexis
+from sim.harness.parts import house_spec
+from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
+from worlds.variant import in_light, in_texture, variant
+
+Value: TypeAlias = float | str
+IMAGES = (".png", ".svg")
+"""File endings of plots."""
+
+
+def _lexis(name: str, scenario: Scenario) -> SlamUnderTest:
+    return Lexis(scenario.encoder, LEXIS_VARIANTS[name])
+
+
+METHODS: Mapping[str, Callable[[Scenario], SlamUnderTest]] = MappingProxyType(
+    {name: partial(_lexis, name) for name in LEXIS_VARIANTS}
+    | {
+        "LEXIS, one label": lambda scenario: WordlessLexis(),
+        "positions alone": lambda scenario: GeometricRooms(),
+        "morphological": lambda scenario: MapRooms.of(scenario, Morphological()),
+        "distance transform": lambda scenario: MapRooms.of(scenario, DistanceTransform()),
+        "Voronoi": lambda scenario: MapRooms.of(scenario, Voronoi()),
+        "Hydra-like": lambda scenario: MapRooms.of(scenario, HydraPlaces()),
+    }
+)
+"""The SLAM for a scenario, by the name of the method. The last four are given the true map of the scenario's house."""
+
+
+@dataclass(frozen=True)
+class Difficulty:
+    """One property of a run that a sweep changes."""
+
+    values: tuple[Value, ...]
+    changed: Callable[[Scenario, Any], Scenario]
+    """Returns a scenario in which the property has the value."""
+    methods: tuple[str, ...]
+    """Names of the methods that are compared."""
+    fidelity: Fidelity = "features"
+    """Lighting and textures show in images only."""
+
+
+_WITHOUT_MAP = ("LEXIS", "LEXIS, paper", "positions alone")
+DIFFICULTIES: Mapping[str, Difficulty] = MappingProxyType(
+    {
+        "openness": Difficulty(
+            (0.0, 0.3, 0.6, 0.9),
+            lambda scenario, value: replace(scenario, house=variant(house_spec(scenario), openness=value)),
+            tuple(METHODS),
+        ),
+        "clutter": Difficulty(
+            (0.0, 1.0, 2.0, 4.0),
+            lambda scenario, value: replace(scenario, house=variant(house_spec(scenario), clutter=value)),
+            (*_WITHOUT_MAP, "distance transform", "Voronoi"),
+        ),
+        "odometry": Difficulty(
+            ("perfect", "multicam", "mono", "degraded"),
+            lambda scenario, value: replace(scenario, odometry=value),
+            _WITHOUT_MAP,
+        ),
+        "light": Difficulty(
+            ("day", "evening", "dim"),
+            lambda scenario, value: replace(scenario, house=in_light(house_spec(scenario), value)),
+            _WITHOUT_MAP,
+            "render",
+        ),
+        "texture": Difficulty(
+            ("rich", "poor", "repeating"),
+            lambda scenario, value: replace(scenario, house=in_texture(house_spec(scenario), value)),
+            _WITHOUT_MAP,
+            "render",
+        ),
+    }
+)
+"""The difficulties by name. The true map depends on openness only: furniture, light and drift do not change it."""
+
+
+@dataclass(frozen=True)
+class SweepRow:
+    """Figures of one method in the house of one seed, at one value of the difficulty."""
+
+    method: str
+    value: Value
+    """The value to which the run was changed; a house that cannot be opened as far as this has a lower openness."""
+    seed: int
+    labels: float | None
+    """Share of the keyframes with the right label; None for a method that claims no labels."""
+    pq: float
+    """Panoptic quality of rooms."""
+    splits: int
+    """Number of surplus rooms in one true room; see `lexis.evaluation.rooms.RoomScores`."""
+    merges: int
+    """Number of surplus true rooms in one found room."""
+
+
+def sweep(preset: str, seeds: Sequence[int], difficulty: Difficulty = DIFFICULTIES["openness"]) -> Iterator[SweepRow]:
+    """Let every method of the difficulty find rooms in the same houses at each of its values."""
+    rate_hz = FEATURES_FRAME_RATE_HZ if difficulty.fidelity == "features" else Scenario.frame_rate_hz
+    usual = Scenario(preset=preset, fidelity=difficulty.fidelity, frame_rate_hz=rate_hz)
+    for value in difficulty.values:
+        for scenario in configs(usual, seeds):
+            changed = difficulty.changed(scenario, value)
+            for name in difficulty.methods:
+                found = evaluate(run(changed, METHODS[name](changed)))
+                rooms = found.rooms.pq or 0.0, found.rooms.splits or 0, found.rooms.merges or 0
+                yield SweepRow(name, value, scenario.seed, found.labels.accuracy, *rooms)
+
+
+@dataclass(frozen=True)
+class SweepMean:
+    """Figures of one method at one value: means over houses, and the standard deviation of the panoptic quality."""
+
+    labels: float | None
+    pq: float
+    pq_std: float
+    splits: float
+    merges: float
+
+
+def means(rows: Sequence[SweepRow]) -> dict[str, dict[Value, SweepMean]]:
+    """Average the rows of all houses, by method and value."""
+    found: dict[str, dict[Value, SweepMean]] = {}
+    for method, value in dict.fromkeys((row.method, row.value) for row in rows):
+        mine = [row for row in rows if (row.method, row.value) == (method, value)]
+        pq, splits, merges = np.mean([(row.pq, row.splits, row.merges) for row in mine], axis=0).tolist()
+        labels = [row.labels for row in mine if row.labels is not None]
+        spread = float(np.std([row.pq for row in mine]))
+        found.setdefault(method, {})[value] = SweepMean(
+            float(np.mean(labels)) if labels else None, pq, spread, splits, merges
+        )
+    return found
+
+
+def check_files(files: Sequence[Path]) -> None:
+    """Check the files to write before the minutes of work. Raises `SimError`."""
+    for path in files:
+        if not path.parent.is_dir():
+            raise SimError(f"{path}: no folder {path.parent}; valid: a file in a folder that exists")
+        if path.suffix not in (".csv", *IMAGES):
+            raise SimError(f"{path}: unknown ending; valid: .csv, .png or .svg")
+        if path.suffix in IMAGES:
+            import_matplotlib()
+
+
+def write_sweep(rows: Sequence[SweepRow], name: str, path: Path) -> None:
+    """Write the rows as CSV, or draw them, as the ending of the path says; `name` is the difficulty's.
+
+    Raises `SimError` without matplotlib.
+    """
+    if path.suffix in IMAGES:
+        draw_sweep(means(rows), name, path)
+        return
+    write_rows(rows, path)
+
+
+def draw_sweep(found: Mapping[str, Mapping[Value, SweepMean]], x_name: str, path: Path) -> None:
+    """Draw panoptic quality, splits and merges against the values of a difficulty, as PNG or SVG."""
+    matplotlib = import_matplotlib()
+    with matplotlib.rc_context({"svg.hashsalt": "lexis"}):
+        figure = matplotlib.figure.Figure(figsize=(13.0, 4.6), layout="constrained")
+        panels = figure.subplots(1, 3)
+        for name, points in found.items():
+            style = {"linestyle": "-" if name.startswith("LEXIS") else "--", "linewidth": 2.6 if name == "LEXIS" else 1.3}
+            values = list(points)
+            spread = [points[each].pq_std for each in values]
+            panels[0].errorbar(values, [points[each].pq for each in values], spread, capsize=2, label=name, **style)
+            for panel, what in zip(panels[1:], ("splits", "merges"), strict=True):
+                panel.plot(values, [getattr(points[each], what) for each in values], marker="o", markersize=3, **style)
+        for panel, title in zip(panels, ("panoptic quality of rooms", "splits per house", "merges per house"), strict=True):
+            panel.set(title=title, xlabel=x_name)
+            panel.grid(alpha=0.25)
+        panels[0].set(ylim=(0.0, 1.0))
+        figure.legend(loc="outside right center")
+        with replaced_file(path) as beside:
+            figure.savefig(
+                beside, format=path.suffix[1:], dpi=110, metadata={"Date": None} if path.suffix == ".svg" else None
+            )

@@ -1,0 +1,128 @@
+"""`lexis-sim bench stages`: how much each stage costs in labels, rooms, trajectories and plans, over many houses.
+
+LEXIS maps every house as it is, and once more for each substitution of the blame table (`sim.harness.blame_table`). A
+substitution puts the truth in the place of one stage, or leaves out one difficulty. What it gains is what the stage costs.
+"""
+
+import os
+from collections.abc import Iterator, Sequence
+from concurrent.futures import as_completed
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from lexis.errors import PlanError
+from sim.harness import Scenario, evaluate
+from sim.harness.adapters import Lexis
+from sim.harness.blame_table import substitutions
+from sim.harness.planning import planned_pairs
+from sim.harness.reductions import with_listed_house
+from sim.harness.runner import Run, run
+from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
+from sim.processes import process_pool
+
+UNCHANGED = "nothing"
+"""Name of the substitution that replaces nothing."""
+
+
+@dataclass(frozen=True)
+class Figures:
+    """The figures of one run."""
+
+    labels: float
+    """Share of the keyframes with the right label."""
+    rooms: float
+    """Panoptic quality of the rooms."""
+    ate_m: float
+    """Absolute trajectory error [m]."""
+    plans: float
+    """Share of the plans, from each claimed label to each other one, that end in a room which truly has the goal's label."""
+
+
+@dataclass(frozen=True)
+class StageRow:
+    """The figures of one house with one substitution."""
+
+    preset: str
+    seed: int
+    replaced: str
+    """Name of the substitution, such as "oracle encoder"; `UNCHANGED` if nothing is replaced."""
+    labels: float
+    rooms: float
+    ate_m: float
+    plans: float
+
+
+@dataclass(frozen=True)
+class StageGain:
+    """The change of the figures by one substitution: means over the houses in which it changes anything."""
+
+    houses: int
+    mean: Figures
+    error: Figures
+    """Standard errors of the means."""
+
+
+def measure_stages(presets: Sequence[str], seeds: Sequence[int], workers: int | None = None) -> Iterator[list[StageRow]]:
+    """Yield the rows of each house as soon as it is finished, on the feature sensor, in as many processes as cores."""
+    with process_pool(workers or os.cpu_count() or 1) as pool:
+        houses = [pool.submit(measure_house, preset, seed) for preset in presets for seed in seeds]
+        for finished in as_completed(houses):
+            yield finished.result()
+
+
+def measure_house(preset: str, seed: int) -> list[StageRow]:
+    """Map a house with each substitution. Substitutions that would leave the scenario as it is are left out."""
+    usual = Scenario(preset=preset, seed=seed, fidelity="features", frame_rate_hz=FEATURES_FRAME_RATE_HZ)
+    scenario, lexis = with_listed_house(usual), Lexis(usual.encoder)
+    tried = [(UNCHANGED, scenario, lexis.with_stages())]
+    tried += [
+        (each.name, each.scenario, each.slam or lexis.with_stages())
+        for each in substitutions(scenario, lexis)
+        if each.slam is not None or each.scenario != scenario
+    ]
+    rows = []
+    for name, changed, slam in tried:
+        figures = _figures(run(changed, slam), slam)
+        rows.append(StageRow(preset, seed, name, figures.labels, figures.rooms, figures.ate_m, figures.plans))
+    return rows
+
+
+def gains(rows: Sequence[StageRow]) -> dict[str, StageGain]:
+    """Average the paired differences to the unchanged run, by substitution. `UNCHANGED` has the figures themselves."""
+    unchanged = {(row.preset, row.seed): _values(row) for row in rows if row.replaced == UNCHANGED}
+    found = {}
+    for name in dict.fromkeys(row.replaced for row in rows):
+        mine = [row for row in rows if row.replaced == name]
+        values = np.array([_values(row) for row in mine])
+        if name != UNCHANGED:
+            values = values - [unchanged[row.preset, row.seed] for row in mine]
+        error = values.std(axis=0) / np.sqrt(max(len(values) - 1, 1))
+        found[name] = StageGain(len(mine), Figures(*values.mean(axis=0).tolist()), Figures(*error.tolist()))
+    return found
+
+
+def _values(row: StageRow) -> list[float]:
+    return [getattr(row, field.name) for field in fields(Figures)]
+
+
+def _figures(finished: Run, slam: Lexis) -> Figures:
+    result = evaluate(finished)
+    figures = result.labels.accuracy, result.rooms.pq, result.trajectory.ate_m
+    labels, rooms, ate_m = (0.0 if figure is None else figure for figure in figures)
+    return Figures(labels, rooms, ate_m, _right_plans(finished, slam))
+
+
+def _right_plans(finished: Run, slam: Lexis) -> float:
+    """Share of the plans whose last keyframe is truly in a room of the goal's label; 1 if there is nothing to plan."""
+    pairs = planned_pairs(finished)
+    right = sum(_ends_right(finished, slam, start, goal) for start, goal in pairs)
+    return right / len(pairs) if pairs else 1.0
+
+
+def _ends_right(finished: Run, slam: Lexis, start: str, goal: str) -> bool:
+    try:
+        plan = slam.plan(start, goal)
+    except PlanError:
+        return False
+    return bool(finished.true_labels[plan[-1]] == finished.room_names.index(goal))

@@ -1,0 +1,47 @@
+"""`lexis-sim bench all`: runs the benchmarks in parallel and keeps their tables, curves and pictures in a folder."""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from lexis.command_line import positive
+from sim.commands.arguments import argument, folder
+
+ARGUMENTS = (
+    argument("-o", "--out", type=folder, required=True, metavar="DIR", help="folder for the tables, curves and pictures"),
+    argument("--quick", action="store_true", help="few houses, and images only where a benchmark needs them"),
+    argument("--only", default="", metavar="TEXT", help="benchmarks whose name contains this text (default: all)"),
+    argument("--pose-graphs", nargs="+", type=Path, default=[], metavar="FILE", help="g2o files, for pose-graph"),
+    argument(
+        "--workers", type=positive, default=os.cpu_count() or 1, metavar="N", help="processes (default: one for each core)"
+    ),
+)
+
+
+def run_all(arguments: argparse.Namespace) -> int:
+    """Print a line for each benchmark as soon as it ends, and return 1 if one of them failed, else 0."""
+    from sim.bench.benchmark_list import FULL, QUICK, benchmarks
+    from sim.bench.collection import collect
+    from sim.errors import SimError
+
+    listed = benchmarks(QUICK if arguments.quick else FULL, arguments.out, arguments.pose_graphs)
+    chosen = [each for each in listed if arguments.only in each.name]
+    if not chosen:
+        raise SimError(f"--only {arguments.only}: no benchmark; valid: part of {', '.join(each.name for each in listed)}")
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    failed = 0
+    columns = TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TextColumn("left:"), TimeRemainingColumn()
+    console = Console(file=sys.stderr)
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(f"{len(chosen)} benchmarks", total=sum(each.quick_s for each in chosen))
+        for ended in collect(chosen, arguments.out, arguments.workers):
+            bar.advance(task, ended.benchmark.quick_s)
+            failed += bool(ended.error)
+            took = "kept" if ended.seconds is None else f"{ended.seconds:.0f} s"
+            print(f"{ended.benchmark.name}: {'FAILED: ' + ended.error if ended.error else took}", flush=True)
+    print(f"{len(chosen) - failed} of {len(chosen)} benchmarks are in {arguments.out}")
+    return int(failed > 0)

@@ -1,0 +1,59 @@
+"""A sweep changes one property of the runs, writes a row for each method, house and value, and averages over houses."""
+
+import csv
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from sim.bench.peers import difficulty_sweep as module
+from sim.bench.peers.difficulty_sweep import DIFFICULTIES, METHODS, SweepRow, check_files, means, sweep, write_sweep
+from sim.errors import SimError
+from sim.harness import Scenario
+from sim.harness.parts import house_spec
+
+
+def test_every_method_finds_rooms_in_the_same_house(monkeypatch):
+    monkeypatch.setattr(module, "METHODS", {name: METHODS[name] for name in ("positions alone", "Voronoi")})
+    closed = replace(DIFFICULTIES["openness"], values=(0.0,), methods=("positions alone", "Voronoi"))
+    rows = list(sweep("home", (901,), closed))
+    assert [row.method for row in rows] == ["positions alone", "Voronoi"]
+    assert rows[1].pq > rows[0].pq and [row.labels for row in rows] == [None, None]
+
+
+@pytest.mark.parametrize("name", DIFFICULTIES)
+def test_a_difficulty_changes_the_run_and_nothing_else(name):
+    difficulty, usual = DIFFICULTIES[name], Scenario(preset="home", seed=901)
+    runs = [difficulty.changed(usual, value) for value in difficulty.values]
+    assert len(set(map(repr, runs))) == len(runs) and len(difficulty.values) >= 3
+    assert all(replace(run, house=usual.house, odometry=usual.odometry) == usual for run in runs)
+    assert set(difficulty.methods) <= set(METHODS)
+    plans = {tuple(room.polygon_m for storey in house_spec(run).storeys for room in storey.rooms) for run in runs}
+    assert len(plans) == 1
+
+
+def test_means_are_over_the_houses_of_a_method_at_one_value():
+    rows = [
+        SweepRow("a", 0.0, 1, 0.9, 0.4, 2, 0),
+        SweepRow("a", 0.0, 2, 0.7, 0.6, 0, 1),
+        SweepRow("b", 0.0, 1, None, 1.0, 0, 0),
+    ]
+    found = means(rows)["a"][0.0]
+    assert (found.pq, found.splits, found.merges) == (0.5, 1.0, 0.5) and found.pq_std == pytest.approx(0.1)
+    assert found.labels == pytest.approx(0.8) and means(rows)["b"][0.0].labels is None
+
+
+@pytest.mark.parametrize("values", [(0.0, 0.3), ("day", "dim")])
+def test_files_hold_the_rows_and_drawings(values, tmp_path):
+    rows = [SweepRow("a", value, 1, None, 0.5, 2, 0) for value in values]
+    for name in ("rows.csv", "plot.png", "plot.svg"):
+        write_sweep(rows, "light", tmp_path / name)
+    with (tmp_path / "rows.csv").open() as file:
+        assert [row["value"] for row in csv.DictReader(file)] == [str(value) for value in values]
+    assert (tmp_path / "plot.png").read_bytes().startswith(b"\x89PNG") and "<svg" in (tmp_path / "plot.svg").read_text()
+
+
+@pytest.mark.parametrize("path", ["no-folder/rows.csv", "rows.txt"])
+def test_unusable_files_are_refused_before_the_work(path):
+    with pytest.raises(SimError, match=r"valid: "):
+        check_files([Path(path)])
