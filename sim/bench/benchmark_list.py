@@ -41,7 +41,7 @@ _PRESETS = ("uh2-apt", "uh2-office", "ori", "home")
 """The presets that are named like the datasets of the paper."""
 _LIST = (
     ("table1", "encoders --presets ori home --encoders mini --houses {houses} --seed 500", 130),
-    ("table2", "table2 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table2.csv", 60),
+    ("table2", "table2 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table2.csv", 50),
     ("fig5", "fig5 --presets ori home --houses {houses} --seed 500 --out {out}/fig5.csv {out}/fig5.png", 200),
     ("table3", "table3 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table3.csv", 70),
     ("openness", "openness --houses {houses} --seed 500 --out {out}/openness.csv {out}/openness.png", 70),
