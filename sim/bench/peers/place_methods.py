@@ -65,9 +65,9 @@ METHODS: Mapping[str, Contestant] = MappingProxyType(
         "AKAZE VLAD": Contestant(partial(vlad, 16, 0), 0.271),
     }
 )
-"""Methods with the settings that `place_tuning` found on other houses: `lexis-sim bench fig5 --tune` with the homes 100 to 104
-and the offices (ori) 100 and 101. The first one has the defaults of LEXIS instead, which answer more queries because a false
-candidate costs LEXIS a verification only."""
+"""Methods with the settings that `place_tuning` found on other houses: homes 100 to 104, and offices (ori) 100 and 101.
+The first one has the defaults of LEXIS instead, which answer more queries, since a false candidate only costs LEXIS a
+verification."""
 
 
 def compare_place_methods(walks: Iterable[PlaceWalk]) -> Iterator[PlaceFigures]:
