@@ -67,7 +67,7 @@ SEARCHES: Mapping[str, SettingsSearch] = MappingProxyType(
             (_each("depth", 4, 3, 5), _each("features", 1000, 500), _each("normalised", True, False)),
         ),
         "ORB words, DBoW2": SettingsSearch(bag_of_words, (_each("depth", 5, 4), _ISLANDS)),
-        "AKAZE VLAD": SettingsSearch(vlad, (_each("words", 64, 16, 32, 128), _each("dims", 128, 0, 64, 256))),
+        "AKAZE VLAD": SettingsSearch(vlad, (_each("words", 64, 8, 16, 32, 128), _each("dims", 128, 0, 64, 256))),
     }
 )
 """The search for each method of `METHODS` that has something to tune."""
