@@ -161,15 +161,18 @@ def _similarities(query: Keyframe, ids: Ids, graph: PoseGraph) -> PerKeyframe:
 
 
 def old_enough(
-    query: int, stamps: Float64[np.ndarray, "n"], path_m: Float64[np.ndarray, "n"], config: PlaceRecognitionConfig
-) -> Bool[np.ndarray, "n"]:
+    query: int | Int[np.ndarray, "*k 1"],
+    stamps: Float64[np.ndarray, "n"],
+    path_m: Float64[np.ndarray, "n"],
+    config: PlaceRecognitionConfig,
+) -> Bool[np.ndarray, "*k n"]:
     """Whether each keyframe is old enough to be a loop candidate for the keyframe `query`; the first ones are.
 
     It must lie at least `min_gap_s` of time and `min_gap_m` of odometry path before the query. More recent keyframes are not
     proposed, because odometry already constrains them well.
 
     Args:
-        query: id of a keyframe.
+        query: id of a keyframe, or a column of ids, for which the result has a row each.
         stamps: stamps of all keyframes [s].
         path_m: odometry path from the first keyframe to each keyframe [m].
         config: its `min_gap_s` and `min_gap_m` are used.

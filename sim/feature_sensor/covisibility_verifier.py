@@ -47,7 +47,7 @@ class MeasuredEdges:
     @cached_property
     def error_motions(self) -> Float64[np.ndarray, "n 4 4"]:
         """The errors as rigid motions: `T_true^-1 T_measured` of each edge."""
-        return exp(self.error)
+        return exp(self.error.copy())  # scipy refuses an array that cannot be written to
 
 
 @dataclass(frozen=True, eq=False)

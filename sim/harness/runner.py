@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -216,7 +216,15 @@ def _new_session(scenario: Scenario) -> Session:
 
 def _feature_model(scenario: Scenario) -> FeatureModel | None:
     """The model by which the feature sensor draws embeddings; None if the SLAM gets images."""
-    return None if scenario.fidelity == "render" else load_features(scenario.feature_model or MINI_FEATURES)
+    if scenario.fidelity == "render":
+        return None
+    return load_features(scenario.feature_model) if scenario.feature_model else _shipped_features()
+
+
+@cache
+def _shipped_features() -> FeatureModel:
+    """The feature model that the package contains. Its arrays cannot be written to, and so all runs share it."""
+    return load_features(MINI_FEATURES)
 
 
 def _start(slam: SlamUnderTest, scenario: Scenario, session: Session) -> None:

@@ -59,7 +59,8 @@ class Motion:
 
         The body is above these points, by the height `height_m` that `poses_at` takes.
         """
-        return np.asarray(self._walk(t, 0)[:, _X] + _turned(self._swing(t, 0)[:, _X], self._walk(t, 0)[:, _YAW]))
+        walk = self._walk(t, 0)
+        return np.asarray(walk[:, _X] + _turned(self._swing(t, 0)[:, _X], walk[:, _YAW]))
 
     def velocity(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
         """Return the velocity of the body in W [m/s] at times `t` [s]."""
