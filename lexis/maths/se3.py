@@ -70,8 +70,8 @@ def compose_covariance(
     return np.asarray(Ad @ first @ Ad.T + second)
 
 
-def rotation_angle(T: Transforms) -> Float64[np.ndarray, "*batch"]:
-    """Angle of the rotation, in [0, pi] [rad]."""
+def rotation_angle(T: Float64[np.ndarray, "*batch k k"]) -> Float64[np.ndarray, "*batch"]:
+    """Angle of the rotation, in [0, pi] [rad]. The matrices are rigid motions (4x4) or rotations (3x3)."""
     x, y, z = T[..., 2, 1] - T[..., 1, 2], T[..., 0, 2] - T[..., 2, 0], T[..., 1, 0] - T[..., 0, 1]
     trace = T[..., 0, 0] + T[..., 1, 1] + T[..., 2, 2]
     return np.asarray(np.arctan2(np.sqrt(x * x + y * y + z * z), trace - 1.0))

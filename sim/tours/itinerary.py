@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import cycle, islice, pairwise
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float64
 from scipy.sparse.csgraph import dijkstra
 
 from sim.errors import SimError
@@ -171,14 +171,15 @@ class Planner:
             left -= way
             here = towards
             nodes.append(self._scatter(here, rng))
-        return [*nodes, *self._detour(nodes[-1], home, left, towards), home]
+        return [*nodes, *self._detour(nodes[-1], to_home, left, towards), home]
 
-    def _detour(self, here: int, home: int, length_m: float, towards: int) -> list[int]:
+    def _detour(self, here: int, to_home: Float64[np.ndarray, "n"], length_m: float, towards: int) -> list[int]:
         """Return one node via which the path home has the length `length_m`; no node if the direct path is already longer.
 
-        Nodes with much clearance, in the direction of the node `towards`, are preferred.
+        `to_home` holds the length of the path from each node to the first one [m]. Nodes with much clearance, in the
+        direction of the node `towards`, are preferred.
         """
-        way = self.walkable.distances_from(here) + self.walkable.distances_from(home)
+        way = self.walkable.distances_from(here) + to_home
         if not way[here] < length_m < np.inf:
             return []
         off = np.where(self._on_stairs(), np.inf, np.abs(way - length_m))
