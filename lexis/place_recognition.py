@@ -71,7 +71,8 @@ def _old_enough_in(graph: PoseGraph, query: Keyframe, config: PlaceRecognitionCo
     start = graph.session_start
     old = old_enough(query.id - start, graph.stamps[start:], graph.path_m[start:], config)
     ids = graph.active[graph.active < start + int(old.sum())]  # those that are old enough are the first ones
-    return np.asarray(ids[graph.components[ids] == graph.components[query.id]])
+    components = graph.components
+    return np.asarray(ids[components[ids] == components[query.id]])
 
 
 def by_probability(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRecognitionConfig) -> tuple[int, ...]:

@@ -98,7 +98,8 @@ class Run:
     @property
     def true_labels(self) -> Int[np.ndarray, "n"]:
         """True label of every frame, as an index into `room_names`."""
-        return np.array([self.room_names.index(self.session.truths[i].label) for i in self.estimate.frames.tolist()], int)
+        names = self.room_names
+        return np.array([names.index(self.session.truths[i].label) for i in self.estimate.frames.tolist()], int)
 
     @property
     def on_stairs(self) -> Bool[np.ndarray, "n"]:
