@@ -127,7 +127,8 @@ class Planner:
             if stop != home and self.stops.length([*wider, home]) <= length_m:
                 circuit = wider
         nodes: list[int] = self.stops.nodes[circuit].tolist()
-        nodes += self._detour(nodes[-1], self.walkable.distances_from(nodes[0]), length_m - self.stops.length(circuit), nodes[-1])
+        to_home = self.walkable.distances_from(nodes[0])
+        nodes += self._detour(nodes[-1], to_home, length_m - self.stops.length(circuit), nodes[-1])
         around = polyline_length(self.paths.line([*nodes, nodes[0]]))
         if self.config.circuit_m is not None and around < 0.8 * self.config.circuit_m:
             raise SimError(f"tour: circuit_m is {self.config.circuit_m:g}; valid: up to {around:.0f} in this house")
