@@ -122,9 +122,10 @@ def is_pose(T: object) -> bool:
 
 def usable_covariances(matrices: Float64[np.ndarray, "*batch 6 6"]) -> Bool[np.ndarray, "*batch"]:
     """Whether each matrix is symmetric and positive semi-definite up to rounding, with entries up to `MAX_VARIANCE`."""
-    bounded = (np.abs(matrices) <= MAX_VARIANCE).all(axis=(-1, -2))
+    largest = np.abs(matrices).max(axis=(-1, -2))
+    bounded = largest <= MAX_VARIANCE
     matrices = np.where(bounded[..., None, None], matrices, 0.0)
-    rounding = _ROUNDING * np.abs(matrices).max(axis=(-1, -2))
+    rounding = _ROUNDING * np.where(bounded, largest, 0.0)
     symmetric = np.abs(matrices - np.swapaxes(matrices, -1, -2)).max(axis=(-1, -2)) <= rounding
     return np.asarray(bounded & symmetric & (np.linalg.eigvalsh(matrices).min(axis=-1) >= -rounding))
 

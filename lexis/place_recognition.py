@@ -73,7 +73,8 @@ def _old_enough_in(graph: PoseGraph, query: Keyframe, config: PlaceRecognitionCo
     start = graph.session_start
     old = old_enough(query.id - start, graph.stamps[start:], graph.path_m[start:], config)
     ids = graph.active[graph.active < start + int(old.sum())]  # the first keyframes are the old enough ones
-    return np.asarray(ids[graph.components[ids] == graph.components[query.id]])
+    components = graph.components
+    return np.asarray(ids[components[ids] == components[query.id]])
 
 
 def by_probability(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRecognitionConfig) -> tuple[int, ...]:
@@ -165,8 +166,11 @@ def _similarities(query: Keyframe, ids: Ids, graph: PoseGraph) -> PerKeyframe:
 
 
 def old_enough(
-    query: int, stamps: Float64[np.ndarray, "n"], path_m: Float64[np.ndarray, "n"], config: PlaceRecognitionConfig
-) -> Bool[np.ndarray, "n"]:
+    query: int | Int[np.ndarray, "*k 1"],
+    stamps: Float64[np.ndarray, "n"],
+    path_m: Float64[np.ndarray, "n"],
+    config: PlaceRecognitionConfig,
+) -> Bool[np.ndarray, "*k n"]:
     """Whether each keyframe is old enough to be a loop candidate for the keyframe `query`.
 
     A keyframe that is old enough lies at least `min_gap_s` of time and `min_gap_m` of odometry path before the query. More
@@ -174,7 +178,7 @@ def old_enough(
     keyframes up to some keyframe, and False for all later ones.
 
     Args:
-        query: id of a keyframe.
+        query: id of a keyframe, or a column of ids, for which the result has a row each.
         stamps: stamps of all keyframes [s].
         path_m: odometry path from the first keyframe to each keyframe [m].
         config: its `min_gap_s` and `min_gap_m` are used.

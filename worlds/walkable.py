@@ -213,12 +213,24 @@ class Walkable:
         a, b = (place if isinstance(place, int) else self.snap(place) for place in (start, goal))
         if a > b:  # straightening depends on the end from which it starts, so it always starts from the smaller number
             return self.path(b, a, prefer_clearance_m)[::-1].copy()
-        predecessors = dijkstra(self._costs(prefer_clearance_m), indices=[a], return_predecessors=True)[1][0]
-        nodes = _trace(predecessors, a, b)
+        nodes = self._route(a, b, prefer_clearance_m)
         if not nodes:
             rooms = (self.house.rooms[self.node_room[k]].id for k in (a, b))
             raise UnreachableError("no path between {!r} and {!r} for a body of radius {:g} m".format(*rooms, self.radius_m))
         return self._shorten(np.array(nodes), prefer_clearance_m)
+
+    def _route(self, a: int, b: int, prefer_clearance_m: float) -> list[int]:
+        """Return the nodes of the cheapest path from node `a` to node `b`; an empty list if there is no path.
+
+        Most paths are short in comparison with the house, so the search is at first limited to costs not far above that of
+        the straight line.
+        """
+        costs, straight_m = self._costs(prefer_clearance_m), float(np.linalg.norm(self.nodes[a] - self.nodes[b]))
+        for limit in (2.0 * straight_m + 1.0, 6.0 * straight_m + 3.0, np.inf):
+            reached, predecessors = dijkstra(costs, indices=[a], return_predecessors=True, limit=limit)
+            if np.isfinite(reached[0, b]):
+                return _trace(predecessors[0], a, b)
+        return []
 
     def _costs(self, prefer_clearance_m: float) -> "csr_array[np.float64, tuple[int, int]]":
         """Return the graph with the length of each step multiplied by a factor that is larger near obstacles.
@@ -284,10 +296,8 @@ def _resample(line: Float64[np.ndarray, "k 3"], step_m: float) -> Float64[np.nda
 
 
 def _trace(predecessors: Int[np.ndarray, "n"], start: int, goal: int) -> list[int]:
-    """Return the nodes from start to goal, given each node's predecessor on the path from start; empty without a path."""
+    """Return the nodes from start to goal, given each node's predecessor on the path from start."""
     nodes = [goal]
     while nodes[-1] != start:
         nodes.append(int(predecessors[nodes[-1]]))
-        if nodes[-1] < 0:
-            return []
     return nodes[::-1]

@@ -184,7 +184,7 @@ class PoseGraph:
             if not 0 <= loop.match < loop.query < n:
                 edge = f"{loop.match} -> {loop.query}"
                 raise LexisError(f"loop edge {edge} does not fit the graph; valid: 0 <= match < query < {n}")
-        if self._optimiser is not None:
+        if loops and self._optimiser is not None:
             self._acting.extend(acting := self._between_active(loops))
             self._optimiser.add_loops(self._by_rows(acting))
         self.loops.extend(loops)

@@ -12,24 +12,26 @@ class GrowingArray:
 
     def __init__(self, row_shape: tuple[int, ...], dtype: DTypeLike = np.float64) -> None:
         """Create an array without rows."""
-        self._buffer = np.empty((_FIRST_ROWS, *row_shape), dtype)
         self._count = 0
+        self._use(np.empty((_FIRST_ROWS, *row_shape), dtype))
 
     @property
     def rows(self) -> Shaped[np.ndarray, "n *row"]:
         """The rows so far, as a view that cannot be written to. Rows that are appended later do not change it."""
-        rows = self._buffer[: self._count]
-        rows.flags.writeable = False
-        return rows
+        return self._readable[: self._count]
 
     def append(self, row: Shaped[np.ndarray, "*row"] | float | int) -> None:
         """Append one row."""
         if self._count == len(self._buffer):
-            self._buffer = np.concatenate([self._buffer, np.empty_like(self._buffer)])
+            self._use(np.concatenate([self._buffer, np.empty_like(self._buffer)]))
         self._buffer[self._count] = row
         self._count += 1
 
     def replace(self, indices: Int[np.ndarray, "k"], rows: Shaped[np.ndarray, "k *row"]) -> None:
         """Replace the rows with the given indices. Earlier results of `rows` keep the old rows."""
-        self._buffer = self._buffer.copy()
+        self._use(self._buffer.copy())
         self._buffer[indices] = rows
+
+    def _use(self, buffer: Shaped[np.ndarray, "capacity *row"]) -> None:
+        self._buffer, self._readable = buffer, buffer.view()
+        self._readable.flags.writeable = False

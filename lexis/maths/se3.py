@@ -1,20 +1,23 @@
 """Rigid motions as 4x4 matrices, vectorised over leading axes. Tangent vectors are rotation first, as in GTSAM."""
 
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
 import numpy as np
 from jaxtyping import Bool, Float64
 from scipy.spatial.transform import RigidTransform
 
 Transforms = Float64[np.ndarray, "*batch 4 4"]
-_IDENTITY = np.eye(3)
-_LAST_ROW = np.array([0.0, 0.0, 0.0, 1.0])
+_Entries: TypeAlias = Any
+"""One entry of a single matrix (a number), or of each matrix of a batch (an array)."""
 
 
 def inverse(T_a_b: Transforms) -> Transforms:
     """The inverse ``T_b_a``, computed by transposing the rotation instead of a general matrix inversion."""
-    rotation = np.swapaxes(T_a_b[..., :3, :3], -1, -2)
+    rotation = T_a_b[..., :3, :3].swapaxes(-1, -2)
     result = np.zeros(T_a_b.shape)
     result[..., :3, :3] = rotation
-    result[..., :3, 3] = -(rotation @ T_a_b[..., :3, 3:])[..., 0]
+    result[..., :3, 3:] = -(rotation @ T_a_b[..., :3, 3:])
     result[..., 3, 3] = 1.0
     return result
 
@@ -67,8 +70,8 @@ def compose_covariance(
     return np.asarray(Ad @ first @ Ad.T + second)
 
 
-def rotation_angle(T: Transforms) -> Float64[np.ndarray, "*batch"]:
-    """Angle of the rotation, in [0, pi] [rad]."""
+def rotation_angle(T: Float64[np.ndarray, "*batch k k"]) -> Float64[np.ndarray, "*batch"]:
+    """Angle of the rotation, in [0, pi] [rad]. The matrices are rigid motions (4x4) or rotations (3x3)."""
     x, y, z = T[..., 2, 1] - T[..., 1, 2], T[..., 0, 2] - T[..., 2, 0], T[..., 1, 0] - T[..., 0, 1]
     trace = T[..., 0, 0] + T[..., 1, 1] + T[..., 2, 2]
     return np.asarray(np.arctan2(np.sqrt(x * x + y * y + z * z), trace - 1.0))
@@ -76,10 +79,17 @@ def rotation_angle(T: Transforms) -> Float64[np.ndarray, "*batch"]:
 
 def is_rigid(T: Transforms, tolerance: float = 1e-6) -> Bool[np.ndarray, "*batch"]:
     """Whether each matrix is finite, with 0 0 0 1 as last row and a right-handed rotation, orthonormal within tolerance."""
-    R = T[..., :3, :3]
+    # The formulas work on arrays of entries and on numbers; for a single matrix, numbers are several times faster.
+    columns = T.T.tolist() if T.ndim == 2 else np.moveaxis(T, (-1, -2), (0, 1))
     with np.errstate(over="ignore", invalid="ignore"):  # huge values and NaN must give False, not a warning
-        orthonormal = np.abs(np.swapaxes(R, -1, -2) @ R - _IDENTITY).max(axis=(-1, -2)) <= tolerance
-        right_handed = np.linalg.det(R) > 0
-    homogeneous = (T[..., 3, :] == _LAST_ROW).all(axis=-1)
-    finite = np.isfinite(T).all(axis=(-1, -2))
-    return np.asarray(finite & orthonormal & homogeneous & right_handed)
+        (*x, x3), (*y, y3), (*z, z3), (*t, t3) = columns
+        rigid = (x3 == 0.0) & (y3 == 0.0) & (z3 == 0.0) & (t3 == 1.0)
+        rigid &= (abs(t[0]) < np.inf) & (abs(t[1]) < np.inf) & (abs(t[2]) < np.inf)
+        for a, b, product in ((x, x, 1.0), (y, y, 1.0), (z, z, 1.0), (x, y, 0.0), (y, z, 0.0), (z, x, 0.0)):
+            rigid &= abs(_dot(a, b) - product) <= tolerance
+        cross = y[1] * z[2] - y[2] * z[1], y[2] * z[0] - y[0] * z[2], y[0] * z[1] - y[1] * z[0]
+        return np.asarray(rigid & (_dot(x, cross) > 0.0))
+
+
+def _dot(a: Sequence[_Entries], b: Sequence[_Entries]) -> _Entries:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

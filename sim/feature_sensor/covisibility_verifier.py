@@ -49,7 +49,7 @@ class MeasuredEdges:
     @cached_property
     def error_motions(self) -> Float64[np.ndarray, "n 4 4"]:
         """The errors as rigid motions: `T_true^-1 T_measured` of each edge."""
-        return exp(self.error)
+        return exp(self.error.copy())  # scipy refuses an array that cannot be written to
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,16 +118,18 @@ def _seen_by(viewers: Sequence[TrueView], others: Sequence[TrueView]) -> Float64
     """
     T = np.stack([view.T_C_W for view in viewers]) @ np.stack([view.T_W_C for view in others])
     points = T[:, :3, :3] @ np.stack([view.points for view in others]) + T[:, :3, 3:]
-    depths, grid = np.stack([view.depth for view in viewers]), viewers[0].grid
+    depths, grid = np.stack([view.depth.reshape(-1) for view in viewers]), viewers[0].grid
+    depth, rays = points[:, 2].reshape(-1), points.shape[2]
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # NaN for rays that hit nothing
-        column = _nearest(points[:, 0] / points[:, 2], grid.x)
-        row = _nearest(points[:, 1] / points[:, 2], grid.y)
+        column = _nearest(points[:, 0] / points[:, 2], grid.x).reshape(-1)
+        row = _nearest(points[:, 1] / points[:, 2], grid.y).reshape(-1)
         inside = (column >= 0) & (column < len(grid.x)) & (row >= 0) & (row < len(grid.y))
-        inside &= points[:, 2] > _DEPTH_M  # leaves out points behind the camera
-    pair = np.nonzero(inside)[0]
-    met, depth = depths[pair, column[inside].astype(int), row[inside].astype(int)], points[:, 2][inside]
+        inside &= depth > _DEPTH_M  # leaves out points behind the camera
+    point = np.flatnonzero(inside)  # one integer array selects faster than a boolean array
+    pair, depth = point // rays, depth[point]
+    met = depths[pair, (column[point] * len(grid.y) + row[point]).astype(int)]
     same = np.abs(met - depth) <= _DEPTH_SHARE * depth + _DEPTH_M
-    return np.asarray(np.bincount(pair[same], minlength=len(points)) / points.shape[2])
+    return np.asarray(np.bincount(pair[same], minlength=len(points)) / rays)
 
 
 def _nearest(values: Float64[np.ndarray, "n k"], axis: Float32[np.ndarray, "m"]) -> Float64[np.ndarray, "n k"]:

@@ -110,7 +110,10 @@ def save_features(model: FeatureModel, path: Path) -> None:
 
 
 def load_features(path: Path) -> FeatureModel:
-    """Read a model that `save_features` wrote. Raises `SimError` if the file is missing or holds no valid model."""
+    """Read a model that `save_features` wrote. Its arrays cannot be written to.
+
+    Raises `SimError` if the file is missing or holds no valid model.
+    """
     arrays = read_arrays(path, _FILE, _LAYOUT, packed=True)
     if not all(np.isfinite(array).all() for array in arrays.values()):
         raise _FILE.refusal(path, "it has values that are not finite")
@@ -133,22 +136,28 @@ def _flat(model: FeatureModel) -> dict[str, np.ndarray]:
 def _built(arrays: dict[str, np.ndarray]) -> FeatureModel:
     edges = {
         name: MeasuredEdges(
-            arrays[f"loops.{name}.error"].astype(float),
-            arrays[f"loops.{name}.covariance"].astype(float),
-            arrays[f"loops.{name}.inliers"].astype(int),
+            _fixed(arrays[f"loops.{name}.error"], float),
+            _fixed(arrays[f"loops.{name}.covariance"], float),
+            _fixed(arrays[f"loops.{name}.inliers"], int),
         )
         for name in ("true_edges", "false_edges")
     }
-    loops = LoopModel(
-        arrays["loops.weights"].astype(float), float(arrays["loops.query_share"]), float(arrays["loops.false_rate"]), **edges
-    )
+    query_share, false_rate = (float(arrays[f"loops.{name}"]) for name in ("query_share", "false_rate"))
+    loops = LoopModel(_fixed(arrays["loops.weights"], float), query_share, false_rate, **edges)
     embedding = EmbeddingModel(
-        arrays["embedding.weights"].astype(np.float32),
-        arrays["embedding.offset"].astype(np.float32),
-        arrays["embedding.errors"].astype(np.float32),
-        arrays["embedding.kernels"].astype(float),
+        _fixed(arrays["embedding.weights"], np.float32),
+        _fixed(arrays["embedding.offset"], np.float32),
+        _fixed(arrays["embedding.errors"], np.float32),
+        _fixed(arrays["embedding.kernels"], float),
     )
-    return FeatureModel(arrays["fingerprint"].astype(np.float32), embedding, loops)
+    return FeatureModel(_fixed(arrays["fingerprint"], np.float32), embedding, loops)
+
+
+def _fixed(array: np.ndarray, dtype: type) -> np.ndarray:
+    """Return a copy that cannot be written to, because runs may share a model."""
+    values: np.ndarray = array.astype(dtype)
+    values.flags.writeable = False
+    return values
 
 
 def _problem(model: FeatureModel) -> str | None:

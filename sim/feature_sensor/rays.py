@@ -94,7 +94,10 @@ class _Caster:
         rank = np.arange(len(ray)) - np.repeat(starts, np.diff(starts, append=len(ray)))
         rank = np.minimum(rank, _RANK).astype(np.int32)
         # Positive floats have the order of their bits, so one minimum finds both the least depth and its block.
-        packed = np.minimum.reduceat(self._entered(eyes, crossed).view(np.int32) & ~_RANK | rank[:, None], starts)
+        packed = self._entered(eyes, crossed).view(np.int32)
+        packed &= ~_RANK
+        packed |= rank[:, None]
+        packed = np.minimum.reduceat(packed, starts)
         found = (packed & ~_RANK).view(np.float32)
         met = found < 0.99 * FAR_M
         rows = crossed.camera[starts], crossed.column[starts]
@@ -105,10 +108,10 @@ class _Caster:
     def _entered(self, eyes: UprightCameras, crossed: Crossings) -> Float32[np.ndarray, "h rows"]:
         """Return the depth at which each ray enters each block that its column crosses; `FAR_M` if it misses the block."""
         camera = crossed.camera
-        rise = self._blocks.z[crossed.block] - eyes.height[camera, None]
-        level = rise[:, :, None] / eyes.slope[camera, None, :]
-        enter = np.maximum(level.min(axis=1), crossed.near[:, None])
-        met = (enter <= np.minimum(level.max(axis=1), crossed.far[:, None])) & (enter > NEAR_M)
+        rise, slope = self._blocks.z[crossed.block] - eyes.height[camera, None], eyes.slope[camera]
+        low, high = rise[:, :1] / slope, rise[:, 1:] / slope
+        enter = np.maximum(np.minimum(low, high), crossed.near[:, None])
+        met = (enter <= np.minimum(np.maximum(low, high, out=high), crossed.far[:, None])) & (enter > NEAR_M)
         return np.where(met, enter, FAR_M)
 
     def _with_levels(self, eyes: UprightCameras, depth: Depths, block: Rows) -> tuple[Depths, Rows]:
@@ -123,8 +126,8 @@ class _Caster:
         on_plane = plane < depth
         depth = np.minimum(depth, plane)
         reach = np.minimum(depth, FAR_M) - np.float32(_NUDGE_M)
-        places = eyes.place[:, None, None] + reach[..., None] * eyes.lines[:, :, None]
-        room = self._around.rooms_at.at(eyes.storey[:, None, None], places)
+        x, y = (eyes.place[:, axis, None, None] + reach * eyes.lines[:, :, axis, None] for axis in (0, 1))
+        room = self._around.rooms_at.at(eyes.storey[:, None, None], x, y)
         surface = np.where(on_plane, np.where(down, FLOOR, CEILING)[:, None], WALL)
         thing = np.where(room == NOWHERE, NOWHERE, len(SURFACES) * room + surface)
         if len(self._blocks.thing):

@@ -149,8 +149,11 @@ class RoomMap:
                 cells[levels, a[0] : b[0], a[1] : b[1]] = i
         return RoomMap(cells, low.astype(np.float32))
 
-    def at(self, storey: Int[np.ndarray, "*#n"], xy: Float32[np.ndarray, "*n 2"]) -> Int[np.ndarray, "*n"]:
+    def at(
+        self, storey: Int[np.ndarray, "*#n"], x: Float32[np.ndarray, "*n"], y: Float32[np.ndarray, "*n"]
+    ) -> Int[np.ndarray, "*n"]:
         """Return the index of the room at each point (in W [m]) of a storey; `NOWHERE` outside of all rooms."""
-        place = np.clip((xy - self.origin) / np.float32(CELL_M), 0.0, np.array(self.cells.shape[1:]) - 1).astype(np.int32)
-        flat = (storey * self.cells.shape[1] + place[..., 0]) * self.cells.shape[2] + place[..., 1]
-        return np.asarray(self.cells.reshape(-1)[flat])
+        _, nx, ny = self.cells.shape
+        column = np.clip((x - self.origin[0]) / np.float32(CELL_M), 0, nx - 1).astype(np.int32)
+        row = np.clip((y - self.origin[1]) / np.float32(CELL_M), 0, ny - 1).astype(np.int32)
+        return np.asarray(self.cells[storey, column, row])

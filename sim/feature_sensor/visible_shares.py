@@ -100,11 +100,9 @@ def shares_of(thing: Int[np.ndarray, "n a b"], things: int) -> Float32[np.ndarra
     number of things.
     """
     n, size = len(thing), thing[0].size if len(thing) else 1
-    flat = thing.reshape(n, -1)
-    rows = np.broadcast_to(np.arange(n)[:, None] * things, flat.shape)
-    seen = flat != NOWHERE
-    counts = np.bincount((rows + flat)[seen], minlength=n * things)
-    return (counts.reshape(n, things) / size).astype(np.float32)
+    first = np.arange(n)[:, None] * (things + 1) - NOWHERE  # column 0 counts the rays with `NOWHERE`
+    counts = np.bincount((thing.reshape(n, -1) + first).ravel(), minlength=n * (things + 1))
+    return (counts.reshape(n, -1)[:, 1:] / size).astype(np.float32)
 
 
 def _summed(

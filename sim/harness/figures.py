@@ -99,8 +99,12 @@ def _house(run: Run) -> HouseFigures:
 
 def _walk(run: Run) -> WalkFigures:
     tour = run.session.tour
-    duration_s = float(tour.stamps[-1] - tour.stamps[0])
-    return WalkFigures(tour.length_m, duration_s, len(tour.stamps), len(run.estimate.frames))
+    return WalkFigures(tour.length_m, _duration_s(run), len(tour.stamps), len(run.estimate.frames))
+
+
+def _duration_s(run: Run) -> float:
+    stamps = run.session.tour.stamps
+    return float(stamps[-1] - stamps[0])
 
 
 def _labels(run: Run) -> LabelFigures:
@@ -149,7 +153,7 @@ def _place_recognition(run: Run) -> dict[str, MatchFigures]:
     if candidates is None:
         return {str(n): MatchFigures() for n in _MATCHES}
     path_m = arc_length(run.odometry_poses[:, :3, 3])
-    eligible = np.array([old_enough(query, run.stamps, path_m, _REVISIT) for query in range(len(path_m))])
+    eligible = old_enough(np.arange(len(path_m))[:, None], run.stamps, path_m, _REVISIT)
     right = at_one_place(run.true_poses)
     counts = {str(n): count_matches(candidates, eligible, right, n) for n in _MATCHES}
     return {n: MatchFigures(**asdict(count), precision=count.precision) for n, count in counts.items()}
@@ -182,5 +186,5 @@ def _planning(trials: Sequence[Trial]) -> PlanningFigures:
 
 def _time(run: Run) -> TimeFigures:
     slam_s = run.seconds["slam_s"]
-    factor = _walk(run).duration_s / slam_s if slam_s else None
+    factor = _duration_s(run) / slam_s if slam_s else None
     return TimeFigures(**run.seconds, stages_s=dict(run.estimate.stage_seconds), realtime_factor=factor)

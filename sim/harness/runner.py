@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -98,7 +98,8 @@ class Run:
     @property
     def true_labels(self) -> Int[np.ndarray, "n"]:
         """True label of every frame, as an index into `room_names`."""
-        return np.array([self.room_names.index(self.session.truths[i].label) for i in self.estimate.frames.tolist()], int)
+        names = self.room_names
+        return np.array([names.index(self.session.truths[i].label) for i in self.estimate.frames.tolist()], int)
 
     @property
     def on_stairs(self) -> Bool[np.ndarray, "n"]:
@@ -222,7 +223,15 @@ def _new_session(scenario: Scenario) -> Session:
 
 def _feature_model(scenario: Scenario) -> FeatureModel | None:
     """Return the model by which the feature sensor draws embeddings; None if the SLAM gets images."""
-    return None if scenario.fidelity == "render" else load_features(scenario.feature_model or MINI_FEATURES)
+    if scenario.fidelity == "render":
+        return None
+    return load_features(scenario.feature_model) if scenario.feature_model else _shipped_features()
+
+
+@cache
+def _shipped_features() -> FeatureModel:
+    """Return the feature model that the package contains. All runs share it, because its arrays are read-only."""
+    return load_features(MINI_FEATURES)
 
 
 def _start(slam: SlamUnderTest, scenario: Scenario, session: Session) -> None:

@@ -17,7 +17,7 @@ from jaxtyping import Float64, Int
 from scipy.linalg import solve_banded
 from scipy.spatial.transform import Rotation
 
-from lexis.maths.se3 import between, is_rigid, rotation_angle, skew
+from lexis.maths.se3 import is_rigid, rotation_angle, skew
 from sim.errors import SimError
 from sim.odometry.config import ODOMETRY_PRESETS, OdometryConfig
 from sim.tours.tour import Tour
@@ -66,7 +66,8 @@ def simulate_odometry(
     reported = np.arange(len(T_W_B)) if reported is None else reported
     _check(T_W_B, stamps, reported)
     step = np.diff(T_W_B[:, :3, 3], axis=0)
-    moved = np.linalg.norm(step, axis=1) + METRES_PER_RADIAN * rotation_angle(between(T_W_B[:-1], T_W_B[1:]))
+    turn = np.swapaxes(T_W_B[:-1, :3, :3], 1, 2) @ T_W_B[1:, :3, :3]
+    moved = np.linalg.norm(step, axis=1) + METRES_PER_RADIAN * rotation_angle(turn)
     scale = rng.normal(0.0, config.scale_error)
     yaw, translation_error = _drift(T_W_B[:-1, :3, :3], moved, config, rng)
     tilt = np.zeros((len(T_W_B), 3))

@@ -52,7 +52,8 @@ class NearbyBoxes:
     def distance(self, places: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n"]:
         """Return the distance from each path point, now at `places`, to its nearest box [m]; infinite without boxes."""
         least = np.full(self.points, np.inf)
-        np.minimum.at(least, self.point, np.linalg.norm(self._offset(places), axis=1))
+        x, y = self._offset(places)
+        np.minimum.at(least, self.point, np.sqrt(x * x + y * y))
         return least
 
     def pushed_out(
@@ -62,21 +63,22 @@ class NearbyBoxes:
 
         A place that is too close moves in a straight line away from its nearest box, until it is `distance` away.
         """
-        offset = self._offset(places)
-        length = np.linalg.norm(offset, axis=1)
+        x, y = self._offset(places)
+        length = np.sqrt(x * x + y * y)
         lack = distance[self.point] - length
         most = np.zeros(self.points)
         np.maximum.at(most, self.point, lack)
         worst = np.flatnonzero((lack > 0.0) & (lack >= most[self.point]) & (length > 1e-9))
         moved = places.copy()
-        moved[self.point[worst]] += (lack[worst] / length[worst])[:, None] * offset[worst]
+        share = lack[worst] / length[worst]
+        moved[self.point[worst]] += np.stack([share * x[worst], share * y[worst]], axis=-1)
         return moved
 
-    def _offset(self, places: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "p 2"]:
-        """Return, for each pair, the vector in W [m] from the nearest point of the box to the path point."""
-        x, y = (places[self.point] - self.centre).T
-        (ux, uy), (vx, vy) = self.axes[:, 0].T, self.axes[:, 1].T
+    def _offset(self, places: Float64[np.ndarray, "n 2"]) -> tuple[Float64[np.ndarray, "p"], Float64[np.ndarray, "p"]]:
+        """Return, for each pair, x and y in W of the vector from the nearest point of the box to the path point [m]."""
+        x, y = (values[self.point] - centre for values, centre in zip(places.T, self.centre.T, strict=True))
+        (ux, vx), (uy, vy), (width, depth) = *self.axes.T, self.half.T
         along, across = ux * x + uy * y, vx * x + vy * y
-        along -= np.clip(along, -self.half[:, 0], self.half[:, 0])
-        across -= np.clip(across, -self.half[:, 1], self.half[:, 1])
-        return np.stack([ux * along + vx * across, uy * along + vy * across], axis=-1)
+        along -= np.minimum(np.maximum(along, -width), width)
+        across -= np.minimum(np.maximum(across, -depth), depth)
+        return ux * along + vx * across, uy * along + vy * across

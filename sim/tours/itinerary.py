@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import cycle, islice, pairwise
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float64
 from scipy.sparse.csgraph import dijkstra
 
 from sim.errors import SimError
@@ -130,7 +130,8 @@ class Planner:
             if stop != home and self.stops.length([*wider, home]) <= length_m:
                 circuit = wider
         nodes: list[int] = self.stops.nodes[circuit].tolist()
-        nodes += self._detour(nodes[-1], nodes[0], length_m - self.stops.length(circuit), nodes[-1])
+        to_home = self.walkable.distances_from(nodes[0])
+        nodes += self._detour(nodes[-1], to_home, length_m - self.stops.length(circuit), nodes[-1])
         around = polyline_length(self.paths.line([*nodes, nodes[0]]))
         if self.config.circuit_m is not None and around < 0.8 * self.config.circuit_m:
             raise SimError(f"tour: circuit_m is {self.config.circuit_m:g}; valid: up to {around:.0f} in this house")
@@ -175,15 +176,15 @@ class Planner:
             left -= way
             here = towards
             nodes.append(self._scatter(here, rng))
-        return [*nodes, *self._detour(nodes[-1], home, left, towards), home]
+        return [*nodes, *self._detour(nodes[-1], to_home, left, towards), home]
 
-    def _detour(self, here: int, home: int, length_m: float, towards: int) -> list[int]:
-        """Return a list of one node, via which the path from `here` to `home` has the length `length_m`.
+    def _detour(self, here: int, to_home: Float64[np.ndarray, "n"], length_m: float, towards: int) -> list[int]:
+        """Return a list of one node, via which the path from `here` to the first node has the length `length_m`.
 
-        The list is empty if the direct path is already longer. Nodes that have much clearance and are close to the node
-        `towards` are preferred.
+        `to_home` holds the length of the path from each node to the first one [m]. The list is empty if the direct path is
+        already longer. Nodes that have much clearance and are close to the node `towards` are preferred.
         """
-        way = self.walkable.distances_from(here) + self.walkable.distances_from(home)
+        way = self.walkable.distances_from(here) + to_home
         if not way[here] < length_m < np.inf:
             return []
         off = np.where(self._on_stairs(), np.inf, np.abs(way - length_m))

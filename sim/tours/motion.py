@@ -60,7 +60,7 @@ class Motion:
 
         They are points of the walked surface, displaced by the sway. `poses_at` adds the height `height_m`.
         """
-        return np.asarray(self._walk(t, 0)[:, _X] + _turned(self._swing(t, 0)[:, _X], self._walk(t, 0)[:, _YAW]))
+        return _position(self._walk(t, 0), self._swing(t, 0))
 
     def velocity(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
         """Return the velocity of the body in W [m/s] at times `t` [s]."""
@@ -88,11 +88,7 @@ class Motion:
 
         `R_W_B = Rz(yaw) Ry(pitch) Rx(roll)`.
         """
-        angles = self._swing(t, derivative)[:, 3:].copy()
-        walk = self._walk(t, derivative)
-        angles[:, 1] += walk[:, _PITCH]
-        angles[:, 2] += walk[:, _YAW]
-        return angles
+        return _angles(self._walk(t, derivative), self._swing(t, derivative))
 
     def angular_velocity(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
         """Return the angular velocity of B relative to W, expressed in B [rad/s], at times `t` [s]."""
@@ -103,20 +99,37 @@ class Motion:
 
     def rotation(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3 3"]:
         """Return the rotations `R_W_B` at times `t` [s]."""
-        (cr, cp, cy), (sr, sp, sy) = np.cos(angles := self.attitude(t).T), np.sin(angles)
-        rows = [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-        return np.moveaxis(np.array(rows), -1, 0)
+        return _rotation(self.attitude(t))
 
     def poses_at(self, stamps: Float64[np.ndarray, "n"], height_m: float) -> Float64[np.ndarray, "n 4 4"]:
         """Return the body's poses `T_W_B` (x forward, y left, z up) at times [s], `height_m` above the walked surface."""
         T_W_B = np.tile(np.eye(4), (len(stamps), 1, 1))
-        T_W_B[:, :3, :3] = self.rotation(stamps)
-        T_W_B[:, :3, 3] = self.position(stamps) + [0.0, 0.0, height_m]
+        walk, swing = self._walk(stamps, 0), self._swing(stamps, 0)
+        T_W_B[:, :3, :3] = _rotation(_angles(walk, swing))
+        T_W_B[:, :3, 3] = _position(walk, swing) + [0.0, 0.0, height_m]
         return T_W_B
+
+
+def _position(walk: Float64[np.ndarray, "n 6"], swing: Float64[np.ndarray, "n 6"]) -> Float64[np.ndarray, "n 3"]:
+    return np.asarray(walk[:, _X] + _turned(swing[:, _X], walk[:, _YAW]))
+
+
+def _angles(walk: Float64[np.ndarray, "n 6"], swing: Float64[np.ndarray, "n 6"]) -> Float64[np.ndarray, "n 3"]:
+    """Return roll, pitch and yaw of a walk with its sway, or their derivatives."""
+    angles = swing[:, 3:].copy()
+    angles[:, 1] += walk[:, _PITCH]
+    angles[:, 2] += walk[:, _YAW]
+    return angles
+
+
+def _rotation(attitude: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 3 3"]:
+    (cr, cp, cy), (sr, sp, sy) = np.cos(attitude.T), np.sin(attitude.T)
+    rows = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    return np.moveaxis(np.array(rows), -1, 0)
 
 
 def _turned(v: Float64[np.ndarray, "n 3"], yaw: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:

@@ -140,6 +140,16 @@ def test_shortest_way_round_a_door_is_that_of_the_visibility_graph():
         assert exact - 2 * resolution <= found <= 1.03 * exact + resolution
 
 
+@pytest.mark.parametrize("beside_the_wall_m", [0.35, 1.0])
+def test_a_way_many_times_as_long_as_the_straight_line_is_found(beside_the_wall_m):
+    walkable = Walkable(two_rooms(DOOR))
+    start, goal = np.array([4.0 - beside_the_wall_m, 2.6, 0.0]), np.array([4.0 + beside_the_wall_m, 2.6, 0.0])
+    for prefer, longer in ((0.0, 1.0), (0.6, 1.25)):
+        path = walkable.path(start, goal, prefer)
+        assert 3.0 < polyline_length(path) <= longer * walkable.distances_from(start)[walkable.snap(goal)] + 1e-9
+        np.testing.assert_allclose(path[[0, -1]], [start, goal], atol=walkable.resolution_m)
+
+
 def test_preferred_clearance_is_kept_where_there_is_room():
     house = replace(two_rooms(DOOR), furniture=(block(2.0, 1.2, 0.0, (0.6, 0.6, 0.7)),))
     walkable = Walkable(house)

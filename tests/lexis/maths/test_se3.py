@@ -75,3 +75,13 @@ def test_is_rigid_refuses_reflections_scale_and_nan(spoil, twists):
     T = se3.exp(twists)
     assert se3.is_rigid(T).all()
     assert not se3.is_rigid(T @ spoil).any()
+
+
+@pytest.mark.parametrize(
+    ("entry", "value", "rigid"),
+    [((0, 0), np.inf, False), ((1, 3), np.inf, False), ((3, 1), 1e-3, False), ((3, 3), 2.0, False), ((2, 3), 1e7, True)],
+)
+def test_one_matrix_is_rigid_if_it_is_in_a_batch(entry, value, rigid, twists):
+    T = se3.exp(twists)
+    T[:, *entry] = value
+    assert se3.is_rigid(T).tolist() == [rigid] * len(T) == [bool(se3.is_rigid(each)) for each in T]

@@ -167,6 +167,13 @@ def test_the_model_that_ships_is_of_the_encoder_that_ships():
     load_features(MINI_FEATURES).check(load_encoder("mini"), "mini")
 
 
+def test_nobody_writes_into_a_model_that_runs_share():
+    model = load_features(MINI_FEATURES)
+    for part in (model, model.embedding, model.loops, model.loops.true_edges, model.loops.false_edges):
+        arrays = [getattr(part, field.name) for field in fields(part)]
+        assert not any(array.flags.writeable for array in arrays if isinstance(array, np.ndarray))
+
+
 def test_models_keep_what_they_are_in_files(fitted, file):
     read = load_features(file)
     for name in ("weights", "offset", "errors", "kernels"):
