@@ -11,12 +11,11 @@ from pydantic import BaseModel, ValidationError
 
 from worlds.errors import SpecError
 from worlds.labels import ROOM_LABELS
-from worlds.spec import MAX_ROOMS, OpeningKind, Point, json_schema
+from worlds.spec import MAX_ROOMS, MAX_STOREYS, OpeningKind, Point, json_schema
 from worlds.spec_errors import explain, mistakes_error
 from worlds.valid_names import did_you_mean
 
 MAX_STROKES = 3200
-MAX_STOREYS = 8
 _SURE = 0.8
 """Least similarity, in [0, 1], of an unknown word and the known word that a note suggests instead. With a lower value, the
 notes would suggest `half wall` for `wall`."""

@@ -48,6 +48,9 @@ _FAR_M = 1e8
 _MAX_CHARACTERS = 1_000_000
 _Meaning: TypeAlias = tuple[SvgShape, str | None, OpeningKind | None]
 """A shape, its label if it is a room, and its kind if it is an opening. Either the label or the kind is None."""
+_NAMELESS = "they name neither a label nor a kind"
+_UNSUITABLE = "the label or kind that they or their group name does not suit shapes like these"
+_UNCLEAR = "several shapes could be the room that their group names"
 _PAGE = re.compile(r"\s*[\d.]+\s*(?:mm|cm|in|pt|pc)\s*")
 
 
@@ -186,8 +189,8 @@ def _points(where: str, drawn: Outline, scale: float) -> tuple[Point, ...]:
 def _notes(ignored: Sequence[SvgShape]) -> Iterator[str]:
     """Yield notes for the user on ignored shapes.
 
-    The notes name words that resemble known words, and known words on shapes that do not suit them. The last note lists the
-    ignored shapes.
+    The notes name words that resemble known words, and known words on shapes that do not suit them. The last notes list the
+    ignored shapes, one note for each reason.
     """
     spoken: list[tuple[str, str]] = []
     misfits: dict[tuple[str, str], str] = {}
@@ -201,8 +204,20 @@ def _notes(ignored: Sequence[SvgShape]) -> Iterator[str]:
                 spoken.append((shape.where, word))
     yield from spelling_notes(spoken, (*ROOM_LABELS, *KINDS))
     yield from misfits.values()
-    if ignored:
-        yield f"ignored, because they name neither a label nor a kind: {listed_some(ignored, _located)}"
+    by_reason: dict[str, list[SvgShape]] = {_NAMELESS: [], _UNSUITABLE: [], _UNCLEAR: []}
+    for shape in ignored:
+        by_reason[_why_ignored(shape)].append(shape)
+    for reason, shapes in by_reason.items():
+        if shapes:
+            yield f"ignored, because {reason}: {listed_some(shapes, _located)}"
+
+
+def _why_ignored(shape: SvgShape) -> str:
+    """Return the reason why a shape is neither a room nor an opening, for a note on all shapes with this reason."""
+    if _inherited(shape) is not None:
+        return _UNCLEAR
+    says = any(find_kind(text) or find_label(text) for text in shape.names)
+    return _UNSUITABLE if says or any(_meaning(group) != (None, None) for group in shape.groups) else _NAMELESS
 
 
 def _located(shape: SvgShape) -> str:

@@ -198,6 +198,7 @@ def test_svg_shapes_transforms_and_y_down(tmp_path):
     assert plan.notes == ("ignored, because they name neither a label nor a kind: <path> on line 6",)
 
 
+UNSUITABLE = "the label or kind that they or their group name does not suit shapes like these"
 INKSCAPE = 'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" width="210mm" height="297mm" viewBox="0 0 210 297"'
 
 
@@ -217,7 +218,7 @@ def test_labels_and_layers_of_inkscape_count(tmp_path):
     assert [room[:2] for room in found] == [("Kitchen", "kitchen"), ("Anna's room", "bedroom"), ("office", "office")]
     assert set(plan.spec.storeys[0].openings[0].rooms) == {"Kitchen", "Anna's room"}
     swing, note = plan.notes
-    assert swing.endswith("neither a label nor a kind: <path> 'swing' on line 8")
+    assert swing == f"ignored, because {UNSUITABLE}: <path> 'swing' on line 8"
     assert note.endswith("added, so that every room can be reached: office - Kitchen (door)")
 
 
@@ -225,7 +226,7 @@ def test_a_group_with_several_shapes_does_not_say_which_is_the_room(tmp_path):
     body = '<g class="kitchen"><rect width="400" height="300"/><rect id="sink" width="60" height="50"/></g>'
     notes = import_plan(svg(tmp_path, body + '<rect class="gym" x="400" width="400" height="300"/>')).notes
     assert notes == (
-        "ignored, because they name neither a label nor a kind: "
+        "ignored, because several shapes could be the room that their group names: "
         "<rect> on line 1 at (0, 0); <rect> 'sink' on line 1 at (0, 0)",
     )
 
@@ -283,14 +284,14 @@ def test_svg_words_that_resemble_a_known_one_are_named_once_with_their_place(tmp
       <rect class="door" x="395" y="100" width="9" height="90"/><line id="Office_2" x2="9"/>
       <rect class="wall" width="9" height="9"/><path id="path371" d="M0 0 h9"/>"""
     notes = import_plan(svg(tmp_path, body)).notes
-    assert notes[:4] == (
+    assert notes[:5] == (
         "<rect> 'wall Kitchn' on line 3: 'kitchn' is unknown (did you mean 'kitchen'?); ignored",
         "<rect> 'door' on line 4: 'door' is an opening: a line, polyline or path, not a rect; ignored",
         "<line> 'Office_2' on line 4: 'office' is a room: a rect, polygon, polyline or path, not a line; ignored",
         "ignored, because they name neither a label nor a kind: "
         "<rect> 'wall Kitchn' on line 3 at (900, 0); <rect> 'kitchn' on line 3 at (950, 0); "
-        "<rect> 'door' on line 4 at (395, 100); <line> 'Office_2' on line 4 at (0, 0); <rect> 'wall' on line 5 at (0, 0); "
-        "<path> 'path371' on line 5 at (0, 0)",
+        "<rect> 'wall' on line 5 at (0, 0); <path> 'path371' on line 5 at (0, 0)",
+        f"ignored, because {UNSUITABLE}: <rect> 'door' on line 4 at (395, 100); <line> 'Office_2' on line 4 at (0, 0)",
     )
     assert not any("'wall' is unknown" in note for note in notes)
 
