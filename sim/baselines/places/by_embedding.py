@@ -11,6 +11,9 @@ from jaxtyping import Float64
 
 from sim.baselines.places.place_method import Scores, SeenKeyframes
 
+_LEAST_SPREAD = 0.02
+"""Is added to standard deviations of similarities, so that a stretch of equal images does not enlarge small differences."""
+
 
 @dataclass(frozen=True)
 class EmbeddingSimilarity:
@@ -77,7 +80,3 @@ def _enhanced(similarities: Float64[np.ndarray, "n n"], seen: SeenKeyframes, rea
     mean = windowed(values) / count
     spread = np.sqrt(np.maximum(windowed(values**2) / count - mean**2, 0.0)) + _LEAST_SPREAD
     return np.asarray(np.where(known, (similarities - mean) / spread, 0.0))
-
-
-_LEAST_SPREAD = 0.02
-"""Is added to standard deviations of similarities, so that a stretch of equal images does not blow up small differences."""

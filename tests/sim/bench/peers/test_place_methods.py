@@ -10,6 +10,8 @@ from sim.baselines.places import EmbeddingSimilarity, SequenceMatching
 from sim.bench.peers import place_methods as module
 from sim.bench.peers.place_methods import Contestant, compare_place_methods, totals
 from sim.bench.peers.place_picture import write_places
+from sim.bench.peers.place_tuning import SettingsSearch
+from sim.cli import main
 
 
 @pytest.fixture
@@ -34,3 +36,14 @@ def test_files_hold_the_rows_and_drawings(found, tmp_path):
     with (tmp_path / "rows.csv").open() as file:
         assert [row["tp_1"] for row in csv.DictReader(file)] == [str(each.row.tp_1) for each in found]
     assert (tmp_path / "plot.png").read_bytes().startswith(b"\x89PNG") and "<svg" in (tmp_path / "plot.svg").read_text()
+
+
+@pytest.mark.parametrize(("options", "shown"), [((), "look-alike room"), (("--tune",), "least score")])
+def test_the_command_prints_what_was_found_on_the_walks(found, options, shown, rng, monkeypatch, tmp_path, capsys):
+    walks = [walk_of(two_laps(rng, noise=0.5)) for _ in range(2)]
+    monkeypatch.setattr("sim.bench.peers.place_walks.record_walks", lambda presets, seeds, length_m: iter(walks))
+    monkeypatch.setattr("sim.bench.peers.place_tuning.SEARCHES", {"sequences": SettingsSearch(SequenceMatching)})
+    arguments = ["--presets", "home", "--houses", "2", "--out", str(tmp_path / "rows.csv")]
+    assert main(["bench", "fig5", *arguments, *options]) == 0
+    printed = capsys.readouterr().out
+    assert shown in printed and "sequences" in printed and (tmp_path / "rows.csv").exists() == (not options)
