@@ -10,12 +10,12 @@ from collections.abc import Sequence
 
 from lexis.command_line import Parser, add_completion, run_command
 from lexis.errors import LexisError
-from sim.commands import calibration, check, compare, doctor, features, house, record, run, shrink, training
+from sim.commands import calibration, check, compare, doctor, features, house, record, run, shrink, training, vocabulary
 from sim.commands.benchmarks import bench
 from sim.errors import SimError
 from worlds.errors import WorldsError
 
-GROUPS = (run, check, shrink, compare, house, record, bench, training, calibration, features, doctor)
+GROUPS = (run, check, shrink, compare, house, record, bench, training, vocabulary, calibration, features, doctor)
 """Modules that each define a group of commands, in the order in which the help lists them."""
 
 
