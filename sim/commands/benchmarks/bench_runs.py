@@ -44,14 +44,15 @@ def _throughput(arguments: argparse.Namespace) -> Iterator[Table]:
 
     from sim.bench.throughput import measure_throughput
 
-    headers = ("tier", "houses/s", "wanted", "houses", "median s", "worst s", "rooms", "keyframes")
+    headers = ("tier", "houses/s", "wanted", "houses", "median s", "worst s", "processor s", "rooms", "keyframes")
     table = Table(*headers, title="homes of about ten rooms, one process for each core")
     for tier in measure_throughput(arguments.houses, arguments.seed):
         seconds = [each.seconds for each in tier.handled]
-        rooms, keyframes = (median(getattr(each, name) for each in tier.handled) for name in ("rooms", "frames"))
+        names = ("processor_s", "rooms", "frames")
+        processor_s, rooms, keyframes = (median(getattr(each, name) for each in tier.handled) for name in names)
         table.add_row(
             *(tier.tier, f"{tier.per_second:.3g}", f">= {tier.wanted:g}", str(len(seconds))),
-            *(f"{median(seconds):.3g}", f"{max(seconds):.3g}", f"{rooms:g}", f"{keyframes:g}"),
+            *(f"{median(seconds):.3g}", f"{max(seconds):.3g}", f"{processor_s:.3g}", f"{rooms:g}", f"{keyframes:g}"),
         )
     yield table
 
