@@ -67,10 +67,12 @@ def source() -> str:
 
 def _commit() -> str:
     """Name the commit of this package, with a hash of uncommitted changes; its version if it is not in a repository."""
-    commit, changes = (_git(*command) for command in (("rev-parse", "HEAD"), ("diff", "HEAD")))
-    if commit is None or changes is None:
+    if _git("ls-files", "--error-unmatch", __file__) is None:  # not in a repository, or installed into somebody else's
         return f"unknown, version {version('lexis-sim')}"
-    return commit.strip() + (f" with changes {hashlib.sha256(changes.encode()).hexdigest()[:12]}" if changes else "")
+    commands = ("rev-parse", "HEAD"), ("status", "--porcelain"), ("diff", "HEAD")
+    commit, status, changes = (_git(*words) or "" for words in commands)
+    changed = hashlib.sha256((status + changes).encode()).hexdigest()[:12]
+    return commit.strip() + (f" with changes {changed}" if status else "")
 
 
 def _git(*arguments: str) -> str | None:
@@ -89,7 +91,7 @@ def _run(benchmark: Benchmark, out: Path, heading: str) -> Outcome:
         return Outcome(benchmark, None)
     start = time.perf_counter()
     command = (sys.executable, "-m", "sim.cli", "bench", *benchmark.arguments)
-    environment = os.environ if benchmark.is_timing else {**os.environ, **ONE_THREAD}
+    environment = {**os.environ, "PYTHONUTF8": "1"} | ({} if benchmark.is_timing else ONE_THREAD)
     done = subprocess.run(command, env=environment, capture_output=True, text=True, encoding="utf-8")
     seconds = time.perf_counter() - start
     if done.returncode:

@@ -4,16 +4,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from sim.harness import Scenario
-from sim.harness.parts import house_spec
+from sim.harness.parts import house_spec, in_house
 from worlds.variant import variant
 
 
 def configs(config: Scenario, seeds: Sequence[int], openness: float | None = None) -> Iterator[Scenario]:
     """Yield one scenario for each seed; all other settings are those of `config`.
 
-    If `openness` is given, inner walls of every house are opened or closed until the house has that openness. Raises
-    `WorldsError` if `openness` is outside [0, 1].
+    If `openness` is given, inner walls of every house are opened or closed until the house has that openness; the length of
+    the walk stays. Raises `WorldsError` if `openness` is outside [0, 1].
     """
     for seed in seeds:
         own = replace(config, seed=seed)
-        yield own if openness is None else replace(own, house=variant(house_spec(own), openness=openness))
+        yield own if openness is None else in_house(own, variant(house_spec(own), openness=openness))

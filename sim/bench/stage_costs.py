@@ -60,7 +60,7 @@ class StageGain:
     houses: int
     mean: Figures
     error: Figures
-    """Standard errors of the means."""
+    """Standard errors of the means; NaN for a single house."""
 
 
 def measure_stages(presets: Sequence[str], seeds: Sequence[int], workers: int | None = None) -> Iterator[list[StageRow]]:
@@ -97,8 +97,8 @@ def gains(rows: Sequence[StageRow]) -> dict[str, StageGain]:
         values = np.array([_values(row) for row in mine])
         if name != UNCHANGED:
             values = values - [unchanged[row.preset, row.seed] for row in mine]
-        error = values.std(axis=0) / np.sqrt(max(len(values) - 1, 1))
-        found[name] = StageGain(len(mine), Figures(*values.mean(axis=0).tolist()), Figures(*error.tolist()))
+        error = np.nanstd(values, axis=0) / np.sqrt(len(values) - 1) if len(values) > 1 else np.full(len(values[0]), np.nan)
+        found[name] = StageGain(len(mine), Figures(*np.nanmean(values, axis=0).tolist()), Figures(*error.tolist()))
     return found
 
 
@@ -108,16 +108,15 @@ def _values(row: StageRow) -> list[float]:
 
 def _figures(finished: Run, slam: Lexis) -> Figures:
     result = evaluate(finished)
-    figures = result.labels.accuracy, result.rooms.pq, result.trajectory.ate_m
-    labels, rooms, ate_m = (0.0 if figure is None else figure for figure in figures)
+    labels, rooms, ate_m = (result.known(name) for name in ("labels.accuracy", "rooms.pq", "trajectory.ate_m"))
     return Figures(labels, rooms, ate_m, _right_plans(finished, slam))
 
 
 def _right_plans(finished: Run, slam: Lexis) -> float:
-    """Share of the plans whose last keyframe is truly in a room of the goal's label; 1 if there is nothing to plan."""
+    """Share of the plans whose last keyframe is truly in a room of the goal's label; NaN if there is nothing to plan."""
     pairs = planned_pairs(finished)
     right = sum(_ends_right(finished, slam, start, goal) for start, goal in pairs)
-    return right / len(pairs) if pairs else 1.0
+    return right / len(pairs) if pairs else np.nan
 
 
 def _ends_right(finished: Run, slam: Lexis, start: str, goal: str) -> bool:

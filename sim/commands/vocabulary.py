@@ -1,9 +1,13 @@
 """`lexis-sim orb-vocabulary`: learn visual words for ORB-SLAM from training houses."""
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 
-from lexis.command_line import Commands, add_command, positive
+from lexis.command_line import Commands, add_command
+from sim.errors import SimError
+
+_MOST_WORDS = 1_000_000
 
 
 def add_to(commands: Commands) -> None:
@@ -15,9 +19,20 @@ def add_to(commands: Commands) -> None:
         "learn visual words for ORB-SLAM2 and ORB-SLAM3 from training houses, in a file like their ORBvoc.txt",
         "lexis-sim orb-vocabulary -o ORBvoc.txt",
     )
-    learn.add_argument("--branching", type=positive, default=10, help="children of each node (default: %(default)s)")
-    learn.add_argument("--depth", type=positive, default=5, help="levels of the tree (default: %(default)s)")
+    learn.add_argument("--branching", type=_within(2, 20), default=10, help="children of each node (default: %(default)s)")
+    learn.add_argument("--depth", type=_within(1, 6), default=5, help="levels of the tree (default: %(default)s)")
     learn.add_argument("-o", "--out", type=Path, required=True, metavar="FILE", help="file for the words")
+
+
+def _within(low: int, high: int) -> Callable[[str], int]:
+    """Make a converter for `type=` that accepts whole numbers from `low` to `high`, as ORB-SLAM does."""
+
+    def parse(text: str) -> int:
+        if not text.isdecimal() or not low <= int(text) <= high:
+            raise argparse.ArgumentTypeError(f"{text!r}; valid: a whole number from {low} to {high}")
+        return int(text)
+
+    return parse
 
 
 def _learn(arguments: argparse.Namespace) -> int:
@@ -29,7 +44,9 @@ def _learn(arguments: argparse.Namespace) -> int:
     from sim.bench.row_files import check_folder
 
     check_folder(arguments.out)
+    if arguments.branching**arguments.depth > _MOST_WORDS:
+        raise SimError(f"{arguments.branching} to the power of {arguments.depth} words; valid: up to {_MOST_WORDS}")
     images = training_descriptors().orb
     write_dbow2(WordTree.learned(images, np.random.default_rng(0), arguments.branching, arguments.depth), arguments.out)
-    print(f"{arguments.branching**arguments.depth} words of {len(images)} images are in {arguments.out}")
+    print(f"up to {arguments.branching**arguments.depth} words of {len(images)} images are in {arguments.out}")
     return 0

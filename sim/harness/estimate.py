@@ -107,6 +107,8 @@ class Estimate:
             if claim is not None and (below := np.flatnonzero(claim < -1)).size:
                 bad = f"{name} has {claim[below[0]]} in row {below[0]}"
                 raise ClaimError(f"estimate: {bad}; valid: numbers from 0, or -1 for none")
+        if self.loops is not None:
+            _check_loops(self.loops)
         rows = [] if self.loops is None else [*self.loops.query.tolist(), *self.loops.match.tolist()]
         rows += [row for query, matches in self.candidates or () for row in (query, *matches)]
         rows += [row for verdict in self.verdicts or () for row in (verdict.query, verdict.match)]
@@ -133,6 +135,22 @@ def _checked_frames(frames: object) -> int:
     if len(frames) == 0 or (np.diff(frames) <= 0).any() or frames[0] < 0:
         raise ClaimError("estimate: frames must be one or more indices of observations, from 0 and ascending")
     return len(frames)
+
+
+def _check_loops(loops: LoopClaims) -> None:
+    """Raise `ClaimError` unless the loops have as many matches, rigid motions and weights in [0, 1] as queries."""
+    n = len(loops.query) if isinstance(loops.query, np.ndarray) else 0
+    for name in ("query", "match"):
+        _check_rows(f"loops.{name}", getattr(loops, name), n, "iu", ())
+    _check_rows("loops.T_match_query", loops.T_match_query, n, "fiu", (4, 4))
+    if not (rigid := is_rigid(np.asarray(loops.T_match_query, np.float64), _RIGID)).all():
+        row = int(np.argmin(rigid))
+        raise ClaimError(f"estimate: loops.T_match_query is no rigid motion in row {row}; valid: rotation and translation")
+    if loops.weights is not None:
+        _check_rows("loops.weights", loops.weights, n, "fiu", ())
+        if n and not 0.0 <= loops.weights.min() <= loops.weights.max() <= 1.0:
+            found = f"{loops.weights.min():g} to {loops.weights.max():g}"
+            raise ClaimError(f"estimate: loops.weights are {found}; valid: numbers in [0, 1]")
 
 
 def _check_rows(name: str, claim: object, n: int, kinds: str, row: tuple[int | None, ...]) -> None:

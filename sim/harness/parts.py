@@ -34,6 +34,14 @@ def tour_config(scenario: Scenario) -> TourConfig:
     )
 
 
+def in_house(scenario: Scenario, spec: HouseSpec) -> Scenario:
+    """Return the scenario in another house, with the same length of the walk.
+
+    Without an explicit length, a walk through a house of one's own would not have the usual length of the preset.
+    """
+    return replace(scenario, house=spec, length_m=tour_config(scenario).length_m)
+
+
 def odometry_config(scenario: Scenario) -> OdometryConfig:
     """Return the settings of the odometry: those of its preset, with the scenario's overconfidence."""
     return replace(ODOMETRY_PRESETS[scenario.odometry], overconfidence=scenario.overconfidence)

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from sim.errors import SimError
+
 SCHEMA = 1
 
 
@@ -187,6 +189,13 @@ class RunResult:
         if self.faults is None:
             del data["faults"]
         return data
+
+    def known(self, name: str) -> float:
+        """Return the figure with a dotted name, which a benchmark needs. Raises `SimError` if the run cannot have it."""
+        value = self[name]
+        if value is None:
+            raise SimError(f"{name} is null for seed {self.seed}; valid: a run in which the SLAM claims what {name} needs")
+        return float(value)
 
     def __getitem__(self, name: str) -> Any:
         """Return the figure with a dotted name, such as "labels.accuracy". Raises KeyError that lists the valid names."""

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sim.harness.parts import house_spec
+from sim.harness.parts import house_spec, in_house
 from sim.harness.scenario import Scenario
 from sim.suites.checks import Check, NotBetter, NotWorse, SameClaims
 from sim.suites.false_loops import FalseLoops
@@ -44,7 +44,7 @@ def taller(scenario: Scenario) -> Scenario:
 
 def in_daylight(scenario: Scenario) -> Scenario:
     """Return the scenario in the same house by daylight."""
-    return replace(scenario, house=in_light(house_spec(scenario), "day"))
+    return in_house(scenario, in_light(house_spec(scenario), "day"))
 
 
 LAWS: Mapping[str, Check] = {

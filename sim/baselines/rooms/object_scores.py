@@ -79,10 +79,14 @@ class Counted:
     paper."""
 
     def scores(self, pieces: Mapping[str, int], names: Sequence[str]) -> Float64[np.ndarray, "categories names"]:
-        """Score of each room name for each category. A label that the training houses lack scores all categories equally."""
+        """Score of each room name for each category.
+
+        A label that the training houses lack has the lowest of all scores, so that it is never preferred to a known label.
+        """
         categories = sorted({category for category, _ in self.counts} | set(pieces))
         table = np.array([[self.counts.get((category, name), 0) for name in names] for category in categories], np.float64)
         shares = (table + self.smoothing) / (table + self.smoothing).sum(axis=0)
+        shares[:, ~table.any(axis=0)] = shares.min()
         return np.asarray(np.log(shares[[categories.index(category) for category in pieces]]))
 
 

@@ -29,7 +29,7 @@ from sim.errors import SimError
 from sim.fidelity import Fidelity
 from sim.harness import Scenario, SlamUnderTest, evaluate, run
 from sim.harness.adapters import GeometricRooms, Lexis
-from sim.harness.parts import house_spec
+from sim.harness.parts import house_spec, in_house
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
 from worlds.variant import in_light, in_texture, variant
 
@@ -74,12 +74,12 @@ DIFFICULTIES: Mapping[str, Difficulty] = MappingProxyType(
     {
         "openness": Difficulty(
             (0.0, 0.3, 0.6, 0.9),
-            lambda scenario, value: replace(scenario, house=variant(house_spec(scenario), openness=value)),
+            lambda scenario, value: in_house(scenario, variant(house_spec(scenario), openness=value)),
             tuple(METHODS),
         ),
         "clutter": Difficulty(
             (0.0, 1.0, 2.0, 4.0),
-            lambda scenario, value: replace(scenario, house=variant(house_spec(scenario), clutter=value)),
+            lambda scenario, value: in_house(scenario, variant(house_spec(scenario), clutter=value)),
             (*_WITHOUT_MAP, "distance transform", "Voronoi"),
         ),
         "odometry": Difficulty(
@@ -89,13 +89,13 @@ DIFFICULTIES: Mapping[str, Difficulty] = MappingProxyType(
         ),
         "light": Difficulty(
             ("day", "evening", "dim"),
-            lambda scenario, value: replace(scenario, house=in_light(house_spec(scenario), value)),
+            lambda scenario, value: in_house(scenario, in_light(house_spec(scenario), value)),
             _WITHOUT_MAP,
             "render",
         ),
         "texture": Difficulty(
             ("rich", "poor", "repeating"),
-            lambda scenario, value: replace(scenario, house=in_texture(house_spec(scenario), value)),
+            lambda scenario, value: in_house(scenario, in_texture(house_spec(scenario), value)),
             _WITHOUT_MAP,
             "render",
         ),

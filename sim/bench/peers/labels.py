@@ -14,6 +14,7 @@ from sim.baselines.rooms import HydraPlaces, ObjectVotes
 from sim.baselines.rooms.object_scores import Counted, ObjectScores, RelativeSimilarity, Similarity, count_objects
 from sim.bench.houses import configs
 from sim.bench.peers.side_by_side import run_side_by_side
+from sim.errors import SimError
 from sim.fidelity import Fidelity
 from sim.harness import Run, Scenario, SlamUnderTest, evaluate
 from sim.harness.adapters import Lexis
@@ -85,8 +86,13 @@ def compare_labels(presets: Sequence[str], seeds: Sequence[int], fidelity: Fidel
     """Let every method label the keyframes of the same walks; yields the rows of one walk for each preset and seed.
 
     Two rows are no methods of their own: the labels of the paper's LEXIS before refinement, and the best labels that the
-    rooms of the Hydra-like method could have.
+    rooms of the Hydra-like method could have. Raises `SimError` for houses that a method was trained on.
     """
+    if set(seeds) & set(TRAINING_SEEDS):
+        raise SimError(
+            f"seeds {seeds[0]} to {seeds[-1]}: the method {_COUNTED!r} learns from some of these houses; valid: other seeds "
+            f"than {TRAINING_SEEDS[0]} to {TRAINING_SEEDS[-1]}"
+        )
     rate_hz = FEATURES_FRAME_RATE_HZ if fidelity == "features" else Scenario.frame_rate_hz
     encoder = load_encoder(Scenario.encoder)
     for preset in presets:

@@ -57,7 +57,7 @@ METHODS: Mapping[str, Contestant] = MappingProxyType(
     {
         "LEXIS": Contestant(RevisitProbability, float(logit(PlaceRecognitionConfig.least_probability))),
         "LEXIS, stricter": Contestant(RevisitProbability, 2.276),
-        "LEXIS, paper": Contestant(LabelledRoom, 0.896),
+        "LEXIS, by room": Contestant(LabelledRoom, 0.896),
         "embedding": Contestant(EmbeddingSimilarity, 0.910),
         "embedding sequences": Contestant(partial(SequenceMatching, length=5), 0.867),
         "ORB words": Contestant(partial(bag_of_words, 5, normalised=False, consistent=None), 0.0759),

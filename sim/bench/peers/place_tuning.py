@@ -57,7 +57,7 @@ def _each(name: str, *values: object) -> Axis:
 SEARCHES: Mapping[str, SettingsSearch] = MappingProxyType(
     {
         "LEXIS, stricter": SettingsSearch(RevisitProbability),
-        "LEXIS, paper": SettingsSearch(LabelledRoom),
+        "LEXIS, by room": SettingsSearch(LabelledRoom),
         "embedding": SettingsSearch(EmbeddingSimilarity),
         "embedding sequences": SettingsSearch(
             SequenceMatching, (_each("length", 5, 2, 3, 8, 12), _each("contrast", 0, 10, 30, 100))

@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from lexis.config import Config, PlaceRecognitionConfig
+from lexis.config import PAPER, Config, PlaceRecognitionConfig
 from sim.bench.houses import configs
 from sim.fidelity import Fidelity
 from sim.harness import Scenario, SlamUnderTest, evaluate, run
@@ -36,13 +36,14 @@ def _with_true_loops(scenario: Scenario) -> SlamUnderTest:
 METHODS: Mapping[str, Callable[[Scenario], SlamUnderTest]] = MappingProxyType(
     {
         "odometry": lambda scenario: OdometryOnly(),
-        "LEXIS, by room (paper)": _proposing(PlaceRecognitionConfig(method="room")),
+        "LEXIS, by room (paper)": _proposing(PAPER.place_recognition),
         "LEXIS, by similarity": _proposing(PlaceRecognitionConfig(method="similarity")),
         "LEXIS": _proposing(PlaceRecognitionConfig()),
         "LEXIS, true loops": _with_true_loops,
     }
 )
-"""The SLAM for a scenario, by the name of the method. The last one is told which keyframes show one place."""
+"""The SLAM for a scenario, by the name of the method. The last one is told which keyframes show one place,
+and the true relative poses of these keyframes."""
 
 
 @dataclass(frozen=True)
@@ -75,8 +76,9 @@ def compare_trajectories(presets: Sequence[str], seeds: Sequence[int], fidelity:
     for preset in presets:
         for scenario in configs(Scenario(preset=preset, fidelity=fidelity, frame_rate_hz=rate_hz), seeds):
             for name, slam in METHODS.items():
-                found = evaluate(run(scenario, slam(scenario))).trajectory
-                yield TrajectoryRow(preset, scenario.seed, name, found.ate_m or 0.0, found.ate_odometry_m or 0.0)
+                result = evaluate(run(scenario, slam(scenario)))
+                errors = result.known("trajectory.ate_m"), result.known("trajectory.ate_odometry_m")
+                yield TrajectoryRow(preset, scenario.seed, name, *errors)
 
 
 def means(rows: Sequence[TrajectoryRow]) -> dict[str, dict[str, TrajectoryMean]]:

@@ -19,6 +19,7 @@ from sim.commands.benchmarks.bench_options import (
     SEVERAL_PRESETS,
     printing,
 )
+from sim.errors import SimError
 
 if TYPE_CHECKING:
     from sim.bench.peers.place_walks import PlaceWalk
@@ -113,6 +114,8 @@ def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.peers.place_walks import record_walks
 
     check_files(arguments.out)
+    if arguments.tune and arguments.out:
+        raise SimError("--tune writes no files; valid: --tune without --out")
     presets, seeds = arguments.presets, range(arguments.seed, arguments.seed + arguments.houses)
     with Progress(console=Console(stderr=True), transient=True) as bar:
         recorded = record_walks(presets, seeds, arguments.length)

@@ -110,6 +110,7 @@ def _stages(arguments: argparse.Namespace) -> Iterator[Table]:
         measured = measure_stages(presets, seeds)
         for house in bar.track(measured, total=len(presets) * len(seeds), description="houses"):
             rows += house
+    rows.sort(key=lambda row: (presets.index(row.preset), row.seed))
     title = f"{', '.join(presets)}, seeds {seeds[0]} to {seeds[-1]}, features: change, mean ± standard error over houses"
     table = Table("replaced", "houses", "labels", "room PQ", "ATE, m", "right plans", title=title)
     for name, found in gains(rows).items():

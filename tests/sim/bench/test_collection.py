@@ -7,6 +7,7 @@ import pytest
 from sim.bench.benchmark_list import FULL, QUICK, Benchmark, benchmarks
 from sim.bench.collection import collect, source
 from sim.cli import main, parser
+from sim.commands.benchmarks import bench_graphs, bench_harness, bench_peers, bench_runs
 
 GRAPH = """VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1
 VERTEX_SE3:QUAT 1 1 0 0 0 0 0 1
@@ -33,6 +34,9 @@ def test_the_arguments_of_all_benchmarks_are_valid(extent, tmp_path, graph):
         assert getattr(parsed, "houses", extent.houses) in (extent.houses, 8)
         assert getattr(parsed, "seed", 0) < 1_000_000
     assert len({each.name for each in listed}) == len(listed)
+    groups = bench_runs, bench_peers, bench_graphs, bench_harness
+    names = {action.name for group in groups for action in group.BENCHMARKS}
+    assert names | {"encoders"} == {each.arguments[0] for each in listed} | {"mutation", "shrinking"}
     assert [each.is_timing for each in listed] == sorted(each.is_timing for each in listed)
 
 

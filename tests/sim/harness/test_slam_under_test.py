@@ -141,6 +141,12 @@ def test_claims_of_another_form_are_named(claims, message):
         unchecked(Estimate, **{"frames": np.arange(5)} | claims)
 
 
+def test_loops_of_another_form_are_named():
+    listed = unchecked(LoopClaims, query=[1], match=[0], T_match_query=[np.eye(4)])
+    with pytest.raises(SimError, match=re.escape("loops.query is a list; valid: an array of whole numbers of shape (n)")):
+        unchecked(Estimate, frames=np.arange(5), loops=listed)
+
+
 def every(value):
     return lambda slam: np.full(len(slam.frames), value)
 
@@ -161,6 +167,10 @@ def one_loop(**changes):
             {"loops": one_loop(query=np.array([10**6]))},
             "verdicts refer to rows 0 to 1000000; valid: 0 to",
         ),
+        ({"loops": one_loop(match=np.array([0, 1]))}, "loops.match has 2 rows; valid: 1"),
+        ({"loops": one_loop(weights=np.array([7.0]))}, "loops.weights are 7 to 7; valid: numbers in"),
+        ({"loops": one_loop(weights=np.array([np.nan]))}, "loops.weights is not finite in row 0"),
+        ({"loops": one_loop(T_match_query=np.zeros((1, 4, 4)))}, "loops.T_match_query is no rigid motion in row 0"),
         ({"candidates": ((0, (-1,)),)}, "loops, candidates and verdicts refer to rows -1 to 0; valid"),
         ({"labels": every(-2)}, "labels has -2 in row 0; valid: numbers from 0, or -1 for none"),
         ({"baseline_labels": every(3)}, "baseline_labels has 3 in row 0; valid: -1 to 2, since there are 3 room names"),

@@ -1,9 +1,11 @@
 """A vocabulary tree as a text file: a reader that follows DBoW2's rules finds the same words with the same weights."""
 
 import numpy as np
+import pytest
 
 from sim.baselines.places.dbow2_file import write_dbow2
 from sim.baselines.places.word_tree import WordTree
+from sim.cli import main
 
 
 def loaded(path):
@@ -35,3 +37,19 @@ def test_every_descriptor_descends_to_the_word_of_the_tree(rng, tmp_path):
             node = children[node][int(np.argmin(bits))]
         assert leaves.index(node) == word
         np.testing.assert_allclose(nodes[node][1], tree.weights[word], rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--branching", "1"], "valid: a whole number from 2 to 20"),
+        (["--depth", "9"], "valid: a whole number from 1 to 6"),
+        (["--branching", "20", "--depth", "6"], "20 to the power of 6 words; valid: up to 1000000"),
+    ],
+)
+def test_vocabularies_that_cannot_be_are_refused_before_the_work(options, message, tmp_path, capsys):
+    try:
+        status = main(["orb-vocabulary", *options, "-o", str(tmp_path / "words.txt")])
+    except SystemExit as end:
+        status = end.code
+    assert status == 2 and message in capsys.readouterr().err

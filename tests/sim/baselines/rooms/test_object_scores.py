@@ -64,7 +64,7 @@ def test_an_object_that_tells_nothing_about_the_room_has_little_weight():
 def test_counts_are_log_shares_of_each_label_with_smoothing():
     counted = Counted({("stove", "kitchen"): 8, ("picture", "kitchen"): 1, ("bed", "bedroom"): 4}, smoothing=1.0)
     scores = np.exp(counted.scores({"stove": 2, "picture": 1}, ("kitchen", "bedroom", "garage")))
-    assert scores == pytest.approx(np.array([[9 / 12, 1 / 7, 1 / 3], [2 / 12, 1 / 7, 1 / 3]]))
+    assert scores == pytest.approx(np.array([[9 / 12, 1 / 7, 1 / 12], [2 / 12, 1 / 7, 1 / 12]]))
 
 
 def test_every_piece_of_furniture_is_counted_in_its_room():

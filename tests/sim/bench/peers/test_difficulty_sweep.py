@@ -10,7 +10,7 @@ from sim.bench.peers import difficulty_sweep as module
 from sim.bench.peers.difficulty_sweep import DIFFICULTIES, METHODS, SweepRow, check_files, means, sweep, write_sweep
 from sim.errors import SimError
 from sim.harness import Scenario
-from sim.harness.parts import house_spec
+from sim.harness.parts import house_spec, tour_config
 
 
 def test_every_method_finds_rooms_in_the_same_house(monkeypatch):
@@ -26,7 +26,10 @@ def test_a_difficulty_changes_the_run_and_nothing_else(name):
     difficulty, usual = DIFFICULTIES[name], Scenario(preset="home", seed=901)
     runs = [difficulty.changed(usual, value) for value in difficulty.values]
     assert len(set(map(repr, runs))) == len(runs) and len(difficulty.values) >= 3
-    assert all(replace(run, house=usual.house, odometry=usual.odometry) == usual for run in runs)
+    length_m = tour_config(usual).length_m
+    assert {tour_config(run).length_m for run in runs} == {length_m}
+    assert all(replace(run, house=usual.house, odometry=usual.odometry, length_m=usual.length_m) == usual for run in runs)
+    assert name == "odometry" or {run.odometry for run in runs} == {usual.odometry}
     assert set(difficulty.methods) <= set(METHODS)
     plans = {tuple(room.polygon_m for storey in house_spec(run).storeys for room in storey.rooms) for run in runs}
     assert len(plans) == 1

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from sim.bench.peers.labels import PAPER_ACCURACY, LabelRow, compare_labels, means, room_accuracy
+from sim.errors import SimError
 from worlds.presets import PRESETS
 
 
@@ -33,3 +34,8 @@ def test_means_are_over_the_houses_of_one_preset_and_rooms_may_be_unknown():
 def test_the_papers_figures_are_shares_of_known_presets():
     for method, figures in PAPER_ACCURACY.items():
         assert set(figures) <= set(PRESETS) and all(0.0 < std < mean < 1.0 for mean, std in figures.values()), method
+
+
+def test_houses_that_a_method_learns_from_are_refused():
+    with pytest.raises(SimError, match="learns from some of these houses; valid: other seeds than 100 to 119"):
+        next(compare_labels(("home",), range(98, 102), "features"))

@@ -43,7 +43,12 @@ def test_the_command_prints_what_was_found_on_the_walks(found, options, shown, r
     walks = [walk_of(two_laps(rng, noise=0.5)) for _ in range(2)]
     monkeypatch.setattr("sim.bench.peers.place_walks.record_walks", lambda presets, seeds, length_m: iter(walks))
     monkeypatch.setattr("sim.bench.peers.place_tuning.SEARCHES", {"sequences": SettingsSearch(SequenceMatching)})
-    arguments = ["--presets", "home", "--houses", "2", "--out", str(tmp_path / "rows.csv")]
-    assert main(["bench", "fig5", *arguments, *options]) == 0
+    files = () if options else ("--out", str(tmp_path / "rows.csv"))
+    assert main(["bench", "fig5", "--presets", "home", "--houses", "2", *files, *options]) == 0
     printed = capsys.readouterr().out
     assert shown in printed and "sequences" in printed and (tmp_path / "rows.csv").exists() == (not options)
+
+
+def test_tuning_writes_no_files(tmp_path, capsys):
+    assert main(["bench", "fig5", "--tune", "--out", str(tmp_path / "rows.csv")]) == 2
+    assert "valid: --tune without --out" in capsys.readouterr().err
