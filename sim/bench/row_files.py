@@ -1,17 +1,17 @@
 """Writes the rows of a benchmark as a CSV file, and curves with error bars as a picture."""
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from lexis.files.replace import replaced_file
-from sim.bench.encoders.table import import_matplotlib
 from sim.errors import SimError
 
-FORMATS = (".png", ".svg")
-"""Allowed endings of the names of pictures."""
+PICTURES = (".png", ".svg")
+"""Endings of the names of pictures."""
 Curve = Sequence[tuple[float, float, float]]
 """Points of a curve: x, y, and the standard deviation of y."""
 
@@ -25,18 +25,44 @@ def write_rows(rows: Sequence[Any], path: Path) -> None:
         writer.writerows(records)
 
 
-def check_picture(path: Path) -> None:
-    """Raise `SimError` unless `draw_panels` can write to this path. Call this before a measurement that takes minutes."""
-    if path.suffix not in FORMATS:
-        raise SimError(f"{path}: not a picture; valid: a name that ends in {' or '.join(FORMATS)}")
-    check_folder(path)
-    import_matplotlib()
+def check_files(*paths: Path | None) -> None:
+    """Check the files that a benchmark will write, before minutes of work; None stands for no file.
+
+    Raises `SimError` for a file in a folder that does not exist, for a folder in place of a file, and for an ending that is
+    neither .csv nor that of a picture; also for a picture if matplotlib is not installed.
+    """
+    for path in paths:
+        if path is None:
+            continue
+        check_folder(path)
+        if path.suffix not in (".csv", *PICTURES):
+            raise SimError(f"{path}: unknown ending; valid: .csv, {' or '.join(PICTURES)}")
+        if path.suffix in PICTURES:
+            import_matplotlib()
 
 
 def check_folder(path: Path) -> None:
-    """Raise `SimError` unless the folder of a file exists."""
+    """Raise `SimError` unless the folder of a file exists, and the file itself is no folder."""
     if not path.parent.is_dir():
         raise SimError(f"{path}: no folder {path.parent}; valid: a file in a folder that exists")
+    if path.is_dir():
+        raise SimError(f"{path}: is a folder; valid: the name of a file")
+
+
+@contextmanager
+def picture(path: Path, size: tuple[float, float]) -> Iterator[Any]:
+    """Yield a matplotlib figure of the given width and height [inches]; it is written to `path` when the block ends.
+
+    The ending of the path chooses PNG or SVG. Equal drawings give equal files. Raises `SimError` if matplotlib is not
+    installed.
+    """
+    matplotlib = import_matplotlib()
+    with matplotlib.rc_context({"svg.hashsalt": "lexis"}):
+        figure = matplotlib.figure.Figure(figsize=size, layout="constrained")
+        yield figure
+        metadata = {"Date": None} if path.suffix == ".svg" else None
+        with replaced_file(path) as beside:
+            figure.savefig(beside, format=path.suffix[1:], dpi=110, metadata=metadata)
 
 
 def draw_panels(
@@ -52,19 +78,25 @@ def draw_panels(
     Raises `SimError` if matplotlib is not installed.
     """
     rows, columns = len(panels), len(panels[0])
-    size = (3.6 * columns, 2.9 * rows)
-    figure = import_matplotlib().figure.Figure(figsize=size, layout="constrained")
-    grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey="row")
-    for row, y_name, panel_row in zip(grid, axes_names[1], panels, strict=True):
-        row[0].set_ylabel(y_name)
-        for axes, (title, curves) in zip(row, panel_row, strict=True):
-            for name, curve in curves.items():
-                x, y, spread = zip(*curve, strict=True)
-                axes.errorbar(x, y, spread, marker="o", markersize=3, capsize=2, label=name)
-            axes.set_title(title)
-            axes.grid(alpha=0.25)
-    for axes in grid[-1]:
-        axes.set_xlabel(axes_names[0])
-    grid[0][0].legend()
-    with replaced_file(path) as beside:
-        figure.savefig(beside, format=path.suffix[1:], dpi=150)
+    with picture(path, (3.6 * columns, 2.9 * rows)) as figure:
+        grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey="row")
+        for row, y_name, panel_row in zip(grid, axes_names[1], panels, strict=True):
+            row[0].set_ylabel(y_name)
+            for axes, (title, curves) in zip(row, panel_row, strict=True):
+                for name, curve in curves.items():
+                    x, y, spread = zip(*curve, strict=True)
+                    axes.errorbar(x, y, spread, marker="o", markersize=3, capsize=2, label=name)
+                axes.set_title(title)
+                axes.grid(alpha=0.25)
+        for axes in grid[-1]:
+            axes.set_xlabel(axes_names[0])
+        grid[0][0].legend()
+
+
+def import_matplotlib() -> Any:
+    """Import matplotlib. Raises `SimError` if it is not installed."""
+    try:
+        import matplotlib.figure
+    except ImportError:
+        raise SimError("plots need matplotlib; valid: an environment with the group 'tests', or a CSV instead") from None
+    return matplotlib

@@ -10,7 +10,7 @@ import numpy as np
 
 from lexis.files.replace import replaced_file
 from sim.bench.encoders.times import Timing
-from sim.errors import SimError
+from sim.bench.row_files import picture
 
 TRAINED, RANDOM = "trained", "random"
 _TICKS_MS = tuple(digit * 10.0**power for power in range(-1, 5) for digit in (1, 2, 5))
@@ -64,40 +64,29 @@ def write_csv(rows: Sequence[TableRow], path: Path) -> None:
 
 
 def draw_plot(rows: Sequence[TableRow], path: Path) -> None:
-    """Plot mean label accuracy on each preset against the time for one image on one core (logarithmic axis), as PNG.
+    """Plot mean label accuracy on each preset against the time for one image on one core (logarithmic axis), as PNG or SVG.
 
     Encoders with random weights have no accuracy, so they appear only as ticks on the time axis. Raises `SimError` if
     matplotlib is not installed.
     """
-    figure = import_matplotlib().figure.Figure(figsize=(7.0, 4.5), layout="constrained")
-    axes = figure.add_subplot()
-    presets = list(dict.fromkeys(preset for row in rows for preset in row.accuracy))
-    for number, preset in enumerate(presets):
-        points = [(row.cpu.image_ms, row.accuracy[preset]) for row in rows if row.cpu and preset in row.accuracy]
-        ms, found = [time for time, _ in points], [accuracy for _, accuracy in points]
-        spread = [accuracy.std for accuracy in found]
-        means = [accuracy.mean for accuracy in found]
-        shift = 1.0 + 0.04 * (number - (len(presets) - 1) / 2)  # so that the presets' bars stand side by side
-        axes.errorbar([time * shift for time in ms], means, spread, fmt="o", capsize=3, label=preset)
-    for row in rows:
-        _mark(axes, row)
-    axes.set(xscale="log", ylim=(0.0, 1.0), xlabel="one image on one core [ms]", ylabel="keyframes labelled rightly")
-    axes.set_title("accuracy before refinement (mean ± std over runs) and inference time")
-    _label_times(axes, [row.cpu.image_ms for row in rows if row.cpu])
-    axes.grid(which="both", alpha=0.25)
-    if presets:
-        axes.legend(loc="lower left")
-    with replaced_file(path) as beside:
-        figure.savefig(beside, format="png", dpi=150)
-
-
-def import_matplotlib() -> Any:
-    """Import matplotlib. Raises `SimError` if it is not installed."""
-    try:
-        import matplotlib.figure
-    except ImportError:
-        raise SimError("plots need matplotlib; valid: an environment with the group 'tests', or a CSV instead") from None
-    return matplotlib
+    with picture(path, (7.0, 4.5)) as figure:
+        axes = figure.add_subplot()
+        presets = list(dict.fromkeys(preset for row in rows for preset in row.accuracy))
+        for number, preset in enumerate(presets):
+            points = [(row.cpu.image_ms, row.accuracy[preset]) for row in rows if row.cpu and preset in row.accuracy]
+            ms, found = [time for time, _ in points], [accuracy for _, accuracy in points]
+            spread = [accuracy.std for accuracy in found]
+            means = [accuracy.mean for accuracy in found]
+            shift = 1.0 + 0.04 * (number - (len(presets) - 1) / 2)  # so that the presets' bars stand side by side
+            axes.errorbar([time * shift for time in ms], means, spread, fmt="o", capsize=3, label=preset)
+        for row in rows:
+            _mark(axes, row)
+        axes.set(xscale="log", ylim=(0.0, 1.0), xlabel="one image on one core [ms]", ylabel="keyframes labelled rightly")
+        axes.set_title("accuracy before refinement (mean ± std over runs) and inference time")
+        _label_times(axes, [row.cpu.image_ms for row in rows if row.cpu])
+        axes.grid(which="both", alpha=0.25)
+        if presets:
+            axes.legend(loc="lower left")
 
 
 def _mark(axes: Any, row: TableRow) -> None:

@@ -12,7 +12,6 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from lexis.files.replace import replaced_file
 from sim.baselines.rooms import (
     LEXIS_VARIANTS,
     DistanceTransform,
@@ -22,10 +21,8 @@ from sim.baselines.rooms import (
     Voronoi,
     WordlessLexis,
 )
-from sim.bench.encoders.table import import_matplotlib
 from sim.bench.houses import configs
-from sim.bench.row_files import write_rows
-from sim.errors import SimError
+from sim.bench.row_files import PICTURES, picture, write_rows
 from sim.fidelity import Fidelity
 from sim.harness import Scenario, SlamUnderTest, evaluate, run
 from sim.harness.adapters import GeometricRooms, Lexis
@@ -34,8 +31,6 @@ from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
 from worlds.variant import in_light, in_texture, variant
 
 Value: TypeAlias = float | str
-IMAGES = (".png", ".svg")
-"""File endings of plots."""
 
 
 def _lexis(name: str, scenario: Scenario) -> SlamUnderTest:
@@ -160,23 +155,12 @@ def means(rows: Sequence[SweepRow]) -> dict[str, dict[Value, SweepMean]]:
     return found
 
 
-def check_files(files: Sequence[Path]) -> None:
-    """Check the files to write before the minutes of work. Raises `SimError`."""
-    for path in files:
-        if not path.parent.is_dir():
-            raise SimError(f"{path}: no folder {path.parent}; valid: a file in a folder that exists")
-        if path.suffix not in (".csv", *IMAGES):
-            raise SimError(f"{path}: unknown ending; valid: .csv, .png or .svg")
-        if path.suffix in IMAGES:
-            import_matplotlib()
-
-
 def write_sweep(rows: Sequence[SweepRow], name: str, path: Path) -> None:
     """Write the rows as CSV, or draw them, as the ending of the path says; `name` is the difficulty's.
 
     Raises `SimError` without matplotlib.
     """
-    if path.suffix in IMAGES:
+    if path.suffix in PICTURES:
         draw_sweep(means(rows), name, path)
         return
     write_rows(rows, path)
@@ -184,9 +168,7 @@ def write_sweep(rows: Sequence[SweepRow], name: str, path: Path) -> None:
 
 def draw_sweep(found: Mapping[str, Mapping[Value, SweepMean]], x_name: str, path: Path) -> None:
     """Draw panoptic quality, splits and merges against the values of a difficulty, as PNG or SVG."""
-    matplotlib = import_matplotlib()
-    with matplotlib.rc_context({"svg.hashsalt": "lexis"}):
-        figure = matplotlib.figure.Figure(figsize=(13.0, 4.6), layout="constrained")
+    with picture(path, (13.0, 4.6)) as figure:
         panels = figure.subplots(1, 3)
         for name, points in found.items():
             style = {"linestyle": "-" if name.startswith("LEXIS") else "--", "linewidth": 2.6 if name == "LEXIS" else 1.3}
@@ -200,7 +182,3 @@ def draw_sweep(found: Mapping[str, Mapping[Value, SweepMean]], x_name: str, path
             panel.grid(alpha=0.25)
         panels[0].set(ylim=(0.0, 1.0))
         figure.legend(loc="outside right center")
-        with replaced_file(path) as beside:
-            figure.savefig(
-                beside, format=path.suffix[1:], dpi=110, metadata={"Date": None} if path.suffix == ".svg" else None
-            )

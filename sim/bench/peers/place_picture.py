@@ -6,11 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from lexis.files.replace import replaced_file
-from sim.bench.encoders.table import import_matplotlib
 from sim.bench.peers.place_figures import REQUIRED, PlaceFigures
 from sim.bench.peers.place_methods import PlaceTotal, totals
-from sim.bench.row_files import FORMATS, write_rows
+from sim.bench.row_files import PICTURES, picture, write_rows
 
 
 def write_places(found: Sequence[PlaceFigures], path: Path) -> None:
@@ -18,7 +16,7 @@ def write_places(found: Sequence[PlaceFigures], path: Path) -> None:
 
     Raises `SimError` without matplotlib.
     """
-    if path.suffix in FORMATS:
+    if path.suffix in PICTURES:
         draw_places(totals(found), path)
     else:
         write_rows([each.row for each in found], path)
@@ -26,9 +24,7 @@ def write_places(found: Sequence[PlaceFigures], path: Path) -> None:
 
 def draw_places(found: Mapping[str, Mapping[str, PlaceTotal]], path: Path) -> None:
     """Draw a row of panels for each preset: true and false matches at N = 1, 3 and 5, and precision against recall."""
-    matplotlib = import_matplotlib()
-    with matplotlib.rc_context({"svg.hashsalt": "lexis"}):
-        figure = matplotlib.figure.Figure(figsize=(13.0, 4.2 * len(found)), layout="constrained")
+    with picture(path, (13.0, 4.2 * len(found))) as figure:
         grid = figure.subplots(len(found), 2, squeeze=False)
         for (bars, lines), (preset, methods) in zip(grid, found.items(), strict=True):
             colours = {name: f"C{number}" for number, name in enumerate(methods)}
@@ -39,9 +35,6 @@ def draw_places(found: Mapping[str, Mapping[str, PlaceTotal]], path: Path) -> No
             lines.set(title=f"{preset}: best matches", xlabel="recall", ylabel="precision", xlim=(0, 1), ylim=(0, 1.02))
             lines.grid(alpha=0.25)
         figure.legend(*grid[0][1].get_legend_handles_labels(), loc="outside right center")
-        with replaced_file(path) as beside:
-            svg = path.suffix == ".svg"
-            figure.savefig(beside, format=path.suffix[1:], dpi=110, metadata={"Date": None} if svg else None)
 
 
 def _draw_matches(axes: Any, methods: Mapping[str, PlaceTotal], colours: Mapping[str, str]) -> None:

@@ -12,7 +12,6 @@ from rich.table import Table
 
 from lexis.command_line import positive, seed
 from sim.commands.arguments import argument, folder, seeing_encoder
-from sim.errors import SimError
 from sim.report.figures import MISSING, shown
 from worlds.presets import PRESETS
 
@@ -57,7 +56,7 @@ ARGUMENTS = (
     ),
     argument("--compiled", action="store_true", help="also time compiled networks, which takes a minute or more for each"),
     argument("--csv", type=Path, metavar="FILE", help="write the table of accuracy and times to this file"),
-    argument("--plot", type=Path, metavar="FILE.png", help="draw accuracy against time in this file"),
+    argument("--plot", type=Path, metavar="FILE", help="draw accuracy against time in this file, .png or .svg"),
     argument(
         "--worst",
         type=positive,
@@ -100,16 +99,12 @@ def tables(arguments: argparse.Namespace) -> Iterator[Table]:
 
 def _check(arguments: argparse.Namespace) -> None:
     """Check the arguments that are used only after minutes of work. Raises `SimError` or `EncoderError`."""
-    from sim.bench.encoders.table import import_matplotlib
     from sim.bench.encoders.times import check_architecture
+    from sim.bench.row_files import check_files
 
     for architecture in arguments.architectures:
         check_architecture(architecture)
-    for path in filter(None, (arguments.csv, arguments.plot)):
-        if not path.parent.is_dir():
-            raise SimError(f"{path}: no folder {path.parent}; valid: a file in a folder that exists")
-    if arguments.plot:
-        import_matplotlib()
+    check_files(arguments.csv, arguments.plot)
 
 
 def _of_preset(title: str, houses: Sequence["EncoderFigures"], worst: int | None) -> Iterator[Table]:

@@ -36,12 +36,9 @@ def _pose_graph(arguments: argparse.Namespace) -> Iterator[Table]:
 
 def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.kernels import draw_kernels, kernel_runs, mapped_houses, summarised
-    from sim.bench.row_files import check_folder, check_picture, write_rows
+    from sim.bench.row_files import check_files, write_rows
 
-    if arguments.csv:
-        check_folder(arguments.csv)
-    if arguments.plot:
-        check_picture(arguments.plot)
+    check_files(arguments.csv, arguments.plot)
     seeds = range(arguments.seed, arguments.seed + arguments.houses)
     rows = list(
         summarised(

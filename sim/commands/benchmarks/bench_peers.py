@@ -34,10 +34,11 @@ def _sweep_over(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _sweep(arguments: argparse.Namespace, over: str) -> Iterator[Table]:
-    from sim.bench.peers.difficulty_sweep import DIFFICULTIES, check_files, means, sweep, write_sweep
+    from sim.bench.peers.difficulty_sweep import DIFFICULTIES, means, sweep, write_sweep
+    from sim.bench.row_files import check_files
     from sim.report.figures import shown
 
-    check_files(arguments.out)
+    check_files(*arguments.out)
     seeds, difficulty = range(arguments.seed, arguments.seed + arguments.houses), DIFFICULTIES[over]
     with Progress(console=Console(stderr=True), transient=True) as bar:
         total = len(difficulty.methods) * len(difficulty.values) * len(seeds)
@@ -60,10 +61,9 @@ def _sweep(arguments: argparse.Namespace, over: str) -> Iterator[Table]:
 
 def _table2(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.peers.labels import PAPER_ACCURACY, compare_labels, means
-    from sim.bench.row_files import check_folder, write_rows
+    from sim.bench.row_files import check_files, write_rows
 
-    if arguments.csv:
-        check_folder(arguments.csv)
+    check_files(arguments.csv)
     seeds, presets = range(arguments.seed, arguments.seed + arguments.houses), arguments.presets
     with Progress(console=Console(stderr=True), transient=True) as bar:
         walks = compare_labels(presets, seeds, arguments.fidelity)
@@ -88,10 +88,9 @@ def _percent(mean: float, std: float) -> str:
 
 def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.peers.trajectories import PAPER_ATE_M, compare_trajectories, means
-    from sim.bench.row_files import check_folder, write_rows
+    from sim.bench.row_files import check_files, write_rows
 
-    if arguments.csv:
-        check_folder(arguments.csv)
+    check_files(arguments.csv)
     seeds, presets = range(arguments.seed, arguments.seed + arguments.houses), arguments.presets
     rows = list(compare_trajectories(presets, seeds, arguments.fidelity))
     title = f"seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: ATE in m (share of the odometry's)"
@@ -107,13 +106,13 @@ def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
-    from sim.bench.peers.difficulty_sweep import check_files
     from sim.bench.peers.place_figures import PLACES
     from sim.bench.peers.place_methods import compare_place_methods, totals
     from sim.bench.peers.place_picture import write_places
     from sim.bench.peers.place_walks import record_walks
+    from sim.bench.row_files import check_files
 
-    check_files(arguments.out)
+    check_files(*arguments.out)
     if arguments.tune and arguments.out:
         raise SimError("--tune writes no files; valid: --tune without --out")
     presets, seeds = arguments.presets, range(arguments.seed, arguments.seed + arguments.houses)

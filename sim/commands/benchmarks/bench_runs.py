@@ -99,11 +99,10 @@ def _rooms(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _stages(arguments: argparse.Namespace) -> Iterator[Table]:
-    from sim.bench.row_files import check_folder, write_rows
+    from sim.bench.row_files import check_files, write_rows
     from sim.bench.stage_costs import UNCHANGED, gains, measure_stages
 
-    if arguments.csv:
-        check_folder(arguments.csv)
+    check_files(arguments.csv)
     seeds, presets = range(arguments.seed, arguments.seed + arguments.houses), arguments.presets
     rows = []
     with Progress(console=Console(stderr=True), transient=True) as bar:

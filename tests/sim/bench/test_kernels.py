@@ -12,7 +12,7 @@ from lexis.types import Features, Keyframe, Landmarks, LoopArrays, LoopEdge
 from sim.bench import kernels as module
 from sim.bench.injected_loops import GROUP, KINDS, injected
 from sim.bench.kernels import KERNELS, KernelRow, MappedHouse, draw_kernels, kernel_runs, summarised
-from sim.bench.row_files import check_picture, write_rows
+from sim.bench.row_files import check_files, write_rows
 from sim.errors import SimError
 
 SIGMAS = np.repeat([0.01, 0.03], 3)
@@ -97,9 +97,10 @@ def test_rows_become_a_csv_file_and_pictures(runs, tmp_path):
     assert [row["kernel"] for row in read] == [row.kernel for row in rows]
     assert list(read[0]) == [field.name for field in fields(KernelRow)]
     for name, start in (("a.png", b"\x89PNG"), ("a.svg", b"<?xml")):
-        check_picture(tmp_path / name)
+        check_files(tmp_path / name)
         draw_kernels(rows, tmp_path / name)
         assert (tmp_path / name).read_bytes().startswith(start)
-    for name in ("a.pdf", "nowhere/a.png"):
+    check_files(tmp_path / "rows.csv", None)
+    for name in ("a.pdf", "nowhere/a.png", "nowhere/a.csv", "."):
         with pytest.raises(SimError, match="valid"):
-            check_picture(tmp_path / name)
+            check_files(tmp_path / name)
