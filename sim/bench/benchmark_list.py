@@ -13,14 +13,16 @@ class Extent:
     """Number of houses of each preset."""
     fidelity: str
     """Fidelity of the benchmarks that can do without images."""
+    walk: int
+    """Length of the walks on which place recognition is compared [m]."""
     length: int
     """Length of the long walk [m]."""
     rooms: int
     """Number of rooms of the house of the long walk."""
 
 
-QUICK = Extent(houses=2, fidelity="features", length=1000, rooms=10)
-FULL = Extent(houses=5, fidelity="render", length=10000, rooms=40)
+QUICK = Extent(houses=2, fidelity="features", walk=100, length=1000, rooms=10)
+FULL = Extent(houses=5, fidelity="render", walk=250, length=10000, rooms=40)
 
 
 @dataclass(frozen=True)
@@ -41,13 +43,13 @@ _PRESETS = ("uh2-apt", "uh2-office", "ori", "home")
 """The presets that are named like the datasets of the paper."""
 _LIST = (
     ("table2", "table2 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table2.csv", 50),
-    ("fig5", "fig5 --presets ori home --houses {houses} --seed 500 --out {out}/fig5.csv {out}/fig5.png", 200),
+    ("fig5", "fig5 --presets ori home --houses {houses} --length {walk} --seed 500 --out {out}/fig5.csv", 120),
     ("table3", "table3 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table3.csv", 70),
     ("openness", "openness --houses {houses} --seed 500 --out {out}/openness.csv {out}/openness.png", 70),
     ("clutter", "sweep clutter --houses {houses} --seed 500 --out {out}/clutter.csv {out}/clutter.png", 60),
     ("odometry", "sweep odometry --houses {houses} --seed 500 --out {out}/odometry.csv {out}/odometry.png", 40),
-    ("light", "sweep light --houses {houses} --seed 500 --out {out}/light.csv {out}/light.png", 200),
-    ("texture", "sweep texture --houses {houses} --seed 500 --out {out}/texture.csv {out}/texture.png", 200),
+    ("light", "sweep light --houses {houses} --seed 500 --out {out}/light.csv {out}/light.png", 70),
+    ("texture", "sweep texture --houses {houses} --seed 500 --out {out}/texture.csv {out}/texture.png", 70),
     ("places", "places --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 110),
     ("kernels", "kernels --houses {houses} --seed 500 --csv {out}/kernels.csv --plot {out}/kernels.png", 30),
     ("sessions", "sessions --houses {houses} --seed 500", 40),

@@ -22,9 +22,10 @@ from sim.baselines.rooms import (
     WordlessLexis,
 )
 from sim.bench.houses import configs
+from sim.bench.peers.side_by_side import run_side_by_side
 from sim.bench.row_files import PICTURES, picture, write_rows
 from sim.fidelity import Fidelity
-from sim.harness import Scenario, SlamUnderTest, evaluate, run
+from sim.harness import Scenario, SlamUnderTest, evaluate
 from sim.harness.adapters import GeometricRooms, Lexis
 from sim.harness.parts import house_spec, in_house
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
@@ -124,8 +125,9 @@ def sweep(preset: str, seeds: Sequence[int], difficulty: Difficulty = DIFFICULTI
     for value in difficulty.values:
         for scenario in configs(usual, seeds):
             changed = difficulty.changed(scenario, value)
-            for name in difficulty.methods:
-                found = evaluate(run(changed, METHODS[name](changed)))
+            slams = {name: METHODS[name](changed) for name in difficulty.methods}
+            for name, finished in run_side_by_side(changed, slams).items():
+                found = evaluate(finished)
                 rooms = found.rooms.pq or 0.0, found.rooms.splits or 0, found.rooms.merges or 0
                 yield SweepRow(name, value, scenario.seed, found.labels.accuracy, *rooms)
 

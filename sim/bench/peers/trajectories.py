@@ -8,8 +8,9 @@ import numpy as np
 
 from lexis.config import PAPER, Config, PlaceRecognitionConfig
 from sim.bench.houses import configs
+from sim.bench.peers.side_by_side import run_side_by_side
 from sim.fidelity import Fidelity
-from sim.harness import Scenario, SlamUnderTest, evaluate, run
+from sim.harness import Scenario, SlamUnderTest, evaluate
 from sim.harness.adapters import Lexis, OdometryOnly
 from sim.harness.adapters.true_stages import TrueStages
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
@@ -75,8 +76,9 @@ def compare_trajectories(presets: Sequence[str], seeds: Sequence[int], fidelity:
     rate_hz = FEATURES_FRAME_RATE_HZ if fidelity == "features" else Scenario.frame_rate_hz
     for preset in presets:
         for scenario in configs(Scenario(preset=preset, fidelity=fidelity, frame_rate_hz=rate_hz), seeds):
-            for name, slam in METHODS.items():
-                result = evaluate(run(scenario, slam(scenario)))
+            slams = {name: slam(scenario) for name, slam in METHODS.items()}
+            for name, finished in run_side_by_side(scenario, slams).items():
+                result = evaluate(finished)
                 errors = result.known("trajectory.ate_m"), result.known("trajectory.ate_odometry_m")
                 yield TrajectoryRow(preset, scenario.seed, name, *errors)
 
