@@ -10,5 +10,6 @@ def unchecked(settings, /, **values):
         if field.name not in values:
             values[field.name] = field.default_factory() if field.default is MISSING else field.default
         object.__setattr__(made, field.name, values[field.name])
-    made.__post_init__()
+    if hasattr(made, "__post_init__"):
+        made.__post_init__()
     return made
