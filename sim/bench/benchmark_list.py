@@ -42,20 +42,20 @@ class Benchmark:
 _PRESETS = ("uh2-apt", "uh2-office", "ori", "home")
 """The presets that are named like the datasets of the paper."""
 _LIST = (
-    ("table2", "table2 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table2.csv", 50),
-    ("fig5", "fig5 --presets ori home --houses {houses} --length {walk} --seed 500 --out {out}/fig5.csv", 120),
-    ("table3", "table3 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table3.csv", 70),
-    ("openness", "openness --houses {houses} --seed 500 --out {out}/openness.csv {out}/openness.png", 70),
-    ("clutter", "sweep clutter --houses {houses} --seed 500 --out {out}/clutter.csv {out}/clutter.png", 60),
-    ("odometry", "sweep odometry --houses {houses} --seed 500 --out {out}/odometry.csv {out}/odometry.png", 40),
-    ("light", "sweep light --houses {houses} --seed 500 --out {out}/light.csv {out}/light.png", 70),
-    ("texture", "sweep texture --houses {houses} --seed 500 --out {out}/texture.csv {out}/texture.png", 70),
-    ("places", "places --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 110),
+    ("table2", "table2 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table2.csv", 40),
+    ("fig5", "fig5 --presets ori home --houses {houses} --length {walk} --seed 500 --out {out}/fig5.csv", 160),
+    ("table3", "table3 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table3.csv", 45),
+    ("openness", "openness --houses {houses} --seed 500 --out {out}/openness.csv {out}/openness.png", 35),
+    ("clutter", "sweep clutter --houses {houses} --seed 500 --out {out}/clutter.csv {out}/clutter.png", 25),
+    ("odometry", "sweep odometry --houses {houses} --seed 500 --out {out}/odometry.csv {out}/odometry.png", 20),
+    ("light", "sweep light --houses {houses} --seed 500 --out {out}/light.csv {out}/light.png", 360),
+    ("texture", "sweep texture --houses {houses} --seed 500 --out {out}/texture.csv {out}/texture.png", 390),
+    ("places", "places --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 75),
     ("kernels", "kernels --houses {houses} --seed 500 --csv {out}/kernels.csv --plot {out}/kernels.png", 30),
-    ("sessions", "sessions --houses {houses} --seed 500", 40),
-    ("planning", "planning --houses {houses} --seed 500", 220),
-    ("queries", "queries --houses {houses} --seed 500", 125),
-    ("fidelity", "fidelity --houses {houses} --seed 500", 50),
+    ("sessions", "sessions --houses {houses} --seed 500", 25),
+    ("planning", "planning --houses {houses} --seed 500", 200),
+    ("queries", "queries --houses {houses} --seed 500", 85),
+    ("fidelity", "fidelity --houses {houses} --seed 500", 30),
 )
 """Names, arguments and quick processor times of the benchmarks that may run beside each other."""
 _OF_PRESETS = (
