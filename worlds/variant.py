@@ -56,18 +56,23 @@ def variant(
     if repaint is not None:
         if not 0 <= repaint < 2**63:
             raise WorldsError(f"repaint is {repaint}; valid: 0 ... 2**63 - 1")
-        spec = spec.model_copy(update={"appearance": spec.appearance.model_copy(update={"seed": repaint})})
+        spec = _looking(spec, seed=repaint)
     return spec
 
 
 def in_light(spec: HouseSpec, light: Literal["day", "evening", "dim"]) -> HouseSpec:
     """Return the house in another light; nothing else changes."""
-    return spec.model_copy(update={"appearance": spec.appearance.model_copy(update={"light": light})})
+    return _looking(spec, light=light)
 
 
 def in_texture(spec: HouseSpec, texture: Literal["rich", "poor", "repeating"]) -> HouseSpec:
     """Return the house with other textures; nothing else changes."""
-    return spec.model_copy(update={"appearance": spec.appearance.model_copy(update={"texture": texture})})
+    return _looking(spec, texture=texture)
+
+
+def _looking(spec: HouseSpec, **appearance: str | int) -> HouseSpec:
+    """Return the house with other values of the given fields of its appearance."""
+    return spec.model_copy(update={"appearance": spec.appearance.model_copy(update=appearance)})
 
 
 def explicit(spec: HouseSpec) -> HouseSpec:

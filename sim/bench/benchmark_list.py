@@ -1,6 +1,7 @@
 """The benchmarks of `lexis-sim bench all`, with their arguments in a quick and in a full extent."""
 
-from collections.abc import Iterable, Sequence
+import shlex
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -81,20 +82,18 @@ def benchmarks(extent: Extent, out: Path, pose_graphs: Sequence[Path] = ()) -> t
         out: the folder of their files.
         pose_graphs: g2o files to optimise; without any, the benchmark `pose-graph` is left out.
     """
-    values = {**asdict(extent), "presets": " ".join(_PRESETS), "out": "{out}"}
+    values = {**asdict(extent), "presets": " ".join(_PRESETS), "out": shlex.quote(str(out))}
 
-    def filled(entries: Iterable[tuple[str, str, int]], is_timing: bool = False) -> list[Benchmark]:
-        words = ((name, template.format(**values).split(), seconds) for name, template, seconds in entries)
-        return [
-            Benchmark(name, tuple(word.replace("{out}", str(out)) for word in own), seconds, is_timing)
-            for name, own, seconds in words
-        ]
+    def filled(name: str, template: str, seconds: int, preset: str = "", is_timing: bool = False) -> Benchmark:
+        return Benchmark(name, tuple(shlex.split(template.format(**values, preset=preset))), seconds, is_timing)
 
-    of_presets = [
-        (f"{name}-{preset}", template.replace("{preset}", preset), seconds)
+    together = [filled(*entry) for entry in _LIST]
+    together += [
+        filled(f"{name}-{preset}", template, seconds, preset)
         for name, template, seconds in _OF_PRESETS
         for preset in _PRESETS
     ]
-    files = Benchmark("pose-graph", ("pose-graph", *map(str, pose_graphs)), 10, is_timing=True)
-    together = sorted(filled([*_LIST, *of_presets]), key=lambda each: -each.quick_s)
-    return (*together, *filled(_TIMINGS, is_timing=True), *([files] if pose_graphs else []))
+    timings = [filled(*entry, is_timing=True) for entry in _TIMINGS]
+    if pose_graphs:
+        timings.append(Benchmark("pose-graph", ("pose-graph", *map(str, pose_graphs)), 10, is_timing=True))
+    return (*sorted(together, key=lambda each: -each.quick_s), *timings)

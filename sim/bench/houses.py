@@ -16,4 +16,9 @@ def configs(config: Scenario, seeds: Sequence[int], openness: float | None = Non
     """
     for seed in seeds:
         own = replace(config, seed=seed)
-        yield own if openness is None else in_house(own, variant(house_spec(own), openness=openness))
+        yield own if openness is None else varied(own, openness=openness)
+
+
+def varied(scenario: Scenario, *, openness: float | None = None, clutter: float | None = None) -> Scenario:
+    """Return the scenario in its house with another openness or clutter; the length of the walk stays. See `variant`."""
+    return in_house(scenario, variant(house_spec(scenario), openness=openness, clutter=clutter))

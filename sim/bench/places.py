@@ -24,7 +24,7 @@ from sim.faults.poses import Kidnap
 from sim.fidelity import Fidelity
 from sim.harness import Scenario, run
 from sim.harness.adapters import Lexis
-from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
+from sim.harness.world_tests import usual_rate_hz
 
 METHODS: Mapping[str, PlaceRecognitionConfig] = MappingProxyType(
     {
@@ -104,8 +104,7 @@ class _Listener:
 
 def walks(presets: Sequence[str], seeds: Sequence[int], fidelity: Fidelity) -> dict[str, list[Scenario]]:
     """Return the scenarios by the name of their condition. Every house is walked once in each condition."""
-    rate_hz = FEATURES_FRAME_RATE_HZ if fidelity == "features" else Scenario.frame_rate_hz
-    usual = Scenario(fidelity=fidelity, frame_rate_hz=rate_hz)
+    usual = Scenario(fidelity=fidelity, frame_rate_hz=usual_rate_hz(fidelity))
     return {
         name: [replace(usual, preset=preset, seed=seed, **settings) for preset in presets for seed in seeds]
         for name, settings in _CONDITIONS.items()

@@ -1,19 +1,28 @@
-"""Writes the rows of a benchmark as a CSV file, and curves with error bars as a picture."""
+"""Groups the rows of a benchmark, and writes them as a CSV file and curves with error bars as a picture."""
 
 import csv
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from lexis.files.replace import replaced_file
 from sim.errors import SimError
 
+_Row = TypeVar("_Row")
 PICTURES = (".png", ".svg")
 """Endings of the names of pictures."""
 Curve = Sequence[tuple[float, float, float]]
 """Points of a curve: x, y, and the standard deviation of y."""
+
+
+def grouped(rows: Iterable[_Row], *names: str) -> dict[tuple[Any, ...], list[_Row]]:
+    """Return the rows by their values of the named fields, in the order in which the values first occur."""
+    found: dict[tuple[Any, ...], list[_Row]] = {}
+    for row in rows:
+        found.setdefault(tuple(getattr(row, name) for name in names), []).append(row)
+    return found
 
 
 def write_rows(rows: Sequence[Any], path: Path) -> None:

@@ -7,11 +7,12 @@ substitution puts the truth in the place of one stage, or leaves out one difficu
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import as_completed
-from dataclasses import dataclass, fields
+from dataclasses import astuple, dataclass, fields
 
 import numpy as np
 
 from lexis.errors import PlanError
+from sim.bench.row_files import grouped
 from sim.harness import Scenario, evaluate
 from sim.harness.adapters import Lexis
 from sim.harness.blame_table import substitutions
@@ -83,8 +84,7 @@ def measure_house(preset: str, seed: int) -> list[StageRow]:
     ]
     rows = []
     for name, changed, slam in tried:
-        figures = _figures(run(changed, slam), slam)
-        rows.append(StageRow(preset, seed, name, figures.labels, figures.rooms, figures.ate_m, figures.plans))
+        rows.append(StageRow(preset, seed, name, *astuple(_figures(run(changed, slam), slam))))
     return rows
 
 
@@ -92,8 +92,7 @@ def gains(rows: Sequence[StageRow]) -> dict[str, StageGain]:
     """Average the paired differences to the unchanged run, by substitution. `UNCHANGED` has the figures themselves."""
     unchanged = {(row.preset, row.seed): _values(row) for row in rows if row.replaced == UNCHANGED}
     found = {}
-    for name in dict.fromkeys(row.replaced for row in rows):
-        mine = [row for row in rows if row.replaced == name]
+    for (name,), mine in grouped(rows, "replaced").items():
         values = np.array([_values(row) for row in mine])
         if name != UNCHANGED:
             values = values - [unchanged[row.preset, row.seed] for row in mine]

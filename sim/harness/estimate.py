@@ -98,10 +98,8 @@ class Estimate:
         for name, (kinds, row) in _FORMS.items():
             if (claim := getattr(self, name)) is not None:
                 _check_rows(name, claim, n, kinds, row)
-        if self.T_W_B is not None and not (rigid := is_rigid(np.asarray(self.T_W_B, np.float64), _RIGID)).all():
-            raise ClaimError(
-                f"estimate: T_W_B is no rigid motion in row {int(np.argmin(rigid))}; valid: rotation and translation"
-            )
+        if self.T_W_B is not None:
+            _check_rigid("T_W_B", self.T_W_B)
         for name in ("labels", "baseline_labels", "rooms", "floors"):
             claim = getattr(self, name)
             if claim is not None and (below := np.flatnonzero(claim < -1)).size:
@@ -143,14 +141,20 @@ def _check_loops(loops: LoopClaims) -> None:
     for name in ("query", "match"):
         _check_rows(f"loops.{name}", getattr(loops, name), n, "iu", ())
     _check_rows("loops.T_match_query", loops.T_match_query, n, "fiu", (4, 4))
-    if not (rigid := is_rigid(np.asarray(loops.T_match_query, np.float64), _RIGID)).all():
-        row = int(np.argmin(rigid))
-        raise ClaimError(f"estimate: loops.T_match_query is no rigid motion in row {row}; valid: rotation and translation")
+    _check_rigid("loops.T_match_query", loops.T_match_query)
     if loops.weights is not None:
         _check_rows("loops.weights", loops.weights, n, "fiu", ())
         if n and not 0.0 <= loops.weights.min() <= loops.weights.max() <= 1.0:
             found = f"{loops.weights.min():g} to {loops.weights.max():g}"
             raise ClaimError(f"estimate: loops.weights are {found}; valid: numbers in [0, 1]")
+
+
+def _check_rigid(name: str, motions: Float64[np.ndarray, "n 4 4"]) -> None:
+    """Raise `ClaimError` unless all matrices are rigid motions."""
+    rigid = is_rigid(np.asarray(motions, np.float64), _RIGID)
+    if not rigid.all():
+        row = int(np.argmin(rigid))
+        raise ClaimError(f"estimate: {name} is no rigid motion in row {row}; valid: rotation and translation")
 
 
 def _check_rows(name: str, claim: object, n: int, kinds: str, row: tuple[int | None, ...]) -> None:

@@ -10,7 +10,7 @@ from shapely.geometry import Polygon
 
 from sim.errors import SimError
 from sim.harness import house_reductions as house_steps
-from sim.harness.parts import house_spec, tour_config
+from sim.harness.parts import house_spec, in_house
 from sim.harness.scenario import NEEDS_PIXELS, Scenario
 from sim.harness.walk import shortest_walk_m
 from sim.render.rig import RIGS, RigConfig
@@ -91,7 +91,7 @@ def with_listed_house(scenario: Scenario) -> Scenario:
 
     Raises `WorldsError` for a house that cannot be built.
     """
-    return replace(scenario, house=explicit(house_spec(scenario)), length_m=tour_config(scenario).length_m)
+    return in_house(scenario, explicit(house_spec(scenario)))
 
 
 def with_features(scenario: Scenario) -> Scenario:

@@ -50,6 +50,11 @@ class World(Protocol):
         """Build the scenario. Raises `SimError` or `worlds.WorldsError`."""
 
 
+def usual_rate_hz(fidelity: Tier) -> float:
+    """Return the default frame rate of runs of this fidelity [Hz]."""
+    return RENDER_FRAME_RATE_HZ if fidelity == "render" else FEATURES_FRAME_RATE_HZ
+
+
 @dataclass(frozen=True)
 class WorldFamily:
     """What a test requires of its houses and runs: the arguments of the decorator `worlds`; see its docstring."""
@@ -208,10 +213,9 @@ def worlds(
     if max_rooms is not None:
         _check_count("max_rooms", max_rooms, max(MIN_ROOMS_ASKED, storeys or 1), MAX_ROOMS_ASKED)
     driven = fidelity == "render" if plans is None else plans
-    usual_hz = RENDER_FRAME_RATE_HZ if fidelity == "render" else FEATURES_FRAME_RATE_HZ
     family = WorldFamily(
-        tuple(presets), _range(openness), storeys, max_rooms, n, fidelity, driven, length_m, frame_rate_hz or usual_hz,
-        odometry, encoder, tuple(faults),
+        tuple(presets), _range(openness), storeys, max_rooms, n, fidelity, driven, length_m,
+        frame_rate_hz or usual_rate_hz(fidelity), odometry, encoder, tuple(faults),
     )  # fmt: skip
 
     def decorate(test: _Test) -> _Test:

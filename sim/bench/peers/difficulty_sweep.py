@@ -21,15 +21,15 @@ from sim.baselines.rooms import (
     Voronoi,
     WordlessLexis,
 )
-from sim.bench.houses import configs
+from sim.bench.houses import configs, varied
 from sim.bench.peers.side_by_side import run_side_by_side
-from sim.bench.row_files import PICTURES, picture, write_rows
+from sim.bench.row_files import PICTURES, grouped, picture, write_rows
 from sim.fidelity import Fidelity
 from sim.harness import Scenario, SlamUnderTest, evaluate
 from sim.harness.adapters import GeometricRooms, Lexis
 from sim.harness.parts import house_spec, in_house
-from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
-from worlds.variant import in_light, in_texture, variant
+from sim.harness.world_tests import usual_rate_hz
+from worlds.variant import in_light, in_texture
 
 Value: TypeAlias = float | str
 
@@ -70,12 +70,12 @@ DIFFICULTIES: Mapping[str, Difficulty] = MappingProxyType(
     {
         "openness": Difficulty(
             (0.0, 0.3, 0.6, 0.9),
-            lambda scenario, value: in_house(scenario, variant(house_spec(scenario), openness=value)),
+            lambda scenario, value: varied(scenario, openness=value),
             tuple(METHODS),
         ),
         "clutter": Difficulty(
             (0.0, 1.0, 2.0, 4.0),
-            lambda scenario, value: in_house(scenario, variant(house_spec(scenario), clutter=value)),
+            lambda scenario, value: varied(scenario, clutter=value),
             (*_WITHOUT_MAP, "distance transform", "Voronoi"),
         ),
         "odometry": Difficulty(
@@ -120,8 +120,7 @@ class SweepRow:
 
 def sweep(preset: str, seeds: Sequence[int], difficulty: Difficulty = DIFFICULTIES["openness"]) -> Iterator[SweepRow]:
     """Let every method of the difficulty find rooms in the same houses at each of its values."""
-    rate_hz = FEATURES_FRAME_RATE_HZ if difficulty.fidelity == "features" else Scenario.frame_rate_hz
-    usual = Scenario(preset=preset, fidelity=difficulty.fidelity, frame_rate_hz=rate_hz)
+    usual = Scenario(preset=preset, fidelity=difficulty.fidelity, frame_rate_hz=usual_rate_hz(difficulty.fidelity))
     for value in difficulty.values:
         for scenario in configs(usual, seeds):
             changed = difficulty.changed(scenario, value)
@@ -146,8 +145,7 @@ class SweepMean:
 def means(rows: Sequence[SweepRow]) -> dict[str, dict[Value, SweepMean]]:
     """Average the rows of all houses, by method and value."""
     found: dict[str, dict[Value, SweepMean]] = {}
-    for method, value in dict.fromkeys((row.method, row.value) for row in rows):
-        mine = [row for row in rows if (row.method, row.value) == (method, value)]
+    for (method, value), mine in grouped(rows, "method", "value").items():
         pq, splits, merges = np.mean([(row.pq, row.splits, row.merges) for row in mine], axis=0).tolist()
         labels = [row.labels for row in mine if row.labels is not None]
         spread = float(np.std([row.pq for row in mine]))

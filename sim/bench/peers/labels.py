@@ -14,11 +14,12 @@ from sim.baselines.rooms import HydraPlaces, ObjectVotes
 from sim.baselines.rooms.object_scores import Counted, ObjectScores, RelativeSimilarity, Similarity, count_objects
 from sim.bench.houses import configs
 from sim.bench.peers.side_by_side import run_side_by_side
+from sim.bench.row_files import grouped
 from sim.errors import SimError
 from sim.fidelity import Fidelity
 from sim.harness import Run, Scenario, SlamUnderTest, evaluate
 from sim.harness.adapters import Lexis
-from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
+from sim.harness.world_tests import usual_rate_hz
 
 PAPER_ACCURACY: Mapping[str, Mapping[str, tuple[float, float]]] = MappingProxyType(
     {
@@ -93,10 +94,9 @@ def compare_labels(presets: Sequence[str], seeds: Sequence[int], fidelity: Fidel
             f"seeds {seeds[0]} to {seeds[-1]}: the method {_COUNTED!r} learns from some of these houses; valid: other seeds "
             f"than {TRAINING_SEEDS[0]} to {TRAINING_SEEDS[-1]}"
         )
-    rate_hz = FEATURES_FRAME_RATE_HZ if fidelity == "features" else Scenario.frame_rate_hz
     encoder = load_encoder(Scenario.encoder)
     for preset in presets:
-        for scenario in configs(Scenario(preset=preset, fidelity=fidelity, frame_rate_hz=rate_hz), seeds):
+        for scenario in configs(Scenario(preset=preset, fidelity=fidelity, frame_rate_hz=usual_rate_hz(fidelity)), seeds):
             runs = run_side_by_side(scenario, methods(scenario, encoder))
             found = {
                 "LEXIS, baseline (paper)": (evaluate(runs[_REFINED]).labels.accuracy_baseline or 0.0, None),
@@ -137,8 +137,7 @@ def _most_frequent(values: Int[np.ndarray, "n"], rooms: Int[np.ndarray, "n"]) ->
 def means(rows: Sequence[LabelRow]) -> dict[str, dict[str, LabelMean]]:
     """Average over houses, by method and preset."""
     found: dict[str, dict[str, LabelMean]] = {}
-    for method, preset in dict.fromkeys((row.method, row.preset) for row in rows):
-        mine = [row for row in rows if (row.method, row.preset) == (method, preset)]
+    for (method, preset), mine in grouped(rows, "method", "preset").items():
         accuracy, rooms = [row.accuracy for row in mine], [row.rooms for row in mine if row.rooms is not None]
         over_rooms = float(np.mean(rooms)) if rooms else None
         found.setdefault(method, {})[preset] = LabelMean(float(np.mean(accuracy)), float(np.std(accuracy)), over_rooms)

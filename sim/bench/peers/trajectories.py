@@ -9,11 +9,12 @@ import numpy as np
 from lexis.config import PAPER, Config, PlaceRecognitionConfig
 from sim.bench.houses import configs
 from sim.bench.peers.side_by_side import run_side_by_side
+from sim.bench.row_files import grouped
 from sim.fidelity import Fidelity
 from sim.harness import Scenario, SlamUnderTest, evaluate
 from sim.harness.adapters import Lexis, OdometryOnly
 from sim.harness.adapters.true_stages import TrueStages
-from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
+from sim.harness.world_tests import usual_rate_hz
 
 PAPER_ATE_M: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
@@ -73,9 +74,8 @@ class TrajectoryMean:
 
 def compare_trajectories(presets: Sequence[str], seeds: Sequence[int], fidelity: Fidelity) -> Iterator[TrajectoryRow]:
     """Let every method of `METHODS` follow the same walks, one for each preset and seed."""
-    rate_hz = FEATURES_FRAME_RATE_HZ if fidelity == "features" else Scenario.frame_rate_hz
     for preset in presets:
-        for scenario in configs(Scenario(preset=preset, fidelity=fidelity, frame_rate_hz=rate_hz), seeds):
+        for scenario in configs(Scenario(preset=preset, fidelity=fidelity, frame_rate_hz=usual_rate_hz(fidelity)), seeds):
             slams = {name: slam(scenario) for name, slam in METHODS.items()}
             for name, finished in run_side_by_side(scenario, slams).items():
                 result = evaluate(finished)
@@ -86,8 +86,7 @@ def compare_trajectories(presets: Sequence[str], seeds: Sequence[int], fidelity:
 def means(rows: Sequence[TrajectoryRow]) -> dict[str, dict[str, TrajectoryMean]]:
     """Average over houses, by method and preset."""
     found: dict[str, dict[str, TrajectoryMean]] = {}
-    for method, preset in dict.fromkeys((row.method, row.preset) for row in rows):
-        mine = [row for row in rows if (row.method, row.preset) == (method, preset)]
+    for (method, preset), mine in grouped(rows, "method", "preset").items():
         ate_m = np.array([row.ate_m for row in mine])
         shares = ate_m / [row.odometry_m for row in mine]
         figures = ate_m.mean(), ate_m.std(), ate_m.max(), shares.mean()

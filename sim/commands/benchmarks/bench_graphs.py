@@ -17,6 +17,7 @@ from sim.commands.benchmarks.bench_options import (
     PLOT,
     PRESET,
     printing,
+    seeds_of,
 )
 
 
@@ -39,7 +40,7 @@ def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.row_files import check_files, write_rows
 
     check_files(arguments.csv, arguments.plot)
-    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    seeds = seeds_of(arguments)
     rows = list(
         summarised(
             [each for house in mapped_houses(arguments.preset, seeds) for each in kernel_runs(house, arguments.threshold)]
@@ -82,7 +83,7 @@ def _sessions(arguments: argparse.Namespace) -> Iterator[Table]:
     title = f"{arguments.preset}, features: a session that starts somewhere on another day, {arguments.length:g} m of walk"
     headers = ("starts", "joined", f"joined within {NEAR_M:g} m", "median walk [m]", "largest error [m]")
     table = Table("house", *map(escape, headers), title=title)
-    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    seeds = seeds_of(arguments)
     for name, row in summary(measure_sessions(arguments.preset, seeds, arguments.every, arguments.length)).items():
         table.add_row(name, *(shown(value, "{:.3g}") for value in row))
     yield table

@@ -2,11 +2,12 @@
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 from rich.console import Console
+from rich.progress import Progress
 from rich.table import Table
 
 from lexis.command_line import Command, positive
@@ -22,6 +23,7 @@ from sim.commands.arguments import (
 from sim.fidelity import FIDELITIES
 from worlds.presets import PRESETS
 
+_Item = TypeVar("_Item")
 Tables: TypeAlias = Callable[[argparse.Namespace], Iterator[Table]]
 
 PRESET = argument("--preset", choices=PRESETS, default="home", metavar="NAME", help=PRESET_HELP)
@@ -40,6 +42,17 @@ CSV = argument("--csv", type=Path, metavar="FILE", help="write the table to this
 PLOT = argument("--plot", type=Path, metavar="FILE", help="draw the figures in this file, .png or .svg")
 FILES = argument("--out", nargs="+", type=Path, default=[], metavar="FILE", help="write .csv, .png or .svg files")
 FEATURE_MODEL = argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
+
+
+def seeds_of(arguments: argparse.Namespace) -> range:
+    """Return the seeds of the houses that `--seed` and `--houses` ask for."""
+    return range(arguments.seed, arguments.seed + arguments.houses)
+
+
+def tracked(items: Iterable[_Item], total: int, description: str) -> Iterator[_Item]:
+    """Yield the items, with a progress bar on standard error until the last of them."""
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        yield from bar.track(items, total=total, description=description)
 
 
 def printing(tables: Tables) -> Command:

@@ -4,8 +4,6 @@ import argparse
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
 
 from sim.commands.action import Action
@@ -18,6 +16,8 @@ from sim.commands.benchmarks.bench_options import (
     PRESET,
     SEVERAL_PRESETS,
     printing,
+    seeds_of,
+    tracked,
 )
 from sim.errors import SimError
 
@@ -39,10 +39,9 @@ def _sweep(arguments: argparse.Namespace, over: str) -> Iterator[Table]:
     from sim.report.figures import shown
 
     check_files(*arguments.out)
-    seeds, difficulty = range(arguments.seed, arguments.seed + arguments.houses), DIFFICULTIES[over]
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        total = len(difficulty.methods) * len(difficulty.values) * len(seeds)
-        rows = list(bar.track(sweep(arguments.preset, seeds, difficulty), total=total, description="runs"))
+    seeds, difficulty = seeds_of(arguments), DIFFICULTIES[over]
+    total = len(difficulty.methods) * len(difficulty.values) * len(seeds)
+    rows = list(tracked(sweep(arguments.preset, seeds, difficulty), total, "runs"))
     for path in arguments.out:
         write_sweep(rows, over, path)
     title = (
@@ -64,10 +63,9 @@ def _table2(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.row_files import check_files, write_rows
 
     check_files(arguments.csv)
-    seeds, presets = range(arguments.seed, arguments.seed + arguments.houses), arguments.presets
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        walks = compare_labels(presets, seeds, arguments.fidelity)
-        rows = [row for walk in bar.track(walks, total=len(presets) * len(seeds), description="walks") for row in walk]
+    seeds, presets = seeds_of(arguments), arguments.presets
+    walks = compare_labels(presets, seeds, arguments.fidelity)
+    rows = [row for walk in tracked(walks, len(presets) * len(seeds), "walks") for row in walk]
     title = f"seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: label accuracy over keyframes (over found rooms) in %"
     table = Table("method", *presets, title=title)
     for method, found in means(rows).items():
@@ -91,7 +89,7 @@ def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.row_files import check_files, write_rows
 
     check_files(arguments.csv)
-    seeds, presets = range(arguments.seed, arguments.seed + arguments.houses), arguments.presets
+    seeds, presets = seeds_of(arguments), arguments.presets
     rows = list(compare_trajectories(presets, seeds, arguments.fidelity))
     title = f"seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: ATE in m (share of the odometry's)"
     table = Table("method", *presets, title=title)
@@ -115,14 +113,12 @@ def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
     check_files(*arguments.out)
     if arguments.tune and arguments.out:
         raise SimError("--tune writes no files; valid: --tune without --out")
-    presets, seeds = arguments.presets, range(arguments.seed, arguments.seed + arguments.houses)
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        recorded = record_walks(presets, seeds, arguments.length)
-        walks = bar.track(recorded, total=len(presets) * len(seeds), description="walks")
-        if arguments.tune:
-            yield _tuned_places(walks)
-            return
-        found = list(compare_place_methods(walks))
+    presets, seeds = arguments.presets, seeds_of(arguments)
+    walks = tracked(record_walks(presets, seeds, arguments.length), len(presets) * len(seeds), "walks")
+    if arguments.tune:
+        yield _tuned_places(walks)
+        return
+    found = list(compare_place_methods(walks))
     for preset, methods in totals(found).items():
         title = f"{preset}, seeds {seeds[0]} to {seeds[-1]}, walks of {arguments.length:g} m: true / false matches"
         headers = (*(f"N = {n}" for n in (1, 3, 5)), "recall at 1 / 3 / 5", "at full precision", "average precision")
@@ -153,7 +149,7 @@ def _tuned_places(walks: "Iterable[PlaceWalk]") -> Table:
 def _places(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.places import FITTED, ask_everywhere, compare_places, fit_revisits, walks
 
-    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    seeds = seeds_of(arguments)
     answers = []
     for condition, scenarios in walks(arguments.presets, seeds, arguments.fidelity).items():
         found = [ask_everywhere(scenario) for scenario in scenarios]

@@ -4,9 +4,7 @@ import argparse
 from collections.abc import Iterator
 from dataclasses import astuple, fields
 
-from rich.console import Console
 from rich.markup import escape
-from rich.progress import Progress
 from rich.table import Table
 
 from sim.commands.action import Action
@@ -21,6 +19,8 @@ from sim.commands.benchmarks.bench_options import (
     PRESET,
     SEVERAL_PRESETS,
     printing,
+    seeds_of,
+    tracked,
 )
 from sim.fidelity import FIDELITIES
 
@@ -70,7 +70,7 @@ def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
 
     title = escape(f"{_houses(arguments)}, encoder {arguments.encoder}, {arguments.fidelity}")
     table = Table("seed", *(field.name.replace("_", " ") for field in fields(SegmentationRow)), title=title)
-    last = arguments.seed + arguments.houses - 1
+    seeds = seeds_of(arguments)
     rows = []
     config = Scenario(
         preset=arguments.preset,
@@ -79,9 +79,9 @@ def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
         feature_model=arguments.feature_model,
     )
     settings = read_config(arguments.config) if arguments.config else None
-    for house, row in run_houses(config, range(arguments.seed, last + 1), arguments.openness, settings):
+    for house, row in run_houses(config, seeds, arguments.openness, settings):
         rows.append(row)
-        table.add_row(str(house), *(shown(value, "{:.3g}") for value in astuple(row)), end_section=house == last)
+        table.add_row(str(house), *(shown(value, "{:.3g}") for value in astuple(row)), end_section=house == seeds[-1])
     for name, values in zip(("mean", "std"), mean_and_spread(rows), strict=True):
         table.add_row(name, *(shown(value, "{:.3g}") for value in values))
     yield table
@@ -91,7 +91,7 @@ def _rooms(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.peers.room_methods import compare_methods
 
     table = Table("labels, rooms by", "labels", "room PQ", "splits and merges", title=f"{_houses(arguments)}, features")
-    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    seeds = seeds_of(arguments)
     for row in compare_methods(arguments.preset, seeds, arguments.openness):
         spreads = f"{row.labels:.3f} ± {row.labels_std:.3f}", f"{row.rooms:.3f} ± {row.rooms_std:.3f}"
         table.add_row(row.method, *spreads, f"{row.splits_and_merges:.1f}")
@@ -103,12 +103,9 @@ def _stages(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.stage_costs import UNCHANGED, gains, measure_stages
 
     check_files(arguments.csv)
-    seeds, presets = range(arguments.seed, arguments.seed + arguments.houses), arguments.presets
-    rows = []
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        measured = measure_stages(presets, seeds)
-        for house in bar.track(measured, total=len(presets) * len(seeds), description="houses"):
-            rows += house
+    seeds, presets = seeds_of(arguments), arguments.presets
+    measured = tracked(measure_stages(presets, seeds), len(presets) * len(seeds), "houses")
+    rows = [row for house in measured for row in house]
     rows.sort(key=lambda row: (presets.index(row.preset), row.seed))
     title = f"{', '.join(presets)}, seeds {seeds[0]} to {seeds[-1]}, features: change, mean ± standard error over houses"
     table = Table("replaced", "houses", "labels", "room PQ", "ATE, m", "right plans", title=title)
@@ -126,7 +123,7 @@ def _planning(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.harness import Scenario
     from sim.report.figures import shown
 
-    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    seeds = seeds_of(arguments)
     config = Scenario(preset=arguments.preset, encoder=arguments.encoder)
     title = escape(f"{_houses(arguments)}, encoder {arguments.encoder}")
     table = Table("seed", "driven by", "queries", "success", "spl", "touched", "seconds", title=title)
@@ -154,7 +151,7 @@ def _queries(arguments: argparse.Namespace) -> Iterator[Table]:
     failures = Table("seed", "list", "failed question", "best room", "said", title_justify="left")
     everything: dict[str, list[Answered]] = {name: [] for name in SETS}
     config = Scenario(preset=arguments.preset, encoder=arguments.encoder)
-    for house, name, answered in ask_houses(config, range(arguments.seed, arguments.seed + arguments.houses)):
+    for house, name, answered in ask_houses(config, seeds_of(arguments)):
         everything[name] += answered
         table.add_row(str(house), name, *(shown(value, "{:.3g}") for value in astuple(row_of(answered))))
         for one in answered:
