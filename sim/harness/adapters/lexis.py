@@ -95,6 +95,16 @@ class Lexis:
         """Add the next observation to the map."""
         self._running.process(observation)
 
+    def has_keyframes_of(self, other: "Lexis") -> bool:
+        """Whether this LEXIS makes the same keyframes as `other` of any walk. Only later stages may then differ."""
+        mine, others = ((each.config.keyframes, each.config.landmarks) for each in (self, other))
+        return mine == others and self.encoder.fingerprint == other.encoder.fingerprint
+
+    def replay(self, map: LexisMap) -> None:
+        """Add the keyframes of a map, in place of observations. This saves the encoding and the features of all images."""
+        for keyframe in map.keyframes:
+            self._running.replay(keyframe)
+
     def finish(self) -> Estimate:
         """Complete the map, and return its contents as the estimate that the harness compares with the truth."""
         self._map = self._running.finish()

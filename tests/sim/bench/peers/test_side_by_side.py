@@ -1,5 +1,7 @@
 """Several systems on one walk claim what each of them claims alone."""
 
+from dataclasses import replace
+
 import numpy as np
 from helpers.open_flat import OPEN_FLAT
 
@@ -8,7 +10,14 @@ from sim.bench.peers.side_by_side import run_side_by_side
 from sim.harness import run
 from sim.harness.adapters import GeometricRooms, Lexis, OdometryOnly
 
-SLAMS = {"odometry": OdometryOnly, "rooms": GeometricRooms, "LEXIS": lambda: Lexis("oracle", PAPER)}
+FAR_APART = replace(PAPER, keyframes=replace(PAPER.keyframes, spacing_m=1.0))
+SLAMS = {
+    "odometry": OdometryOnly,
+    "rooms": GeometricRooms,
+    "LEXIS": lambda: Lexis("oracle", PAPER),
+    "LEXIS, other rooms and loops": lambda: Lexis("oracle"),
+    "LEXIS, other keyframes": lambda: Lexis("oracle", FAR_APART),
+}
 
 
 def test_systems_side_by_side_claim_what_they_claim_alone():
