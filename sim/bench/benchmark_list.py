@@ -16,14 +16,18 @@ class Extent:
     """Fidelity of the benchmarks that can do without images."""
     walk: int
     """Length of the walks on which place recognition is compared [m]."""
+    sweep: str
+    """Options of the sweeps that need images."""
+    encoders: str
+    """Presets of the houses in which encoders are compared."""
     length: int
     """Length of the long walk [m]."""
     rooms: int
     """Number of rooms of the house of the long walk."""
 
 
-QUICK = Extent(houses=2, fidelity="features", walk=100, length=1000, rooms=10)
-FULL = Extent(houses=5, fidelity="render", walk=250, length=10000, rooms=40)
+QUICK = Extent(houses=2, fidelity="features", walk=75, sweep="--length 60", encoders="home", length=1000, rooms=10)
+FULL = Extent(houses=5, fidelity="render", walk=250, sweep="", encoders="ori home", length=10000, rooms=40)
 
 
 @dataclass(frozen=True)
@@ -49,8 +53,8 @@ _LIST = (
     ("openness", "openness --houses {houses} --seed 500 --out {out}/openness.csv {out}/openness.png", 35),
     ("clutter", "sweep clutter --houses {houses} --seed 500 --out {out}/clutter.csv {out}/clutter.png", 25),
     ("odometry", "sweep odometry --houses {houses} --seed 500 --out {out}/odometry.csv {out}/odometry.png", 20),
-    ("light", "sweep light --houses {houses} --seed 500 --out {out}/light.csv {out}/light.png", 360),
-    ("texture", "sweep texture --houses {houses} --seed 500 --out {out}/texture.csv {out}/texture.png", 390),
+    ("light", "sweep light --houses {houses} {sweep} --seed 500 --out {out}/light.csv {out}/light.png", 360),
+    ("texture", "sweep texture --houses {houses} {sweep} --seed 500 --out {out}/texture.csv {out}/texture.png", 390),
     ("places", "places --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 75),
     ("kernels", "kernels --houses {houses} --seed 500 --csv {out}/kernels.csv --plot {out}/kernels.png", 30),
     ("sessions", "sessions --houses {houses} --seed 500", 25),
@@ -65,7 +69,7 @@ _OF_PRESETS = (
 )
 """The same for benchmarks of a single preset, which run once for each of `_PRESETS`."""
 _TIMINGS = (
-    ("table1", "encoders --presets ori home --encoders mini --houses {houses} --seed 500", 130),
+    ("table1", "encoders --presets {encoders} --encoders mini --houses {houses} --seed 500", 130),
     ("stages", "stages --presets {presets} --houses {houses} --seed 500 --csv {out}/stages.csv", 100),
     ("scale", "scale --rooms {rooms} --length {length} --seed 300", 25),
     ("speed", "speed --houses {houses} --seed 500", 60),

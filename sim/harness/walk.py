@@ -1,5 +1,6 @@
 """The part of a run that needs neither images nor a SLAM: the house, the tour through the house, and the odometry."""
 
+import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -32,6 +33,11 @@ def shortest_walk_m(scenario: Scenario) -> float:
     """
     house = built_and_checked(house_spec(scenario))
     return shortest_length(house, Walkable(house), random_streams(scenario)["tour"], tour_config(scenario))
+
+
+def with_walk_m(scenario: Scenario, length_m: float) -> Scenario:
+    """Return the scenario with a tour of `length_m` [m], or with the shortest possible tour if that is longer."""
+    return replace(scenario, length_m=max(length_m, float(math.ceil(shortest_walk_m(scenario)))))
 
 
 def walk(scenario: Scenario) -> Walk:

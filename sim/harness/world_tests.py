@@ -8,7 +8,7 @@ import hashlib
 import math
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, Protocol, TypeVar, get_args, runtime_checkable
 
@@ -117,7 +117,7 @@ class FreshWorld:
         """
         from sim.harness.parts import TOUR_LENGTH_M
         from sim.harness.scenario import Scenario
-        from sim.harness.walk import shortest_walk_m
+        from sim.harness.walk import with_walk_m
         from worlds.presets import sample_house
 
         family = self.family
@@ -133,9 +133,7 @@ class FreshWorld:
             encoder=family.encoder,
             faults=family.faults,
         )
-        if family.length_m is None:
-            return scenario
-        return replace(scenario, length_m=max(family.length_m, float(math.ceil(shortest_walk_m(scenario)))))
+        return scenario if family.length_m is None else with_walk_m(scenario, family.length_m)
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,7 @@ from sim.fidelity import Fidelity
 from sim.harness import Scenario, SlamUnderTest, evaluate
 from sim.harness.adapters import GeometricRooms, Lexis
 from sim.harness.parts import house_spec, in_house
+from sim.harness.walk import with_walk_m
 from sim.harness.world_tests import usual_rate_hz
 from worlds.variant import in_light, in_texture
 
@@ -118,11 +119,21 @@ class SweepRow:
     """Number of surplus true rooms in one found room."""
 
 
-def sweep(preset: str, seeds: Sequence[int], difficulty: Difficulty = DIFFICULTIES["openness"]) -> Iterator[SweepRow]:
-    """Let every method of the difficulty find rooms in the same houses at each of its values."""
+def sweep(
+    preset: str,
+    seeds: Sequence[int],
+    difficulty: Difficulty = DIFFICULTIES["openness"],
+    length_m: float | None = None,
+) -> Iterator[SweepRow]:
+    """Let every method of the difficulty find rooms in the same houses at each of its values.
+
+    `length_m` is the length of the walks [m], see `with_walk_m`. None: the usual length of a scenario.
+    """
     usual = Scenario(preset=preset, fidelity=difficulty.fidelity, frame_rate_hz=usual_rate_hz(difficulty.fidelity))
     for value in difficulty.values:
         for scenario in configs(usual, seeds):
+            if length_m is not None:
+                scenario = with_walk_m(scenario, length_m)
             changed = difficulty.changed(scenario, value)
             slams = {name: METHODS[name](changed) for name in difficulty.methods}
             for name, finished in run_side_by_side(changed, slams).items():

@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 
 
 def _openness(arguments: argparse.Namespace) -> Iterator[Table]:
-    return _sweep(arguments, "openness")
+    return _sweep(arguments, "openness", None)
 
 
 def _sweep_over(arguments: argparse.Namespace) -> Iterator[Table]:
-    return _sweep(arguments, arguments.over)
+    return _sweep(arguments, arguments.over, arguments.length)
 
 
-def _sweep(arguments: argparse.Namespace, over: str) -> Iterator[Table]:
+def _sweep(arguments: argparse.Namespace, over: str, length_m: float | None) -> Iterator[Table]:
     from sim.bench.peers.difficulty_sweep import DIFFICULTIES, means, sweep, write_sweep
     from sim.bench.row_files import check_files
     from sim.report.figures import shown
@@ -41,7 +41,7 @@ def _sweep(arguments: argparse.Namespace, over: str) -> Iterator[Table]:
     check_files(*arguments.out)
     seeds, difficulty = seeds_of(arguments), DIFFICULTIES[over]
     total = len(difficulty.methods) * len(difficulty.values) * len(seeds)
-    rows = list(tracked(sweep(arguments.preset, seeds, difficulty), total, "runs"))
+    rows = list(tracked(sweep(arguments.preset, seeds, difficulty, length_m), total, "runs"))
     for path in arguments.out:
         write_sweep(rows, over, path)
     title = (
@@ -186,6 +186,12 @@ BENCHMARKS = (
             argument("over", choices=("clutter", "odometry", "light", "texture"), help="what becomes more difficult"),
             PRESET,
             HOUSES,
+            argument(
+                "--length",
+                type=number(10.0, 1e4),
+                metavar="M",
+                help="length of the walks in metres; longer where the rooms of a house demand it (default: the usual)",
+            ),
             FILES,
             SEED,
         ),

@@ -8,9 +8,10 @@ import pytest
 
 from sim.faults import parse_fault
 from sim.harness.scenario import Scenario
-from sim.harness.walk import walk
+from sim.harness.walk import shortest_walk_m, walk, with_walk_m
 from sim.render.rig import RigConfig
 from worlds.presets import sample_from_rooms
+from worlds.truth import room_at
 
 PLAIN = Scenario(
     house=sample_from_rooms(("kitchen", "bedroom"), seed=21), length_m=20.0, frame_rate_hz=2.0, fidelity="features"
@@ -47,3 +48,12 @@ def test_house_tour_and_odometry_change_the_walk(name):
 
 def test_the_preset_changes_the_walk_if_no_house_is_given():
     assert walk(Scenario(preset="home")).house.spec != walk(Scenario(preset="apartment")).house.spec
+
+
+def test_a_walk_gets_the_length_that_is_asked_for_but_visits_all_rooms():
+    least = shortest_walk_m(PLAIN)
+    assert with_walk_m(PLAIN, 40.0) == replace(PLAIN, length_m=40.0)
+    short = with_walk_m(PLAIN, 0.5 * least)
+    assert least <= short.length_m < least + 1.0
+    walked = walk(short)
+    assert set(room_at(walked.house, walked.tour.T_W_B[:, :3, 3])) >= set(range(len(walked.house.rooms)))
