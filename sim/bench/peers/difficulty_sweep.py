@@ -110,7 +110,7 @@ DIFFICULTIES: Mapping[str, Difficulty] = MappingProxyType(
         ),
     }
 )
-"""The difficulties by name; "spacing" is the distance between keyframes [m]. The true map depends on openness only: furniture,
+"""The difficulties by name; "spacing" is the distance between keyframes [m]. The true map depends on openness only: clutter,
 light and drift do not change it."""
 
 
