@@ -18,7 +18,8 @@ from scipy.ndimage import distance_transform_edt
 from lexis.errors import MapError
 from lexis.floors import NO_FLOOR
 from lexis.maths.se3 import transform
-from lexis.planner import MAX_STEP_M
+from lexis.maths.ties import rounded
+from lexis.keyframes import MAX_STEP_M
 from lexis.types import LexisMap
 
 CELL_M = 0.1
@@ -65,7 +66,8 @@ class StoreyGrid:
 
     def cells(self, points: Float64[np.ndarray, "k d"]) -> Cells:
         """Return row and column of the cell that contains each point (x and y in W [m])."""
-        return np.asarray(np.floor((points[:, 1::-1] - self.origin[::-1]) / CELL_M).astype(np.int64))
+        # Rounded, because a point on the border of two cells must not change its cell with the last bit.
+        return np.asarray(np.floor(rounded((points[:, 1::-1] - self.origin[::-1]) / CELL_M)).astype(np.int64))
 
 
 def floors(map: LexisMap) -> list[int]:
@@ -117,13 +119,13 @@ def _empty_grid(floor: int, seen: Float64[np.ndarray, "k 3"], heights: tuple[flo
     The grid's corner is at multiples of the cells' width. Raises MapError if the grid is too large.
     """
     low, high = seen[:, :2].min(axis=0) - _MARGIN_M, seen[:, :2].max(axis=0) + _MARGIN_M
-    size = np.ceil((high - low) / CELL_M) + 1
+    size = np.ceil(rounded((high - low) / CELL_M)) + 2
     if size.prod() > MAX_CELLS:
         wide, long = high - low
         raise MapError(f"floor {floor} is {wide:.0f} m by {long:.0f} m large; valid: up to {MAX_CELLS * CELL_M**2:.0f} m²")
     columns, rows = size.astype(int)
     nothing = np.zeros((rows, columns), bool)
-    return StoreyGrid(floor, np.floor(low / CELL_M) * CELL_M, nothing, nothing, heights)
+    return StoreyGrid(floor, np.floor(rounded(low / CELL_M)) * CELL_M, nothing, nothing, heights)
 
 
 def _samples(camera: Float64[np.ndarray, "3"], points: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "m 3"]:

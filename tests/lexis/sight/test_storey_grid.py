@@ -8,8 +8,8 @@ import shapely
 from helpers.two_rooms import CAMERA_M, DOOR, ROOMS, two_rooms
 
 from lexis.errors import MapError
-from lexis.map.interchange import storey_grid as module
-from lexis.map.interchange.storey_grid import CELL_M, floors, storey_grid
+from lexis.sight import storey_grid as module
+from lexis.sight.storey_grid import CELL_M, floors, storey_grid
 
 INSIDE = shapely.union_all([*(shapely.box(*room) for room in ROOMS.values()), shapely.box(4.0, DOOR[0], 4.1, DOOR[1])])
 

@@ -11,7 +11,7 @@ from helpers.map_builder import CAMERA, build_map, corridor_with_offices, random
 from lexis.config import PlannerConfig
 from lexis.errors import PlanError
 from lexis.floors import NO_FLOOR
-from lexis.planner import adjacency, path_end, plan
+from lexis.planning import adjacency, path_end, plan
 from lexis.room_names import instance_names
 
 
