@@ -56,7 +56,7 @@ def surely_inside(
     own, label = np.array(room.keyframes), map.room_names.index(room.label)
     own = own[_is_deep(map, own, label)]
     own = own[_is_agreed(map, own, probabilities[:, label])]
-    return own[evidence_at(map, room.label, own) >= CLEAR * clear] if len(own) else own
+    return np.asarray(own[evidence_at(map, room.label, own) >= CLEAR * clear]) if len(own) else own
 
 
 def _is_deep(map: LexisMap, keyframes: Int[np.ndarray, "k"], label: int) -> Bool[np.ndarray, "k"]:

@@ -41,18 +41,18 @@ class Plan:
 def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = None, avoid: Sequence[str] = ()) -> Plan:
     """Return the shortest path between two rooms, named as instances ("office 2") or by label ("office").
 
-    See `Planner.plan`. To plan several paths in one map, create one `Planner`, which is faster.
+    See `PathPlanner.plan`. To plan several paths in one map, create one `PathPlanner`, which is faster.
     """
-    return Planner(map, config).plan(start, goal, avoid)
+    return PathPlanner(map, config).plan(start, goal, avoid)
 
 
-class Planner:
+class PathPlanner:
     """Plans any number of paths in one map."""
 
     def __init__(self, map: LexisMap, config: PlannerConfig | None = None) -> None:
         self._map, self._config = map, config or PlannerConfig()
         self._ends: dict[int, PathEnd] = {}
-        self._inside: dict[int, Int[np.ndarray, "k"]] = {}
+        self._inside: dict[int, np.ndarray] = {}
 
     def plan(self, start: str, goal: str, avoid: Sequence[str] = ()) -> Plan:
         """Return the shortest path between two rooms, named as instances ("office 2") or by label ("office").

@@ -44,9 +44,7 @@ def shortcuts(map: LexisMap, config: PlannerConfig) -> Pairs:
     return np.concatenate([np.zeros((0, 2), int), *(_on_floor(map, floor, config) for floor in floors(map))])
 
 
-def points_between(
-    positions: Float64[np.ndarray, "n d"], pairs: Pairs, metres: float
-) -> Float64[np.ndarray, "m points d"]:
+def points_between(positions: Float64[np.ndarray, "n d"], pairs: Pairs, metres: float) -> Float64[np.ndarray, "m points d"]:
     """Return evenly spaced points on the straight steps between pairs of positions, both ends included.
 
     All steps get as many points as a step of length `metres` needs, so that no two are farther apart than `SPACING_M`.
@@ -65,7 +63,7 @@ def _on_floor(map: LexisMap, floor: int, config: PlannerConfig) -> Pairs:
         return np.zeros((0, 2), int)
     pairs = _close_pairs(positions, members, config.sight_m)
     kept = [clearance.allows(points_between(positions[:, :2], chunk, config.sight_m), config) for chunk in _chunks(pairs)]
-    return pairs[np.concatenate([np.zeros(0, bool), *kept])]
+    return np.asarray(pairs[np.concatenate([np.zeros(0, bool), *kept])])
 
 
 def _close_pairs(positions: Float64[np.ndarray, "n 3"], members: Int[np.ndarray, "k"], metres: float) -> Pairs:

@@ -17,9 +17,9 @@ from scipy.ndimage import distance_transform_edt
 
 from lexis.errors import MapError
 from lexis.floors import NO_FLOOR
+from lexis.keyframes import MAX_STEP_M
 from lexis.maths.se3 import transform
 from lexis.maths.ties import rounded
-from lexis.keyframes import MAX_STEP_M
 from lexis.types import LexisMap
 
 CELL_M = 0.1

@@ -12,7 +12,7 @@ from lexis.errors import LexisError
 from lexis.map.folder import save_map
 from lexis.perception import Encoder
 from lexis.place_recognition import PlaceRecogniser, propose
-from lexis.planning import Planner
+from lexis.planning import PathPlanner
 from lexis.semantics import Labeller
 from lexis.slam import Slam
 from lexis.types import Camera, LexisMap, LoopArrays, Observation, Verdict
@@ -46,7 +46,7 @@ class Lexis:
         self._place_recogniser, self._verifier, self._labeller = place_recogniser, verifier, labeller
         self._slam: Slam | None = None
         self._map: LexisMap | None = None
-        self._planner: Planner | None = None
+        self._planner: PathPlanner | None = None
 
     @property
     def encoder(self) -> Encoder:
@@ -110,7 +110,7 @@ class Lexis:
     def plan(self, start: str, goal: str) -> Sequence[int]:
         """Return the indices of the keyframes on the shortest path from a room labelled `start` to one labelled `goal`."""
         if self._planner is None:
-            self._planner = Planner(self.map, self.config.planner)
+            self._planner = PathPlanner(self.map, self.config.planner)
         return self._planner.plan(start, goal).keyframes
 
     def save(self, folder: Path) -> None:
