@@ -1,7 +1,11 @@
 """Shortcuts: straight steps between two keyframes of one floor, through space that is known to be free.
 
-Space is free where lines of sight to landmarks pass, and where the camera itself has walked (`lexis.sight.storey_grid`). A
-shortcut must have free space on both sides, as wide as the robot. Its ends are at most `sight_m` apart: longer shortcuts
+Space is free where the camera itself has walked, and where a line of sight to a landmark passes below the height of table
+tops. A line of sight above a table does not count, because the robot could not follow it. Cells with an obstacle are not
+free: there, at least the share `OCCUPIED_SHARE` of the keyframes that look into the cell see a landmark. This share is lower
+than in `lexis.sight.storey_grid`, because most lines of sight pass above low furniture.
+
+A shortcut must have free space on both sides, as wide as the robot. Its ends are at most `sight_m` apart: longer shortcuts
 hardly shorten a path further. Space above or below stairs looks free, but has no floor to drive on, so a shortcut also keeps
 `STAIRWELL_M` away from the camera's path on stairs, as seen from above.
 """
@@ -17,9 +21,11 @@ from lexis.config import PlannerConfig
 from lexis.errors import MapError
 from lexis.floors import NO_FLOOR
 from lexis.maths.ties import rounded
-from lexis.sight.storey_grid import CELL_M, StoreyGrid, floors, storey_grid
+from lexis.sight.storey_grid import CELL_M, ViewCounts, count_views, floors
 from lexis.types import LexisMap
 
+OCCUPIED_SHARE = 0.15
+"""A cell is occupied if at least this share of the keyframes that look into the cell see a landmark there."""
 STAIRWELL_M = 0.8
 """Least distance of a shortcut from the keyframes on stairs, as seen from above [m]: half the width of stairs, and the
 radius of a robot."""
@@ -58,7 +64,7 @@ def _on_floor(map: LexisMap, floor: int, config: PlannerConfig) -> Pairs:
     members = np.flatnonzero(map.floors == floor)
     positions = map.T_W_B[:, :3, 3]
     try:
-        clearance = _Clearance(storey_grid(map, floor), positions[map.floors == NO_FLOOR, :2])
+        clearance = _Clearance(count_views(map, floor), positions[map.floors == NO_FLOOR, :2])
     except MapError:
         return np.zeros((0, 2), int)
     pairs = _close_pairs(positions, members, config.sight_m)
@@ -76,13 +82,14 @@ def _close_pairs(positions: Float64[np.ndarray, "n 3"], members: Int[np.ndarray,
 class _Clearance:
     """Distance from every cell of a floor to the nearest cell that is not free."""
 
-    def __init__(self, grid: StoreyGrid, stairs: Float64[np.ndarray, "k 2"]) -> None:
-        self._grid, self._stairs = grid, cKDTree(stairs) if len(stairs) else None
-        self._metres = rounded(distance_transform_edt(grid.free) * CELL_M)
+    def __init__(self, views: ViewCounts, stairs: Float64[np.ndarray, "k 2"]) -> None:
+        self._views, self._stairs = views, cKDTree(stairs) if len(stairs) else None
+        free = ((views.low > 0) & ~views.occupied(OCCUPIED_SHARE)) | views.walked
+        self._metres = rounded(distance_transform_edt(free) * CELL_M)
 
     def allows(self, points: Float64[np.ndarray, "m points 2"], config: PlannerConfig) -> Bool[np.ndarray, "m"]:
         """Return which shortcuts are free for the robot, given the points on each shortcut."""
-        rows, columns = self._grid.cells(points.reshape(-1, 2)).T
+        rows, columns = self._views.cells(points.reshape(-1, 2)).T
         free = (self._metres[rows, columns] >= config.radius_m).reshape(points.shape[:2]).all(axis=1)
         if self._stairs is not None:
             near = np.isfinite(self._stairs.query(points[free].reshape(-1, 2), distance_upper_bound=STAIRWELL_M)[0])
