@@ -9,9 +9,11 @@ from helpers.two_rooms import DOOR, ROOMS, two_rooms
 
 from lexis.config import PlannerConfig
 from lexis.floors import NO_FLOOR
+from lexis.maths.se3 import inverse, transform
 from lexis.planning import shortcuts as module
 from lexis.planning.shortcuts import STAIRWELL_M, points_between, shortcuts
 from lexis.sight.storey_grid import CELL_M
+from lexis.types import Landmarks
 
 INSIDE = shapely.union_all([*(shapely.box(*room) for room in ROOMS.values()), shapely.box(4.0, DOOR[0], 4.1, DOOR[1])])
 
@@ -55,11 +57,30 @@ def test_a_robot_wider_than_the_door_has_no_shortcut_through_it(lexis_map):
     assert shapely.crosses(slim, shapely.LineString([(4.05, 0.0), (4.05, 4.0)])).any()
 
 
+def with_landmarks(lexis_map, change):
+    """The map with other landmarks: `change` maps the positions (k, 3) in W that keyframe i sees to other positions."""
+    keyframes = []
+    for i, (keyframe, T_W_B) in enumerate(zip(lexis_map.keyframes, lexis_map.T_W_B, strict=True)):
+        points = transform(inverse(T_W_B), change(i, transform(T_W_B, keyframe.landmarks.points)))
+        keyframes.append(replace(keyframe, landmarks=Landmarks(points, np.full(len(points), -1))))
+    return replace(lexis_map, keyframes=tuple(keyframes))
+
+
 def test_without_landmarks_shortcuts_only_follow_the_walk(lexis_map):
-    keyframes = tuple(replace(k, landmarks=replace(k.landmarks, points=np.zeros((0, 3)))) for k in lexis_map.keyframes)
+    blind = with_landmarks(lexis_map, lambda i, points: points[:0])
     walk = shapely.LineString(lexis_map.T_W_B[lexis_map.floors == 0, :2, 3])
-    straight = lines(lexis_map, shortcuts(replace(lexis_map, keyframes=keyframes), PlannerConfig()))
-    assert shapely.within(straight, walk.buffer(CELL_M)).all()
+    straight = lines(blind, shortcuts(blind, PlannerConfig()))
+    assert shapely.within(straight, walk.buffer(2 * CELL_M)).all()
+    assert len(straight) < len(shortcuts(lexis_map, PlannerConfig())) / 2
+
+
+def test_shortcuts_lead_around_a_table_that_few_images_show(lexis_map):
+    """The table stands beside the walk through the office. A third of the keyframes have landmarks on it."""
+    table = np.column_stack((np.tile(np.arange(5.5, 6.6, 0.05), 2), np.repeat([2.45, 2.55], 22), np.full(44, 0.75)))
+    furnished = with_landmarks(lexis_map, lambda i, points: np.concatenate([points, table]) if i % 3 == 0 else points)
+    across = shapely.LineString([(5.5, 2.5), (6.5, 2.5)])
+    assert shapely.crosses(lines(lexis_map, shortcuts(lexis_map, PlannerConfig())), across).any()
+    assert not shapely.crosses(lines(furnished, shortcuts(furnished, PlannerConfig())), across).any()
 
 
 def test_shortcuts_can_be_switched_off(lexis_map):
