@@ -21,9 +21,9 @@ from lexis.planning.evidence import evidence_at
 from lexis.sight import pool_labels, sight, space_in_view
 from lexis.types import LexisMap, RoomInstance
 
-INSIDE_M = 0.7
+INSIDE_M = 1.0
 """Least distance of a keyframe that is surely inside its room from the nearest keyframe with another label [m]."""
-AROUND_M = 1.0
+AROUND_M = 1.25
 """The probabilities of labels are averaged over the keyframes within this distance [m]."""
 AGREEING = 0.9
 """Least mean probability of the room's label around a keyframe that is surely inside the room."""
