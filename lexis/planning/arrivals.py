@@ -4,7 +4,8 @@ A path has to end in the right room, but need not lead to its middle. The labels
 among all keyframes of a room: the keyframe nearest to the start is mostly one in front of the room, whose label is wrong. A
 keyframe is therefore surely inside its room if three conditions hold:
 
-1. Keyframes with other labels are at least `INSIDE_M` away, because labels are uncertain at the boundary of a room.
+1. Keyframes with other labels are at least `INSIDE_M` away, because labels are uncertain at the boundary of a room, and
+   because a robot whose estimate has drifted may stop a little in front of the keyframe.
 2. The images that show the places around the keyframe agree on the label: its mean probability (`lexis.sight.pooled_labels`,
    before keyframes come to agree with their neighbours) over the keyframes within `AROUND_M` is at least `AGREEING`.
 3. The evidence at the keyframe (`lexis.planning.evidence`) is at least the share `CLEAR` of the evidence at the innermost
