@@ -8,8 +8,8 @@ from .map import load_map as load_map
 from .map import relabel as relabel
 from .map import save_map as save_map
 from .merging import merge as merge
-from .planner import Plan as Plan
-from .planner import plan as plan
+from .planning import Plan as Plan
+from .planning import plan as plan
 from .query import Answer as Answer
 from .query import ask as ask
 from .slam import Slam as Slam

@@ -21,7 +21,7 @@ from lexis.map.folder import JSON_FILE, load_map, save_map
 from lexis.map.info import info_text, map_info
 from lexis.map.interchange.spark_dsg_reader import read_spark_dsg
 from lexis.map.path_directions import directions, place, plan_summary
-from lexis.planner import plan
+from lexis.planning.planner import plan
 from lexis.room_names import find_rooms, instance_names, unused_names
 from lexis.settings import settings_data
 from lexis.types import LexisMap

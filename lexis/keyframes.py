@@ -13,6 +13,9 @@ from lexis.maths.se3 import between, compose_covariance, rotation_angle
 from lexis.maths.ties import reaches
 from lexis.types import Covariance, Observation, Pose
 
+MAX_STEP_M = 3.0
+"""Largest distance between consecutive keyframes of a walk [m]. A larger distance is a gap in the recording."""
+
 
 @dataclass(frozen=True, eq=False)
 class Frame:

@@ -19,7 +19,7 @@ from lexis.errors import LexisError
 from lexis.map.export import FORMATS, export_map
 from lexis.map.folder import load_map, save_map
 from lexis.map.interchange import read_spark_dsg
-from lexis.planner import plan
+from lexis.planning import plan
 from sim.cli import main as lexis_sim
 from sim.errors import SimError
 from sim.feature_sensor.model import load_features

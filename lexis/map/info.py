@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from lexis.graph.components import sessions_apart
-from lexis.planner import MIN_LOOP_WEIGHT
+from lexis.planning.connections import MIN_LOOP_WEIGHT
 from lexis.room_names import instance_names, unused_names
 from lexis.types import LexisMap
 

@@ -9,7 +9,7 @@ from jaxtyping import Float64, Int
 from lexis.floors import NO_FLOOR
 from lexis.maths.paths import arc_length
 from lexis.maths.stretches import stretches_of
-from lexis.planner import Plan
+from lexis.planning.planner import Plan
 from lexis.room_names import instance_names
 from lexis.types import LexisMap
 

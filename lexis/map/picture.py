@@ -7,7 +7,8 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from lexis.floors import NO_FLOOR
-from lexis.planner import MAX_STEP_M, MIN_LOOP_WEIGHT
+from lexis.keyframes import MAX_STEP_M
+from lexis.planning.connections import MIN_LOOP_WEIGHT
 from lexis.room_names import instance_names
 from lexis.types import LexisMap
 

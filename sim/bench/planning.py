@@ -49,19 +49,28 @@ class PlanningRow:
 
 
 def drive_houses(
-    config: Scenario, seeds: Sequence[int], pictures: Path | None = None, openness: float | None = None
+    config: Scenario,
+    seeds: Sequence[int],
+    pictures: Path | None = None,
+    openness: float | None = None,
+    drivers: Sequence[str] = tuple(DRIVERS),
 ) -> Iterator[PlanningRow]:
     """Make one run per seed, with all other settings from `config`, and let every driver drive all plans of the run.
 
-    For `openness` see `sim.bench.houses.configs`. `pictures` is a folder for PNGs of the failed drives of the driver LEXIS.
-    Raises `SimError` if that folder cannot be made.
+    For `openness` see `sim.bench.houses.configs`. `drivers` are names in
+    `DRIVERS`. `pictures` is a folder for PNGs of the failed drives of the driver LEXIS.
+    Raises `SimError` if that folder cannot be made, or for an unknown driver.
     """
+    for driver in drivers:
+        if driver not in DRIVERS:
+            raise SimError(f"no driver {driver!r}; valid: {', '.join(DRIVERS)}")
     if pictures is not None:
         _make_folder(pictures)
     slam = Lexis(config.encoder)
     for own in configs(config, seeds, openness):
         finished = run(own, slam)
-        for driver, (steering, blind) in DRIVERS.items():
+        for driver in drivers:
+            steering, blind = DRIVERS[driver]
             start = time.perf_counter()
             trials = try_plans(finished, steering, blind)
             yield _row(own.seed, driver, trials, time.perf_counter() - start)

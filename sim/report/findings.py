@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from lexis.evaluation.trajectory import LEAST_POSES, ate_rmse, rpe_translation
-from lexis.planner import MIN_LOOP_WEIGHT
+from lexis.planning.connections import MIN_LOOP_WEIGHT
 from sim.report.data import UNKNOWN, KeyframeTable, PlanPath, ReportData
 from sim.report.room_errors import SUBSTANTIAL, Groups, room_errors, surplus
 

@@ -4,7 +4,7 @@ from itertools import permutations
 
 from lexis.errors import PlanError
 from lexis.map.folder import load_map, save_map
-from lexis.planner import plan
+from lexis.planning import plan
 from sim.harness import try_plans
 
 

@@ -2,9 +2,8 @@
 
 - Scene graphs: `spark_dsg` writes a map as a scene graph of Spark-DSG, and `spark_dsg_reader` reads it back.
   `spark_dsg_format` defines what both share: layers, names of nodes, and the checked form of the file.
-- Plans: `storey_grid` finds the free and the occupied cells of a storey, and `room_areas` divides the free cells among the
-  rooms. `hydra_rooms` writes the rooms as boxes for Hydra's evaluator, and `ros_map` writes the grids for ROS, with the
-  rooms as polygons.
+- Plans: `room_areas` divides the free cells of a storey (`lexis.sight.storey_grid`) among the rooms. `hydra_rooms` writes
+  the rooms as boxes for Hydra's evaluator, and `ros_map` writes the grids for ROS, with the rooms as polygons.
 """
 
 import lazy_loader

@@ -20,7 +20,7 @@ from jaxtyping import Float64
 from lexis.files.replace import replaced_file
 from lexis.floors import NO_FLOOR
 from lexis.map.interchange.room_areas import rectangles, room_masks
-from lexis.map.interchange.storey_grid import CELL_M, StoreyGrid, floors, storey_grid
+from lexis.sight.storey_grid import CELL_M, StoreyGrid, floors, storey_grid
 from lexis.types import LexisMap
 
 STAIRS_BOX_M = (1.0, 1.0, 2.0)

@@ -14,7 +14,7 @@ from scipy.ndimage import binary_fill_holes
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from lexis.map.interchange.storey_grid import CELL_M, StoreyGrid
+from lexis.sight.storey_grid import CELL_M, StoreyGrid
 from lexis.types import LexisMap
 
 REACH_M = 4.0

@@ -18,8 +18,8 @@ from jaxtyping import UInt8
 from lexis.errors import MapError
 from lexis.files.replace import replaced_folder
 from lexis.map.interchange.room_areas import outline, room_masks
-from lexis.map.interchange.storey_grid import CELL_M, StoreyGrid, floors, storey_grid
 from lexis.room_names import instance_names
+from lexis.sight.storey_grid import CELL_M, StoreyGrid, floors, storey_grid
 from lexis.types import LexisMap
 
 INDEX = "storeys.json"

@@ -528,13 +528,13 @@ _ROOMS = (
 _PLANNER = (
     Mutant(
         "paths end at the other end of the goal",
-        "planner.py",
+        "planning/path_ends.py",
         "best = int(np.argmax(rounded(np.where(evidence > 0.0, evidence * margins, evidence))))",
         "best = int(np.argmin(rounded(np.where(evidence > 0.0, evidence * margins, evidence))))",
     ),
     Mutant(
         "paths take shortcuts of three metres through walls",
-        "planner.py",
+        "planning/connections.py",
         "        _within_rooms(map, positions, config.shortcut_m),",
         '        _pairs_within(cKDTree(positions).query_pairs(3.0, output_type="ndarray"), positions, 3.0),',
     ),

@@ -124,15 +124,16 @@ def _planning(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.report.figures import shown
 
     seeds = seeds_of(arguments)
-    config = Scenario(preset=arguments.preset, encoder=arguments.encoder)
-    title = escape(f"{_houses(arguments)}, encoder {arguments.encoder}")
+    drivers = arguments.drivers or list(DRIVERS)
+    config = Scenario(preset=arguments.preset, encoder=arguments.encoder, fidelity=arguments.fidelity)
+    title = escape(f"{_houses(arguments)}, {arguments.fidelity}, encoder {arguments.encoder}")
     table = Table("seed", "driven by", "queries", "success", "spl", "touched", "seconds", title=title)
     rows = []
-    for row in drive_houses(config, seeds, arguments.pictures, arguments.openness):
+    for row in drive_houses(config, seeds, arguments.pictures, arguments.openness, drivers):
         rows.append(row)
         figures = (shown(row.success, "{:.3f}"), shown(row.spl, "{:.3f}"), str(row.touched), f"{row.seconds:.1f}")
-        table.add_row(str(row.seed), row.driver, str(row.queries), *figures, end_section=row.driver == list(DRIVERS)[-1])
-    for driver in DRIVERS:
+        table.add_row(str(row.seed), row.driver, str(row.queries), *figures, end_section=row.driver == drivers[-1])
+    for driver in drivers:
         mine = [row for row in rows if row.driver == driver and row.queries]
         queries = sum(row.queries for row in mine)
         means = (sum(getattr(row, name) * row.queries for row in mine) / max(queries, 1) for name in ("success", "spl"))
@@ -243,6 +244,8 @@ BENCHMARKS = (
             HOUSES,
             OPENNESS,
             ENCODER,
+            argument("--fidelity", choices=FIDELITIES, default="render", help=FIDELITY_HELP),
+            argument("--drivers", nargs="+", metavar="NAME", help="only these drivers, such as LEXIS (default: all)"),
             argument("--pictures", type=folder, metavar="DIR", help="draw failed drives of LEXIS here"),
             SEED,
         ),

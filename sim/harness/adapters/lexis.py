@@ -12,7 +12,7 @@ from lexis.errors import LexisError
 from lexis.map.folder import save_map
 from lexis.perception import Encoder
 from lexis.place_recognition import PlaceRecogniser, propose
-from lexis.planner import plan
+from lexis.planning import PathPlanner
 from lexis.semantics import Labeller
 from lexis.slam import Slam
 from lexis.types import Camera, LexisMap, LoopArrays, Observation, Verdict
@@ -46,6 +46,7 @@ class Lexis:
         self._place_recogniser, self._verifier, self._labeller = place_recogniser, verifier, labeller
         self._slam: Slam | None = None
         self._map: LexisMap | None = None
+        self._planner: PathPlanner | None = None
 
     @property
     def encoder(self) -> Encoder:
@@ -87,7 +88,7 @@ class Lexis:
         self._start(camera, room_names, features.verifier)
 
     def _start(self, camera: Camera, room_names: Sequence[str], verifier: Verifier) -> None:
-        self._map = None
+        self._map = self._planner = None
         stages = self._verifier or verifier, self._place_recogniser, self._labeller
         self._slam = Slam(camera, self.encoder, room_names, self.config, *stages)
 
@@ -118,7 +119,9 @@ class Lexis:
 
     def plan(self, start: str, goal: str) -> Sequence[int]:
         """Return the indices of the keyframes on the shortest path from a room labelled `start` to one labelled `goal`."""
-        return plan(self.map, start, goal, self.config.planner).keyframes
+        if self._planner is None:
+            self._planner = PathPlanner(self.map, self.config.planner)
+        return self._planner.plan(start, goal).keyframes
 
     def save(self, folder: Path) -> None:
         """Write the map to the subfolder `map` of `folder`."""

@@ -8,7 +8,7 @@ import pytest
 from helpers.map_builder import build_map
 
 from lexis.map.path_directions import directions, plan_summary
-from lexis.planner import Plan
+from lexis.planning import Plan
 
 
 def walked(rng, corners, rooms, floors=None):

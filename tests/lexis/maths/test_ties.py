@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from lexis.config import LabelConfig
 from lexis.map.folder import load_map, save_map
 from lexis.maths.ties import nearest_others, reaches, rounded
-from lexis.planner import plan
+from lexis.planning import plan
 from lexis.room_labels import label_keyframes, similarities
 
 LAST_BITS = 1e-15

@@ -14,7 +14,7 @@ from lexis.map.folder import load_map, save_map
 from lexis.map.relabelling import relabel
 from lexis.maths import se3
 from lexis.merging import merge
-from lexis.planner import adjacency
+from lexis.planning import adjacency
 from lexis.slam import Slam
 from lexis.types import Features, LoopEdge, Observation, Percept, Verdict
 from lexis.verification import Verification, plausible

@@ -13,7 +13,7 @@ from lexis.cli import main
 from lexis.errors import MapError
 from lexis.map.folder import load_map, save_map
 from lexis.map.interchange import read_spark_dsg, write_spark_dsg
-from lexis.planner import plan
+from lexis.planning import plan
 
 
 @pytest.fixture

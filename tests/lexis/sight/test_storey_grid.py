@@ -8,8 +8,8 @@ import shapely
 from helpers.two_rooms import CAMERA_M, DOOR, ROOMS, two_rooms
 
 from lexis.errors import MapError
-from lexis.map.interchange import storey_grid as module
-from lexis.map.interchange.storey_grid import CELL_M, floors, storey_grid
+from lexis.sight import storey_grid as module
+from lexis.sight.storey_grid import CELL_M, LOW_M, count_views, floors, storey_grid
 
 INSIDE = shapely.union_all([*(shapely.box(*room) for room in ROOMS.values()), shapely.box(4.0, DOOR[0], 4.1, DOOR[1])])
 
@@ -70,3 +70,17 @@ def test_floors_without_end_are_refused(lexis_map):
     far[0, 0, 3] = 1e7
     with pytest.raises(MapError, match=r"floor 0 is 1000.* m by .* large; valid: up to 200000 m²"):
         storey_grid(replace(lexis_map, T_W_B=far), 0)
+
+
+def test_low_views_do_not_pass_above_tables(lexis_map):
+    """Without landmarks below twice the height of a table, nothing is seen below the height of a table."""
+    keyframes = []
+    for keyframe, T_W_B in zip(lexis_map.keyframes, lexis_map.T_W_B, strict=True):
+        points = keyframe.landmarks.points
+        lowest = points[points[:, 2] + T_W_B[2, 3] < 0.1]  # they tell where the floor is
+        high = points[points[:, 2] + T_W_B[2, 3] > 2.0 * LOW_M]
+        both = np.concatenate([high, lowest]) if keyframe.id == 0 else high
+        keyframes.append(replace(keyframe, landmarks=replace(keyframe.landmarks, points=both)))
+    views, high_only = count_views(lexis_map, 0), count_views(replace(lexis_map, keyframes=tuple(keyframes)), 0)
+    assert (views.low > 1).sum() > 1000 and high_only.low.max() <= 1
+    assert (high_only.passed > 1).sum() > 1000

@@ -9,7 +9,7 @@
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int
@@ -17,8 +17,9 @@ from scipy.ndimage import distance_transform_edt
 
 from lexis.errors import MapError
 from lexis.floors import NO_FLOOR
+from lexis.keyframes import MAX_STEP_M
 from lexis.maths.se3 import transform
-from lexis.planner import MAX_STEP_M
+from lexis.maths.ties import rounded
 from lexis.types import LexisMap
 
 CELL_M = 0.1
@@ -35,6 +36,11 @@ WALKED_M = 0.2
 """Cells within this distance of the camera's path are free [m], because the robot itself has passed there."""
 MAX_CELLS = 20_000_000
 """Largest number of cells in a grid; a square of as many cells is 447 m wide."""
+LOW_M = 0.8
+"""Lines of sight above this height over the floor may pass over a table [m]. The floor is where the lowest landmarks are, so
+there have to be some on it."""
+_ON_FLOOR_M, _BELOW_M = 0.12, 0.3
+"""Landmarks lie on the floor from `_BELOW_M` below it to `_ON_FLOOR_M` above it [m]."""
 _FLOOR_M, _HEAD_M = 0.2, 0.5
 """Landmarks are no obstacles up to the first height above the floor, from the second height above the highest camera on, and
 up to the first height below the ceiling [m]."""
@@ -65,7 +71,33 @@ class StoreyGrid:
 
     def cells(self, points: Float64[np.ndarray, "k d"]) -> Cells:
         """Return row and column of the cell that contains each point (x and y in W [m])."""
-        return np.asarray(np.floor((points[:, 1::-1] - self.origin[::-1]) / CELL_M).astype(np.int64))
+        return _cells(self.origin, points)
+
+
+@dataclass(frozen=True, eq=False)
+class ViewCounts:
+    """How often the keyframes of a storey look through each cell, and see something in it."""
+
+    origin: Float64[np.ndarray, "2"]
+    """Lower left corner of the grid in W [m]."""
+    heights: tuple[float, float]
+    """Heights of the floor and the ceiling in W, as far as the landmarks and cameras show them [m]."""
+    passed: Int[np.ndarray, "rows columns"]
+    """Number of keyframes that look through the cell at the height of obstacles."""
+    hit: Int[np.ndarray, "rows columns"]
+    """Number of keyframes that see a landmark in the cell at the height of obstacles."""
+    low: Int[np.ndarray, "rows columns"]
+    """Number of keyframes that look through the cell below `LOW_M` above the floor, or see the floor in the cell."""
+    walked: Bool[np.ndarray, "rows columns"]
+    """Whether the cell is within `WALKED_M` of the camera's path."""
+
+    def cells(self, points: Float64[np.ndarray, "k d"]) -> Cells:
+        """Return row and column of the cell that contains each point (x and y in W [m])."""
+        return _cells(self.origin, points)
+
+    def occupied(self, share: float) -> Bool[np.ndarray, "rows columns"]:
+        """Return the cells in which at least this share of the keyframes that see into a cell see a landmark."""
+        return np.asarray((self.hit > 0) & (self.hit >= share * (self.hit + self.passed)) & ~self.walked)
 
 
 def floors(map: LexisMap) -> list[int]:
@@ -75,21 +107,27 @@ def floors(map: LexisMap) -> list[int]:
 
 def storey_grid(map: LexisMap, floor: int) -> StoreyGrid:
     """Find the free and the occupied cells of a floor. Raises MapError if the floor is larger than `MAX_CELLS`."""
+    views = count_views(map, floor)
+    occupied = views.occupied(OCCUPIED_SHARE)
+    free = ((views.passed >= MIN_VIEWS) & ~occupied) | views.walked
+    return StoreyGrid(floor, views.origin, free, occupied, views.heights)
+
+
+def count_views(map: LexisMap, floor: int) -> ViewCounts:
+    """Count the keyframes that look through the cells of a floor. Raises MapError if it is larger than `MAX_CELLS`."""
     members = np.flatnonzero(map.floors == floor)
     cameras = (map.T_W_B[members] @ map.camera.T_B_C)[:, :3, 3]
     landmarks = [_landmarks(map, int(i), camera) for i, camera in zip(members, cameras, strict=True)]
     seen = np.concatenate([cameras, *landmarks])
     heights = _heights(cameras, seen)
-    empty = _empty_grid(floor, seen, heights)
-    band = _obstacle_heights(cameras, heights)
-    passed, hit = np.zeros(empty.free.shape, np.int32), np.zeros(empty.free.shape, np.int32)
+    views = _no_views(floor, seen, heights)
+    band, bottom = _obstacle_heights(cameras, heights), heights[0] - _BELOW_M
     for camera, points in zip(cameras, landmarks, strict=True):
-        passed += _marked(empty, _within(_samples(camera, points), band))
-        hit += _marked(empty, _within(points, band))
-    walked = _walked(map, empty)
-    occupied = (hit > 0) & (hit >= OCCUPIED_SHARE * (hit + passed)) & ~walked
-    free = ((passed >= MIN_VIEWS) & ~occupied) | walked
-    return StoreyGrid(floor, empty.origin, free, occupied, heights)
+        samples, on_floor = _samples(camera, points), _within(points, (bottom, heights[0] + _ON_FLOOR_M))
+        _count(views, views.passed, _within(samples, band))
+        _count(views, views.hit, _within(points, band))
+        _count(views, views.low, np.concatenate([_within(samples, (bottom, heights[0] + LOW_M)), on_floor]))
+    return replace(views, walked=_walked(map, floor, views))
 
 
 def _landmarks(map: LexisMap, i: int, camera: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "k 3"]:
@@ -111,19 +149,20 @@ def _obstacle_heights(cameras: Float64[np.ndarray, "n 3"], heights: tuple[float,
     return min(heights[0] + _FLOOR_M, lowest), max(min(highest + _HEAD_M, heights[1] - _FLOOR_M), highest)
 
 
-def _empty_grid(floor: int, seen: Float64[np.ndarray, "k 3"], heights: tuple[float, float]) -> StoreyGrid:
-    """Return a grid around all cameras and landmarks, without free or occupied cells.
+def _no_views(floor: int, seen: Float64[np.ndarray, "k 3"], heights: tuple[float, float]) -> ViewCounts:
+    """Return a grid around all cameras and landmarks, in which nothing is counted yet.
 
     The grid's corner is at multiples of the cells' width. Raises MapError if the grid is too large.
     """
     low, high = seen[:, :2].min(axis=0) - _MARGIN_M, seen[:, :2].max(axis=0) + _MARGIN_M
-    size = np.ceil((high - low) / CELL_M) + 1
+    size = np.ceil(rounded((high - low) / CELL_M)) + 2
     if size.prod() > MAX_CELLS:
         wide, long = high - low
         raise MapError(f"floor {floor} is {wide:.0f} m by {long:.0f} m large; valid: up to {MAX_CELLS * CELL_M**2:.0f} m²")
     columns, rows = size.astype(int)
-    nothing = np.zeros((rows, columns), bool)
-    return StoreyGrid(floor, np.floor(low / CELL_M) * CELL_M, nothing, nothing, heights)
+    passed, hit, below = (np.zeros((rows, columns), np.int32) for _ in range(3))
+    origin = np.floor(rounded(low / CELL_M)) * CELL_M
+    return ViewCounts(origin, heights, passed, hit, below, np.zeros((rows, columns), bool))
 
 
 def _samples(camera: Float64[np.ndarray, "3"], points: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "m 3"]:
@@ -139,16 +178,21 @@ def _within(points: Float64[np.ndarray, "k 3"], band: tuple[float, float]) -> Fl
     return points[(points[:, 2] >= band[0]) & (points[:, 2] <= band[1])]
 
 
-def _marked(grid: StoreyGrid, points: Float64[np.ndarray, "k d"]) -> Bool[np.ndarray, "rows columns"]:
-    """Return which cells contain a point."""
-    marked = np.zeros_like(grid.free)
-    marked[tuple(grid.cells(points).T)] = True
-    return marked
+def _cells(origin: Float64[np.ndarray, "2"], points: Float64[np.ndarray, "k d"]) -> Cells:
+    # Rounded, because a point on the border of two cells must not change its cell with the last bit.
+    return np.asarray(np.floor(rounded((points[:, 1::-1] - origin[::-1]) / CELL_M)).astype(np.int64))
 
 
-def _walked(map: LexisMap, grid: StoreyGrid) -> Bool[np.ndarray, "rows columns"]:
+def _count(views: ViewCounts, counts: Int[np.ndarray, "rows columns"], points: Float64[np.ndarray, "k d"]) -> None:
+    """Add 1 to the count of every cell that contains a point."""
+    rows, columns = views.cells(points).T
+    counts.flat[np.unique(rows * counts.shape[1] + columns)] += 1
+
+
+def _walked(map: LexisMap, floor: int, views: ViewCounts) -> Bool[np.ndarray, "rows columns"]:
     """Return which cells are within `WALKED_M` of the camera's path on this floor."""
-    walk = _marked(grid, np.concatenate(list(_steps(map, grid.floor))))
+    walk = np.zeros_like(views.walked)
+    walk[tuple(views.cells(np.concatenate(list(_steps(map, floor)))).T)] = True
     return np.asarray(distance_transform_edt(~walk) * CELL_M <= WALKED_M)
 
 

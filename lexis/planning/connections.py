@@ -1,0 +1,76 @@
+"""The steps between two keyframes that a robot can travel, and their lengths."""
+
+import numpy as np
+from jaxtyping import Float64, Int
+from scipy.sparse import csr_array
+from scipy.spatial import cKDTree
+
+from lexis.config import PlannerConfig
+from lexis.keyframes import MAX_STEP_M
+from lexis.planning.shortcuts import shortcuts
+from lexis.types import LexisMap, LoopArrays
+
+MIN_LOOP_WEIGHT = 0.5
+"""Smallest weight, by the robust kernel of the optimisation, of a loop edge that a path may follow."""
+GRID_M = 2.0**-20
+"""The lengths of connections are rounded to multiples of this, about a micrometre [m]. It is a power of two, so that sums of
+lengths are exact."""
+
+Pairs = Int[np.ndarray, "m 2"]
+
+
+def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
+    """Return the lengths of direct connections between keyframes that a robot can travel [m], as a symmetric sparse matrix.
+
+    As in the paper, consecutive keyframes and keyframes of the same room are connected; in addition, so are the two
+    keyframes of each trusted loop edge, and two keyframes between which the images show free space
+    (`lexis.planning.shortcuts`). A connection that the robot neither travelled itself nor saw to be free is at most
+    `shortcut_m` long, because a longer one could lead through furniture or a wall.
+    """
+    return as_graph(map, np.concatenate([walked_steps(map), unwalked_steps(map, config)]))
+
+
+def walked_steps(map: LexisMap) -> Pairs:
+    """Return the pairs of consecutive keyframes, except at gaps in the recording."""
+    sessions = np.array([keyframe.session for keyframe in map.keyframes])
+    last = np.flatnonzero(sessions[:-1] == sessions[1:])
+    return _pairs_within(np.stack([last, last + 1], axis=1), map.T_W_B[:, :3, 3], MAX_STEP_M)
+
+
+def unwalked_steps(map: LexisMap, config: PlannerConfig) -> Pairs:
+    """Return the pairs of keyframes that a robot can travel between although the camera need not have walked there."""
+    positions = map.T_W_B[:, :3, 3]
+    return np.concatenate([
+        _pairs_within(_trusted_loops(map), positions, config.shortcut_m),
+        _within_rooms(map, positions, config.shortcut_m),
+        shortcuts(map, config),
+    ])  # fmt: skip
+
+
+def as_graph(map: LexisMap, connections: Pairs) -> csr_array:
+    """Return the lengths of connections as a symmetric sparse matrix (n, n) [m]; a connection may be given several times."""
+    positions = map.T_W_B[:, :3, 3]
+    connections = np.unique(np.sort(connections, axis=1), axis=0)
+    # A length is at least one unit, because in a sparse graph, a zero means that there is no connection.
+    lengths = GRID_M * np.maximum(np.rint(_lengths(connections, positions) / GRID_M), 1.0)
+    both = np.concatenate([connections, connections[:, ::-1]])
+    return csr_array((np.tile(lengths, 2), (both[:, 0], both[:, 1])), shape=(len(positions), len(positions)))
+
+
+def _within_rooms(map: LexisMap, positions: Float64[np.ndarray, "n 3"], shortcut_m: float) -> Pairs:
+    room_of = map.room_of
+    pairs = cKDTree(positions).query_pairs(shortcut_m, output_type="ndarray")
+    return np.asarray(pairs[room_of[pairs[:, 0]] == room_of[pairs[:, 1]]])
+
+
+def _trusted_loops(map: LexisMap) -> Pairs:
+    loops = LoopArrays.of(map.loops)
+    return np.column_stack((loops.query, loops.match))[map.loop_weights >= MIN_LOOP_WEIGHT]
+
+
+def _pairs_within(pairs: Pairs, positions: Float64[np.ndarray, "n 3"], metres: float) -> Pairs:
+    return np.asarray(pairs[_lengths(pairs, positions) <= metres])
+
+
+def _lengths(pairs: Pairs, positions: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "m"]:
+    return np.asarray(np.linalg.norm(positions[pairs[:, 0]] - positions[pairs[:, 1]], axis=1))

@@ -1,0 +1,52 @@
+"""Evidence that a place lies in a room: how much the images that show the place resemble the room's name.
+
+In the paper, an image describes the place where it was taken. This is misleading where rooms are open to one another: in
+front of an open boundary, the whole image shows the next room.
+"""
+
+import numpy as np
+from jaxtyping import Float64, Int
+from scipy.spatial import cKDTree
+
+from lexis.maths.ties import rounded
+from lexis.types import LexisMap
+
+LOOK_AHEAD_M = 1.5
+"""Assumed distance from a camera to the place that its image shows [m]. The image describes that place, which is ahead of
+the camera, rather than the camera's own place."""
+REACH_M = 2.0
+"""An image counts as evidence for a place if what the image shows is within this distance of the place [m]. The distance
+must exceed `LOOK_AHEAD_M`, so that at the position of every keyframe at least the keyframe's own image counts."""
+
+
+def evidence_at(map: LexisMap, label: str, keyframes: Int[np.ndarray, "k"]) -> Float64[np.ndarray, "k"]:
+    """Return the evidence that keyframes stand in a room with the label, rounded. It decreases towards the room's boundary.
+
+    Evidence is the similarity of the keyframe's place to the room's name, minus the largest similarity to another room name.
+    The similarity of a place is the weighted mean over the images that show the place.
+    """
+    similarities = _similarities_at(map, map.T_W_B[keyframes, :3, 3])
+    column = map.room_names.index(label)
+    others = np.delete(similarities, column, axis=1).max(axis=1, initial=-1.0)
+    return rounded(similarities[:, column] - others)
+
+
+def shown_places(map: LexisMap) -> Float64[np.ndarray, "n 3"]:
+    """Return the place that every keyframe's image shows: ahead of the camera, at the keyframe's height, in W [m]."""
+    places = map.T_W_B[:, :3, 3].copy()
+    places[:, :2] += LOOK_AHEAD_M * (map.T_W_B[:, :3, :3] @ map.camera.T_B_C[:3, 2])[:, :2]
+    return places
+
+
+def _similarities_at(map: LexisMap, places: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k rooms"]:
+    shown = shown_places(map)
+    near_images = cKDTree(shown).query_ball_point(places, REACH_M, return_sorted=True)
+    return np.array([
+        np.average(map.similarities[near], axis=0, weights=_distance_weights(shown[near] - place))
+        for place, near in zip(places, near_images, strict=True)
+    ])  # fmt: skip
+
+
+def _distance_weights(offsets: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k"]:
+    """Return weights of images by the distance of the place they show: 1 at distance 0, and 0 from `REACH_M` on."""
+    return np.asarray(np.maximum(1.0 - (offsets**2).sum(axis=1) / REACH_M**2, 0.0) ** 2)

@@ -1,0 +1,102 @@
+"""Shortcuts: straight steps between two keyframes of one floor, through space that is known to be free.
+
+Space is free where the camera itself has walked, and where a line of sight to a landmark passes below the height of table
+tops. A line of sight above a table does not count, because the robot could not follow it. Cells with an obstacle are not
+free: there, at least the share `OCCUPIED_SHARE` of the keyframes that look into the cell see a landmark. This share is lower
+than in `lexis.sight.storey_grid`, because most lines of sight pass above low furniture.
+
+A shortcut must have free space on both sides, as wide as the robot. Its ends are at most `sight_m` apart: longer shortcuts
+hardly shorten a path further. Space above or below stairs looks free, but has no floor to drive on, so a shortcut also keeps
+`STAIRWELL_M` away from the camera's path on stairs, as seen from above.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int
+from scipy.ndimage import distance_transform_edt
+from scipy.spatial import cKDTree
+
+from lexis.config import PlannerConfig
+from lexis.errors import MapError
+from lexis.floors import NO_FLOOR
+from lexis.maths.ties import rounded
+from lexis.sight.storey_grid import CELL_M, ViewCounts, count_views, floors
+from lexis.types import LexisMap
+
+OCCUPIED_SHARE = 0.15
+"""A cell is occupied if at least this share of the keyframes that look into the cell see a landmark there."""
+STAIRWELL_M = 0.8
+"""Least distance of a shortcut from the keyframes on stairs, as seen from above [m]: half the width of stairs, and the
+radius of a robot."""
+SPACING_M = CELL_M / 2
+"""Largest distance between the points of a shortcut at which the space is checked [m]."""
+_SPARE_M = 1e-5
+"""Distance by which the search radius for pairs exceeds `sight_m` [m], so that no pair is lost before the distances are
+rounded and compared with `sight_m`."""
+_CHUNK = 50_000
+"""Number of shortcuts that are checked at a time, so that memory stays bounded."""
+
+Pairs = Int[np.ndarray, "m 2"]
+
+
+def shortcuts(map: LexisMap, config: PlannerConfig) -> Pairs:
+    """Return the pairs of keyframes of one floor that are joined by a straight shortcut, with the smaller id first.
+
+    A floor that is too large for a grid has no shortcuts.
+    """
+    if config.sight_m == 0.0 or config.sight_m <= config.shortcut_m:
+        return np.zeros((0, 2), int)
+    return np.concatenate([np.zeros((0, 2), int), *(_on_floor(map, floor, config) for floor in floors(map))])
+
+
+def points_between(positions: Float64[np.ndarray, "n d"], pairs: Pairs, metres: float) -> Float64[np.ndarray, "m points d"]:
+    """Return evenly spaced points on the straight steps between pairs of positions, both ends included.
+
+    All steps get as many points as a step of length `metres` needs, so that no two are farther apart than `SPACING_M`.
+    """
+    share = np.linspace(0.0, 1.0, int(np.ceil(metres / SPACING_M)) + 1)[:, None]
+    first, second = positions[pairs[:, :1]], positions[pairs[:, 1:]]
+    return np.asarray((1.0 - share) * first + share * second)
+
+
+def _on_floor(map: LexisMap, floor: int, config: PlannerConfig) -> Pairs:
+    members = np.flatnonzero(map.floors == floor)
+    positions = map.T_W_B[:, :3, 3]
+    try:
+        clearance = _Clearance(count_views(map, floor), positions[map.floors == NO_FLOOR, :2])
+    except MapError:
+        return np.zeros((0, 2), int)
+    pairs = _close_pairs(positions, members, config.sight_m)
+    kept = [clearance.allows(points_between(positions[:, :2], chunk, config.sight_m), config) for chunk in _chunks(pairs)]
+    return np.asarray(pairs[np.concatenate([np.zeros(0, bool), *kept])])
+
+
+def _close_pairs(positions: Float64[np.ndarray, "n 3"], members: Int[np.ndarray, "k"], metres: float) -> Pairs:
+    """Return the pairs of members that are at most `metres` apart, when rounded, with the smaller id first."""
+    pairs = np.sort(members[cKDTree(positions[members]).query_pairs(metres + _SPARE_M, output_type="ndarray")], axis=1)
+    lengths = np.linalg.norm(positions[pairs[:, 0]] - positions[pairs[:, 1]], axis=1)
+    return np.asarray(pairs[rounded(lengths) <= metres])
+
+
+class _Clearance:
+    """Distance from every cell of a floor to the nearest cell that is not free."""
+
+    def __init__(self, views: ViewCounts, stairs: Float64[np.ndarray, "k 2"]) -> None:
+        self._views, self._stairs = views, cKDTree(stairs) if len(stairs) else None
+        free = ((views.low > 0) & ~views.occupied(OCCUPIED_SHARE)) | views.walked
+        self._metres = rounded(distance_transform_edt(free) * CELL_M)
+
+    def allows(self, points: Float64[np.ndarray, "m points 2"], config: PlannerConfig) -> Bool[np.ndarray, "m"]:
+        """Return which shortcuts are free for the robot, given the points on each shortcut."""
+        rows, columns = self._views.cells(points.reshape(-1, 2)).T
+        free = (self._metres[rows, columns] >= config.radius_m).reshape(points.shape[:2]).all(axis=1)
+        if self._stairs is not None:
+            near = np.isfinite(self._stairs.query(points[free].reshape(-1, 2), distance_upper_bound=STAIRWELL_M)[0])
+            free[free] = ~near.reshape(-1, points.shape[1]).any(axis=1)
+        return np.asarray(free)
+
+
+def _chunks(pairs: Pairs) -> Iterator[Pairs]:
+    for start in range(0, len(pairs), _CHUNK):
+        yield pairs[start : start + _CHUNK]

@@ -1,0 +1,87 @@
+"""A robot is surely inside a room away from other rooms, and where all images agree."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.map_builder import build_map, corridor_with_offices, random_pose
+
+from lexis.planning import arrivals, path_end
+from lexis.planning.arrivals import INSIDE_M, label_probabilities, surely_inside
+
+
+def inside(lexis_map, room, clear=None):
+    """The keyframes that are surely inside; without `clear`, the evidence of the room itself is the clearest."""
+    evidence = path_end(lexis_map, room).evidence if clear is None else clear
+    return surely_inside(lexis_map, room, label_probabilities(lexis_map), evidence).tolist()
+
+
+def along_x(rng, x, labels, similarities=None):
+    """A walk along x (n,) through a kitchen and an office, labelled 0 and 1, whose images show only their own places."""
+    names = ("kitchen", "office")
+    rooms = [(name, np.flatnonzero(labels == i).tolist()) for i, name in enumerate(names)]
+    lexis_map = build_map(x[:, None] * [1.0, 0.0, 0.0], labels, rooms, names, rng)
+    keyframes = tuple(replace(k, landmarks=replace(k.landmarks, points=np.zeros((0, 3)))) for k in lexis_map.keyframes)
+    clear = np.where(labels[:, None] == [0, 1], 0.6, 0.1)
+    return replace(lexis_map, keyframes=keyframes, similarities=clear if similarities is None else similarities)
+
+
+def test_a_robot_is_surely_inside_as_far_from_other_rooms_as_needed(rng):
+    x = np.arange(-3.0, 3.1, 0.1)
+    lexis_map = along_x(rng, x, (x > -0.01).astype(int))
+    found = x[inside(lexis_map, lexis_map.rooms[1])]
+    assert INSIDE_M - 0.11 <= found.min() <= INSIDE_M + 0.5 and found.max() == x.max()
+
+
+def test_the_nearest_other_label_counts_and_not_the_nearest_other_room(rng):
+    """Where a wall divides an office into two rooms, a robot is surely in an office on both sides of it."""
+    x = np.arange(-3.0, 3.1, 0.1)
+    lexis_map = along_x(rng, x, (x > -2.0).astype(int))
+    kitchen, office = lexis_map.rooms
+    halves = [[k for k in office.keyframes if (x[k] > 0.5) == right] for right in (False, True)]
+    rooms = (kitchen, *(replace(office, id=1 + i, keyframes=tuple(half)) for i, half in enumerate(halves)))
+    divided = replace(lexis_map, rooms=rooms)
+    both = [k for room in divided.rooms[1:] for k in inside(divided, room)]
+    assert both == inside(lexis_map, office)
+
+
+def test_a_robot_is_not_surely_inside_where_images_around_it_show_another_room(rng):
+    """The images around x = 2 show a kitchen, though the keyframes there have the label of the office."""
+    x = np.arange(-3.0, 5.1, 0.1)
+    labels = (x > -0.01).astype(int)
+    similarities = np.where(labels[:, None] == [0, 1], 0.6, 0.1)
+    misled = np.flatnonzero(np.abs(x - 2.0) < 0.5)
+    similarities[misled] = [0.6, 0.1]
+    lexis_map = along_x(rng, x, labels, similarities)
+    found = x[inside(lexis_map, lexis_map.rooms[1], clear=0.0)]
+    assert not ((found > 1.5) & (found < 2.5)).any() and (found > 3.5).any()
+
+
+@pytest.mark.parametrize(("share", "found"), [(0.9, False), (1.1, True)])
+def test_the_evidence_has_to_be_a_share_of_the_clearest(rng, share, found):
+    x = np.arange(-3.0, 5.1, 0.25)
+    lexis_map = along_x(rng, x, (x > -0.01).astype(int))
+    office = lexis_map.rooms[1]
+    clear = path_end(lexis_map, office).evidence / (share * arrivals.CLEAR)
+    assert bool(inside(lexis_map, office, clear)) == found
+
+
+def test_nowhere_is_sure_in_a_room_that_is_one_keyframe_wide(rng):
+    x = np.arange(0.0, 4.1, 0.5)
+    lexis_map = along_x(rng, x, (x == 2.0).astype(int))
+    assert inside(lexis_map, lexis_map.rooms[1]) == []
+
+
+def test_a_map_of_one_room_has_no_boundary(rng):
+    x = np.arange(0.0, 4.1, 0.5)
+    everywhere = list(range(len(x)))
+    lexis_map = build_map(x[:, None] * [1.0, 0.0, 0.0], [0] * len(x), [("kitchen", everywhere)], ("kitchen", "office"), rng)
+    assert inside(lexis_map, lexis_map.rooms[0]) == everywhere
+
+
+def test_arrivals_do_not_depend_on_the_frame_of_the_map(rng):
+    lexis_map = corridor_with_offices(rng)
+    T_V_W = random_pose(rng, (3.0, -7.0, 1.0))
+    moved = replace(lexis_map, T_W_B=T_V_W @ lexis_map.T_W_B)
+    for room in lexis_map.rooms:
+        assert inside(moved, room) == inside(lexis_map, room) != []

@@ -1,0 +1,26 @@
+"""Keyframes are connected where a robot can travel between them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.map_builder import build_map, corridor_with_offices
+
+from lexis.config import PlannerConfig
+from lexis.planning import adjacency
+
+
+def test_rooms_are_joined_where_the_robot_walked_and_not_through_a_wall(rng):
+    """The paths in two rooms run 0.4 m apart, with a wall between them; the door is at the far end."""
+    x = np.arange(0, 5, 0.5)
+    positions = np.concatenate([np.stack([x, 0 * x, 0 * x], 1), np.stack([x[::-1], 0 * x + 0.4, 0 * x], 1)])
+    rooms = [("office", range(10)), ("kitchen", range(10, 20))]
+    lexis_map = build_map(positions, np.repeat([0, 1], 10), rooms, ("office", "kitchen"), rng)
+    assert adjacency(lexis_map, PlannerConfig())[0, 19] == 0.0
+    assert adjacency(replace(lexis_map, rooms=()), PlannerConfig())[9, 10] > 0.0
+
+
+@pytest.mark.parametrize(("weight", "joined"), [(1.0, True), (0.1, False)])
+def test_only_trusted_loops_join_rooms(rng, weight, joined):
+    lexis_map = corridor_with_offices(rng, loops=[(20, 10)], weights=[weight])
+    assert (adjacency(lexis_map, PlannerConfig())[20, 10] > 0) == joined

@@ -1,0 +1,42 @@
+"""Evidence for a room comes from the images that show a place, and not from those that were taken there."""
+
+from dataclasses import replace
+
+import numpy as np
+from helpers.map_builder import build_map, random_pose
+
+from lexis.planning.evidence import LOOK_AHEAD_M, evidence_at, shown_places
+
+
+def facing_walk(rng):
+    """A map of a walk along x whose camera looks along x; at x > 0 lies an office, before it a kitchen."""
+    x = np.arange(-4.0, 4.1, 0.25)
+    labels = (x + LOOK_AHEAD_M > 0.0).astype(int)
+    rooms = [(name, np.flatnonzero(labels == i).tolist()) for i, name in enumerate(("kitchen", "office"))]
+    lexis_map = build_map(x[:, None] * [1.0, 0.0, 0.0], labels, rooms, ("kitchen", "office"), rng)
+    T_B_C = np.eye(4)
+    T_B_C[:3, :3] = [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]
+    poses = np.tile(np.eye(4), (len(x), 1, 1))
+    poses[:, :3, 3] = lexis_map.T_W_B[:, :3, 3]
+    return replace(lexis_map, T_W_B=poses, camera=replace(lexis_map.camera, T_B_C=T_B_C))
+
+
+def test_images_show_the_place_ahead_of_the_camera(rng):
+    lexis_map = facing_walk(rng)
+    ahead = shown_places(lexis_map) - lexis_map.T_W_B[:, :3, 3]
+    assert np.allclose(ahead, [LOOK_AHEAD_M, 0.0, 0.0])
+
+
+def test_evidence_changes_its_sign_at_the_boundary_of_the_places_and_not_of_the_images(rng):
+    lexis_map = facing_walk(rng)
+    x, everywhere = lexis_map.T_W_B[:, 0, 3], np.arange(len(lexis_map.keyframes))
+    evidence = evidence_at(lexis_map, "office", everywhere)
+    assert (evidence[x > 0.5] > 0.0).all() and (evidence[x < -0.5] < 0.0).all()
+    assert np.allclose(evidence, -evidence_at(lexis_map, "kitchen", everywhere))
+
+
+def test_evidence_does_not_depend_on_the_frame_of_the_map(rng):
+    lexis_map = facing_walk(rng)
+    moved = replace(lexis_map, T_W_B=random_pose(rng, (3.0, -7.0, 1.0)) @ lexis_map.T_W_B)
+    some = np.arange(0, len(lexis_map.keyframes), 3)
+    assert (evidence_at(moved, "office", some) == evidence_at(lexis_map, "office", some)).all()

@@ -1,0 +1,125 @@
+"""Shortcuts lead through the rooms, and not through walls, over stairs or into the unknown: truth of two rooms."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+from helpers.two_rooms import DOOR, ROOMS, two_rooms
+
+from lexis.config import PlannerConfig
+from lexis.floors import NO_FLOOR
+from lexis.maths.se3 import inverse, transform
+from lexis.planning import shortcuts as module
+from lexis.planning.shortcuts import STAIRWELL_M, points_between, shortcuts
+from lexis.sight.storey_grid import CELL_M
+from lexis.types import Landmarks
+
+INSIDE = shapely.union_all([*(shapely.box(*room) for room in ROOMS.values()), shapely.box(4.0, DOOR[0], 4.1, DOOR[1])])
+
+
+@pytest.fixture(scope="module")
+def lexis_map():
+    return two_rooms(np.random.default_rng(3))
+
+
+def lines(lexis_map, pairs):
+    """The shortcuts as seen from above."""
+    return shapely.linestrings(lexis_map.T_W_B[pairs, :2, 3])
+
+
+def test_shortcuts_leave_space_for_the_robot(lexis_map):
+    pairs = shortcuts(lexis_map, PlannerConfig())
+    margin = PlannerConfig().radius_m - CELL_M
+    assert shapely.within(shapely.buffer(lines(lexis_map, pairs), margin), INSIDE).all()
+    assert len(pairs) > 50
+
+
+def test_shortcuts_are_pairs_of_one_floor_within_reach(lexis_map):
+    for sight_m in (1.0, 2.0, 4.0):
+        pairs = shortcuts(lexis_map, PlannerConfig(sight_m=sight_m))
+        assert len(np.unique(pairs, axis=0)) == len(pairs) and (pairs[:, 0] < pairs[:, 1]).all()
+        assert (lexis_map.floors[pairs] == 0).all()
+        assert shapely.length(lines(lexis_map, pairs)).max() == pytest.approx(sight_m, abs=0.5)
+
+
+def test_a_shortcut_cuts_off_the_corner_of_the_walk(lexis_map):
+    """The walk leads around the corner at (3, 1), from (2.5, 1) to (3, 1.65)."""
+    at = lexis_map.T_W_B[:, :2, 3]
+    corner = [int(np.linalg.norm(at - place, axis=1).argmin()) for place in ([2.5, 1.0], [3.0, 1.65])]
+    assert corner in shortcuts(lexis_map, PlannerConfig()).tolist()
+
+
+def test_a_robot_wider_than_the_door_has_no_shortcut_through_it(lexis_map):
+    wide = lines(lexis_map, shortcuts(lexis_map, PlannerConfig(radius_m=0.6)))
+    assert len(wide) > 10 and not shapely.crosses(wide, shapely.LineString([(4.05, 0.0), (4.05, 4.0)])).any()
+    slim = lines(lexis_map, shortcuts(lexis_map, PlannerConfig(radius_m=0.2)))
+    assert shapely.crosses(slim, shapely.LineString([(4.05, 0.0), (4.05, 4.0)])).any()
+
+
+def with_landmarks(lexis_map, change):
+    """The map with other landmarks: `change` maps the positions (k, 3) in W that keyframe i sees to other positions."""
+    keyframes = []
+    for i, (keyframe, T_W_B) in enumerate(zip(lexis_map.keyframes, lexis_map.T_W_B, strict=True)):
+        points = transform(inverse(T_W_B), change(i, transform(T_W_B, keyframe.landmarks.points)))
+        keyframes.append(replace(keyframe, landmarks=Landmarks(points, np.full(len(points), -1))))
+    return replace(lexis_map, keyframes=tuple(keyframes))
+
+
+def test_without_landmarks_shortcuts_only_follow_the_walk(lexis_map):
+    blind = with_landmarks(lexis_map, lambda i, points: points[:0])
+    walk = shapely.LineString(lexis_map.T_W_B[lexis_map.floors == 0, :2, 3])
+    straight = lines(blind, shortcuts(blind, PlannerConfig()))
+    assert shapely.within(straight, walk.buffer(2 * CELL_M)).all()
+    assert len(straight) < len(shortcuts(lexis_map, PlannerConfig())) / 2
+
+
+def test_shortcuts_lead_around_a_table_that_few_images_show(lexis_map):
+    """The table stands beside the walk through the office. A third of the keyframes have landmarks on it."""
+    table = np.column_stack((np.tile(np.arange(5.5, 6.6, 0.05), 2), np.repeat([2.45, 2.55], 22), np.full(44, 0.75)))
+    furnished = with_landmarks(lexis_map, lambda i, points: np.concatenate([points, table]) if i % 3 == 0 else points)
+    across = shapely.LineString([(5.5, 2.5), (6.5, 2.5)])
+    assert shapely.crosses(lines(lexis_map, shortcuts(lexis_map, PlannerConfig())), across).any()
+    assert not shapely.crosses(lines(furnished, shortcuts(furnished, PlannerConfig())), across).any()
+
+
+def test_shortcuts_can_be_switched_off(lexis_map):
+    assert not len(shortcuts(lexis_map, PlannerConfig(sight_m=0.0)))
+
+
+def test_shortcuts_keep_away_from_stairs(lexis_map):
+    poses = lexis_map.T_W_B.copy()
+    poses[lexis_map.floors == NO_FLOOR, :2, 3] = [6.0, 2.5]
+    changed = replace(lexis_map, T_W_B=poses)
+    pairs = shortcuts(changed, PlannerConfig())
+    assert (shapely.distance(lines(changed, pairs), shapely.Point(6.0, 2.5)) >= STAIRWELL_M - CELL_M).all()
+    assert 0 < len(pairs) < len(shortcuts(lexis_map, PlannerConfig()))
+
+
+def test_shortcuts_do_not_depend_on_the_last_bits(lexis_map, rng):
+    expected = shortcuts(lexis_map, PlannerConfig())
+    for _ in range(5):
+        poses = lexis_map.T_W_B.copy()
+        poses[:, :3, 3] += rng.uniform(-1e-12, 1e-12, (len(poses), 3))
+        found = shortcuts(replace(lexis_map, T_W_B=poses), PlannerConfig())
+        assert set(map(tuple, found.tolist())) == set(map(tuple, expected.tolist()))
+
+
+def test_shortcuts_are_checked_alike_in_parts(lexis_map, monkeypatch):
+    expected = shortcuts(lexis_map, PlannerConfig())
+    monkeypatch.setattr(module, "_CHUNK", 7)
+    assert (shortcuts(lexis_map, PlannerConfig()) == expected).all()
+
+
+def test_a_floor_too_large_for_a_grid_has_no_shortcuts(lexis_map):
+    poses = lexis_map.T_W_B.copy()
+    poses[0, :2, 3] = 1e5
+    assert not len(shortcuts(replace(lexis_map, T_W_B=poses), PlannerConfig()))
+
+
+def test_points_are_close_enough_together(rng):
+    positions = rng.uniform(0.0, 2.0, (20, 3))
+    pairs = rng.integers(0, 20, (30, 2))
+    points = points_between(positions, pairs, 4.0)
+    assert (points[:, 0] == positions[pairs[:, 0]]).all() and (points[:, -1] == positions[pairs[:, 1]]).all()
+    assert np.linalg.norm(np.diff(points, axis=1), axis=2).max() <= module.SPACING_M
