@@ -64,7 +64,7 @@ def write_dataset(directory: Path, camera: Camera, observations: Iterable[Observ
             covariances.write("# stamp [s], 6x6 row by row\n")
             for i, observation in enumerate(observations):
                 stamp, name = f"{observation.stamp:.6f}", f"rgb/{i:06d}.png"
-                (folder / name).write_bytes(cv2.imencode(".png", pixels(observation)[..., ::-1])[1].tobytes())
+                (folder / name).write_bytes(cv2.imencode(".png", pixels(observation)[0][..., ::-1])[1].tobytes())
                 images.write(f"{stamp} {name}\n")
                 odometry.write(odometry_line(stamp, observation))
                 covariances.write(covariance_line(stamp, observation))

@@ -126,7 +126,7 @@ class Take:
                     stamp_ns(observation.stamp),
                     observation,
                     truth,
-                    MappingProxyType({"cam0": pixels(observation), **images}),
+                    MappingProxyType({"cam0": pixels(observation)[0], **images}),
                     None if ranging is None else ranging.depth(truth.index, truth.T_W_B),
                 )
                 yield from self._at_rest(frame) if k == 0 else [frame]
