@@ -96,8 +96,8 @@ def check_observation(
     images = (observation.image, *observation.others)
     if len(images) != len(camera.rig):
         raise ObservationError(
-            f"{where}: has the images of {len(images)} cameras; valid: of {len(camera.rig)}, one for each camera of the rig, "
-            "in `image` and `others`"
+            f"{where}: has the images of {len(images)} cameras; valid: of {len(camera.rig)}, one for each camera of the "
+            "rig, in `image` and `others`"
         )
     for image, taken_by in zip(images, camera.rig, strict=True):
         if isinstance(image, Percept):

@@ -77,13 +77,13 @@ def storey_grid(map: LexisMap, floor: int) -> StoreyGrid:
     """Find the free and the occupied cells of a floor. Raises MapError if the floor is larger than `MAX_CELLS`."""
     members = np.flatnonzero(map.floors == floor)
     cameras = (map.T_W_B[members] @ map.camera.T_B_C)[:, :3, 3]
-    landmarks = [_landmarks(map, int(i), camera) for i, camera in zip(members, cameras, strict=True)]
-    seen = np.concatenate([cameras, *landmarks])
+    sights = [sight for i in members.tolist() for sight in _sights(map, i)]
+    seen = np.concatenate([cameras, *(points for _, points in sights)])
     heights = _heights(cameras, seen)
     empty = _empty_grid(floor, seen, heights)
     band = _obstacle_heights(cameras, heights)
     passed, hit = np.zeros(empty.free.shape, np.int32), np.zeros(empty.free.shape, np.int32)
-    for camera, points in zip(cameras, landmarks, strict=True):
+    for camera, points in sights:
         passed += _marked(empty, _within(_samples(camera, points), band))
         hit += _marked(empty, _within(points, band))
     walked = _walked(map, empty)
@@ -92,11 +92,13 @@ def storey_grid(map: LexisMap, floor: int) -> StoreyGrid:
     return StoreyGrid(floor, empty.origin, free, occupied, heights)
 
 
-def _landmarks(map: LexisMap, i: int, camera: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "k 3"]:
-    """Return the positions of a keyframe's landmarks within `RANGE_M` of the camera, in W [m]."""
-    points = transform(map.T_W_B[i], map.keyframes[i].landmarks.points)
-    with np.errstate(over="ignore"):
-        return np.asarray(points[np.linalg.norm(points - camera, axis=1) <= RANGE_M])
+def _sights(map: LexisMap, i: int) -> Iterator[tuple[Float64[np.ndarray, "3"], Float64[np.ndarray, "k 3"]]]:
+    """Yield, for each camera of a keyframe, its position and those of its landmarks within `RANGE_M`, in W [m]."""
+    for camera, view in zip(map.camera.rig, map.keyframes[i].views, strict=True):
+        position = (map.T_W_B[i] @ camera.T_B_C)[:3, 3]
+        points = transform(map.T_W_B[i], view.landmarks.points)
+        with np.errstate(over="ignore"):
+            yield position, np.asarray(points[np.linalg.norm(points - position, axis=1) <= RANGE_M])
 
 
 def _heights(cameras: Float64[np.ndarray, "n 3"], seen: Float64[np.ndarray, "k 3"]) -> tuple[float, float]:
