@@ -78,9 +78,9 @@ def _row(finished: Run, rig: str, slam: Lexis) -> RigRow:
 
 
 def summary(rows: Sequence[RigRow]) -> Iterator[RigRow]:
-    """Yield one row for each rig: sums of the counts, and means of the other figures, with the seed -1."""
+    """Yield one row for each rig, with the seed -1: sums of the counts, and means of the other figures."""
     for rig in dict.fromkeys(row.rig for row in rows):
         mine = [row for row in rows if row.rig == rig]
-        sums = {name: sum(getattr(row, name) for row in mine) for name in ("revisits", "found", "trusted", "false")}
-        figures = ("labels", "rooms", "ate_m", "keyframe_ms")
-        yield RigRow(rig, -1, **sums, **{name: float(np.mean([getattr(row, name) for row in mine])) for name in figures})
+        counts = np.sum([(row.revisits, row.found, row.trusted, row.false) for row in mine], axis=0)
+        means = np.mean([(row.labels, row.rooms, row.ate_m, row.keyframe_ms) for row in mine], axis=0)
+        yield RigRow(rig, -1, *counts.tolist(), *means.tolist())
