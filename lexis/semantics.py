@@ -13,7 +13,7 @@ from jaxtyping import Float64, Int
 from lexis.config import Config
 from lexis.room_labels import Labels, Refinement, Similarities, label_keyframes
 from lexis.room_segmentation import Clustering, Positions, segment
-from lexis.sight.cameras import mean
+from lexis.sight.cameras import largest
 from lexis.sight.pooled_labels import pool_labels
 from lexis.sight.room_clusters import cluster_by_sight
 from lexis.sight.visible_space import VisibleSpace, sight
@@ -143,7 +143,7 @@ def _by_sight(views: Views, config: Config) -> tuple[Refinement | None, Clusteri
         return pool_labels(allowed, [seen[keyframes][:, keyframes] for seen in sees], config.sight)[0]
 
     def cluster(labels: Labels, floors: Labels, positions: Positions) -> tuple[Labels, Labels]:
-        return cluster_by_sight(labels, floors, positions, mean(sees), config.sight)
+        return cluster_by_sight(labels, floors, positions, largest(sees), config.sight)
 
     labels, rooms = config.labels.method == "sight", config.segmentation.method == "sight"
     return refine if labels else None, cluster if rooms else None

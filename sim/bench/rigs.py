@@ -43,6 +43,11 @@ class RigRow:
     keyframe_ms: float
     """Time that LEXIS takes for each keyframe, in all stages [ms]."""
 
+    @property
+    def recall(self) -> float:
+        """Share of the revisits in the opposite direction that are found; NaN without a revisit."""
+        return self.found / self.revisits if self.revisits else np.nan
+
 
 def measure_rigs(rigs: Sequence[str], preset: str, seeds: Sequence[int], fidelity: Fidelity) -> Iterator[RigRow]:
     """Map a house for each seed with each rig, and yield the figures of every run."""
