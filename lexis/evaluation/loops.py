@@ -80,14 +80,14 @@ def true_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.ndar
 
 
 def opposite_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "k"]:
-    """Ids of the revisits in the opposite direction.
+    """Ids of the revisits in the opposite direction alone: places that were seen before, but only from the other side.
 
-    These are keyframes within 1 m of a keyframe at least 10 s earlier whose heading is opposite to within 0.5 rad, by their
-    true poses.
+    By their true poses, these are keyframes within 1 m of a keyframe at least 10 s earlier whose heading is opposite to
+    within 0.5 rad. Revisits in the same direction (`true_revisits`) do not count.
     """
     later, earlier = _close_pairs(T_W_B, stamps)
     _, angle = separation(T_W_B, later, earlier)
-    return np.unique(later[angle >= np.pi - REVISIT_RAD])
+    return np.setdiff1d(later[angle >= np.pi - REVISIT_RAD], true_revisits(T_W_B, stamps))
 
 
 def opposite_edges(query: Int[np.ndarray, "m"], match: Int[np.ndarray, "m"], T_W_B: Poses) -> Bool[np.ndarray, "m"]:

@@ -27,7 +27,7 @@ class RigRow:
     rig: str
     seed: int
     revisits: int
-    """Number of keyframes that revisit a place in the opposite direction; see `opposite_revisits`."""
+    """Number of keyframes that revisit a place in the opposite direction alone; see `opposite_revisits`."""
     found: int
     """Number of these keyframes from which a true loop edge leads to a keyframe with the opposite heading."""
     trusted: int
