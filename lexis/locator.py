@@ -101,9 +101,10 @@ class Locator:
         if matches < config.min_inliers:
             return verdict, None
         fit = self._fit(seen)
-        cells = sum(map(_occupied_cells, fit.seen, self._camera.rig))
+        # One image alone has to confirm the loop. With the sums over all images, false loops would pass more easily.
+        cells = max(map(_occupied_cells, fit.seen, self._camera.rig))
         verdict = replace(verdict, inliers=fit.size, cells=cells)
-        if fit.size < config.min_inliers:
+        if max(each.size for each in fit.seen) < config.min_inliers:
             return replace(verdict, outcome="few inliers"), None
         if cells < config.min_cells:
             return replace(verdict, outcome="crowded inliers"), None

@@ -178,7 +178,7 @@ class LoopEdge:
     covariance: Covariance
     """Covariance of ``T_match_query`` [rad², m²]."""
     inliers: int
-    """Number of key points in the later keyframe's image that lie where `T_match_query` predicts them."""
+    """Number of key points in the later keyframe's images that lie where `T_match_query` predicts them."""
 
 
 Outcome = Literal[
@@ -200,11 +200,11 @@ class Verdict:
     """Id of the earlier keyframe that was proposed."""
     outcome: Outcome
     matches: int | None = None
-    """Number of key points in the new keyframe's image that match a landmark."""
+    """Number of key points in the new keyframe's images that match a landmark."""
     inliers: int | None = None
     """Number of key points that agree with the relative pose."""
     cells: int | None = None
-    """Number of cells of a 6 x 6 grid on the image that contain an inlier."""
+    """Number of cells of a 6 x 6 grid on the image that contain an inlier; with several cameras, the largest number."""
     misfit_m: float | None = None
     """Distance between the measured position of the new keyframe and its position in the estimate at that time [m]."""
     misfit_rad: float | None = None

@@ -7,7 +7,7 @@ For each candidate of a query keyframe:
 2. Find the query's pose by PnP with LO-RANSAC, since many matches are wrong.
    With a rig, each camera of the query is matched to the landmarks of all cameras, so that a rear camera can recognise what
    a front camera saw. PnP is solved for every camera; the pose with which most key points of all cameras agree is refined.
-3. Require enough inliers, spread over the image: a poster or another repeated object matches in one spot only.
+3. Require enough inliers, spread over one image: a poster or another repeated object matches in one spot only.
 4. Estimate the covariance of the pose, and refuse a pose whose position the landmarks leave too uncertain.
 5. Refuse a loop too far from the current estimate, because odometry drifts only little per metre.
 6. Keep the loops with the most inliers, up to `max_edges` per query.

@@ -107,3 +107,22 @@ def test_the_same_key_points_in_another_arrangement_are_refused(world, rng):
     match = keyframe(0, FRONT_REAR, np.eye(4), (rng.permutation(points), descriptors))
     (verdict,) = verified(FRONT_REAR, HERE, world, match=match).verdicts
     assert verdict.outcome == "few inliers" and verdict.matches > 40
+
+
+def test_one_image_alone_has_to_confirm_a_loop(world):
+    """Sixteen inliers in two images are fewer than fifteen in one."""
+    whole = keyframe(0, FRONT_REAR, np.eye(4), world)
+
+    def few(view, count):
+        kept = np.linspace(0, len(view.landmarks.points) - 1, count).astype(int)
+        return Landmarks(view.landmarks.points[kept], view.landmarks.feature_ids[kept])
+
+    def match(front, rear):
+        first, second = whole.views
+        others = (replace(second, landmarks=few(second, rear)),)
+        return replace(whole, landmarks=few(first, front), others=others)
+
+    config = replace(CONFIG, max_sigma_m=1.0, min_cells=1)
+    (spread,) = verified(FRONT_REAR, np.eye(4), world, config, match=match(12, 12)).verdicts
+    (alone,) = verified(FRONT_REAR, np.eye(4), world, config, match=match(18, 2)).verdicts
+    assert (spread.outcome, alone.outcome) == ("few inliers", "accepted") and spread.inliers > alone.inliers
