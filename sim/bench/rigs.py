@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lexis.config import Config
 from lexis.evaluation.loops import opposite_edges, opposite_revisits
 from sim.fidelity import Fidelity
 from sim.harness import Scenario, evaluate, run
@@ -49,10 +50,12 @@ class RigRow:
         return self.found / self.revisits if self.revisits else np.nan
 
 
-def measure_rigs(rigs: Sequence[str], preset: str, seeds: Sequence[int], fidelity: Fidelity) -> Iterator[RigRow]:
-    """Map a house for each seed with each rig, and yield the figures of every run."""
+def measure_rigs(
+    rigs: Sequence[str], preset: str, seeds: Sequence[int], fidelity: Fidelity, config: Config | None = None
+) -> Iterator[RigRow]:
+    """Map a house for each seed with each rig, and yield the figures of every run. `config` has the settings of LEXIS."""
     usual = Scenario(preset=preset, tour_kind="both ways", fidelity=fidelity, frame_rate_hz=usual_rate_hz(fidelity))
-    slam = Lexis()
+    slam = Lexis(config=config)
     for seed in seeds:
         for rig in rigs:
             finished = run(replace(usual, seed=seed, rig=replace(usual.rig, name=rig)), slam)

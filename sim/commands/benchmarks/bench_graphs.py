@@ -12,6 +12,7 @@ from lexis.command_line import positive
 from sim.commands.action import Action
 from sim.commands.arguments import SEED, argument, number
 from sim.commands.benchmarks.bench_options import (
+    CONFIG,
     CSV,
     FIDELITY,
     HOUSES,
@@ -95,12 +96,14 @@ def _sessions(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _rigs(arguments: argparse.Namespace) -> Iterator[Table]:
+    from lexis.config import read_config
     from sim.bench.rigs import measure_rigs, summary
     from sim.bench.row_files import check_files, write_rows
 
     check_files(arguments.csv)
     seeds, count = seeds_of(arguments), len(arguments.rigs) * arguments.houses
-    measured = measure_rigs(arguments.rigs, arguments.preset, seeds, arguments.fidelity)
+    settings = read_config(arguments.config) if arguments.config else None
+    measured = measure_rigs(arguments.rigs, arguments.preset, seeds, arguments.fidelity, settings)
     rows = list(tracked(measured, count, "runs"))
     title = (
         f"{arguments.preset}, seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: all rooms and back along the same path"
@@ -178,6 +181,7 @@ BENCHMARKS = (
             PRESET,
             HOUSES,
             FIDELITY,
+            CONFIG,
             CSV,
             SEED,
         ),
