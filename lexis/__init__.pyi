@@ -14,6 +14,7 @@ from .query import Answer as Answer
 from .query import ask as ask
 from .slam import Slam as Slam
 from .types import Camera as Camera
+from .types import CameraView as CameraView
 from .types import EncoderId as EncoderId
 from .types import Features as Features
 from .types import Intrinsics as Intrinsics

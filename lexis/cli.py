@@ -51,6 +51,7 @@ Images are PNG or JPEG, or raw in bags. Covariances of the odometry are read whe
 JSON_HELP = "print JSON for scripts instead of text for people"
 ROOMS_HELP = 'names of rooms, with commas between them; or a JSON file, of which only its list "labels" is read'
 ODOMETRY_HELP = "file, sensor folder or topic of the odometry (default: odometry.tum, odom0, /odom)"
+CAMERA_HELP = "camera to use, or several of a rig with commas between them: cam0,cam1 (default: cam0; TUM RGB-D has one)"
 CACHE_HELP = "folder that keeps the encoder's work by image, so that mapping a recording again skips it"
 MAP_ENCODER_HELP = "default: the one that the map was made with, from where it then was"
 CALIBRATION_HELP = "of the encoder, as 'lexis-sim calibrate-queries' writes it (default: the one of mini, where it is mini)"
@@ -106,7 +107,7 @@ def _add_run(commands: Commands) -> None:
     run.add_argument("--device", default="cpu", help="cpu, cuda or cuda:N, for the encoder (default: %(default)s)")
     run.add_argument("--precision", choices=PRECISIONS, default="fp32", help="of the encoder (default: %(default)s)")
     run.add_argument("--odometry", metavar="NAME", help=ODOMETRY_HELP)
-    run.add_argument("--camera", metavar="NAME", help="of several, the camera to use (default: cam0)")
+    run.add_argument("--camera", metavar="NAME", help=CAMERA_HELP)
 
 
 def _add_merge(commands: Commands) -> None:

@@ -166,9 +166,9 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     max_reprojection_px: Annotated[float, Gt(0)] = 3.0
     """Largest reprojection error of an inlier [px]."""
     min_inliers: Annotated[int, Ge(4)] = 15
-    """Least number of distinct key points of the new keyframe that must be inliers of PnP."""
+    """Least number of distinct key points that must be inliers of PnP, in at least one image of the new keyframe."""
     min_cells: Annotated[int, Interval(ge=1, le=36)] = 5
-    """Least number of cells of a 6 x 6 grid on the image that must contain an inlier."""
+    """Least number of cells of a 6 x 6 grid on at least one image that must contain an inlier."""
     gate_m: Annotated[float, Ge(0)] = 0.5
     """A loop edge is rejected if its translation differs from the current estimate by more than this limit [m]. The limit
     grows with the path by `gate_share`."""

@@ -30,6 +30,8 @@ _ROUNDING = 1e-9
 """Tolerance for rounding errors in a covariance (asymmetry, negative eigenvalues), as a share of the largest entry."""
 MAX_PIXELS = 50_000_000
 """Largest number of pixels in an image."""
+MAX_CAMERAS = 16
+"""Largest number of cameras of a rig."""
 MIN_FOCAL_PX, MAX_FOCAL_PX = 1e-3, 1e6
 """Bounds of focal lengths [px]; the upper one also bounds the coordinates of principal points and key points."""
 DESCRIPTOR_BYTES = 61
@@ -39,7 +41,7 @@ _RIGID = "valid: 4x4 with an orthonormal, right-handed rotation and 0 0 0 1 as l
 
 
 def check_camera(camera: Camera) -> None:
-    """Raise LexisError unless the intrinsics are within their bounds and ``T_B_C`` is a rigid motion."""
+    """Raise LexisError unless the intrinsics are within their bounds and ``T_B_C`` is a rigid motion, in all of the rig."""
     k = camera.intrinsics
     finite = all(abs(value) <= MAX_FOCAL_PX for value in (k.fx, k.fy, k.cx, k.cy))
     if not finite or min(k.width, k.height) < 1 or k.width * k.height > MAX_PIXELS or min(k.fx, k.fy) < MIN_FOCAL_PX:
@@ -49,6 +51,13 @@ def check_camera(camera: Camera) -> None:
         )
     if not is_pose(camera.T_B_C):
         raise LexisError(f"T_B_C of the camera is not a rigid motion: {_as_text(camera.T_B_C)}; {_RIGID}")
+    if len(camera.others) >= MAX_CAMERAS or any(other.others for other in camera.others):
+        raise LexisError(
+            f"a rig of {len(camera.rig)} cameras, or one whose further cameras have others themselves; "
+            f"valid: up to {MAX_CAMERAS} cameras, with `others` at the first camera alone"
+        )
+    for other in camera.others:
+        check_camera(other)
 
 
 def check_room_names(names: Sequence[str]) -> None:
@@ -78,16 +87,23 @@ def check_room_names(names: Sequence[str]) -> None:
 def check_observation(
     observation: Observation, camera: Camera, previous: Observation | None, embedding_size: int | None = None
 ) -> None:
-    """Raise ObservationError unless image, pose and covariance are usable and the stamp is later than the previous one.
+    """Raise ObservationError unless images, pose and covariance are usable and the stamp is later than the previous one.
 
     No later stage fails on an observation that passes these checks. `embedding_size` is the length of the encoder's
     embeddings; the embedding of a percept must have the same length.
     """
     where = f"observation {observation.index}"
-    if isinstance(observation.image, Percept):
-        _check_percept(observation.image, embedding_size, where)
-    else:
-        _check_image(observation.image, camera, where)
+    images = (observation.image, *observation.others)
+    if len(images) != len(camera.rig):
+        raise ObservationError(
+            f"{where}: has the images of {len(images)} cameras; valid: of {len(camera.rig)}, one for each camera of the "
+            "rig, in `image` and `others`"
+        )
+    for image, taken_by in zip(images, camera.rig, strict=True):
+        if isinstance(image, Percept):
+            _check_percept(image, embedding_size, where)
+        else:
+            _check_image(image, taken_by, where)
     if not is_pose(observation.T_O_B):
         raise ObservationError(f"{where}: T_O_B is not a rigid motion: {_as_text(observation.T_O_B)}; {_RIGID}")
     _check_covariance(observation.increment_covariance, where)
@@ -104,13 +120,13 @@ def check_observation(
 def with_copied_geometry(observation: Observation) -> Observation:
     """Return the observation with copies of its pose, covariance and points.
 
-    The copies are needed because the caller may reuse the original arrays. The image is not copied, because LEXIS keeps no
+    The copies are needed because the caller may reuse the original arrays. Images are not copied, because LEXIS keeps no
     image after the observation is processed.
     """
-    image, covariance = observation.image, observation.increment_covariance.copy()
-    if isinstance(image, Percept):
-        image = replace(image, points=image.points.copy())
-    return replace(observation, T_O_B=observation.T_O_B.copy(), increment_covariance=covariance, image=image)
+    own = replace(observation, T_O_B=observation.T_O_B.copy(), increment_covariance=observation.increment_covariance.copy())
+    return own.with_images(
+        replace(image, points=image.points.copy()) if isinstance(image, Percept) else image for image in own.images
+    )
 
 
 def is_pose(T: object) -> bool:
@@ -130,11 +146,12 @@ def usable_covariances(matrices: Float64[np.ndarray, "*batch 6 6"]) -> Bool[np.n
     return np.asarray(bounded & symmetric & (np.linalg.eigvalsh(matrices).min(axis=-1) >= -rounding))
 
 
-def pixels(observation: Observation) -> Image:
-    """Return the image of an observation. Raises ObservationError if the observation holds a percept instead."""
-    if isinstance(observation.image, Percept):
+def pixels(observation: Observation) -> tuple[Image, ...]:
+    """Return the images of all cameras. Raises ObservationError if the observation holds percepts instead."""
+    images = tuple(image for image in observation.images if not isinstance(image, Percept))
+    if len(images) < len(observation.images):
         raise ObservationError(f"observation {observation.index} has a percept but no image; valid: an image")
-    return observation.image
+    return images
 
 
 def _check_covariance(covariance: object, where: str) -> None:

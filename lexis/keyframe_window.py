@@ -1,10 +1,12 @@
 """A sliding window of frames that delays each keyframe until the frames after it have arrived.
 
 The landmarks of a keyframe are triangulated from the frames before and after it, for more views and a longer baseline. At
-the end of the sequence, only the frames before the keyframe are available.
+the end of the sequence, only the frames before the keyframe are available. Each camera of a rig has landmarks of its own,
+triangulated from its own images.
 """
 
 from collections import deque
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,19 +15,19 @@ from jaxtyping import Float32
 from lexis.config import Config
 from lexis.keyframes import Frame
 from lexis.landmarks import View, triangulate
-from lexis.types import Camera, Features, Keyframe, Landmarks, Observation, Percept
+from lexis.types import Camera, CameraView, Features, Image, Keyframe, Landmarks, Percept
 
 
 @dataclass(frozen=True, eq=False)
 class _Entry:
     frame: Frame
-    features: Features
-    embedding: Float32[np.ndarray, "d"] | None
-    """CLIP embedding of the image; None for a support frame."""
+    features: tuple[Features, ...]
+    """Features of the image of every camera."""
+    embeddings: tuple[Float32[np.ndarray, "d"], ...] | None
+    """CLIP embedding of the image of every camera; None for a support frame."""
 
-    @property
-    def view(self) -> View:
-        return View(self.frame.observation.T_O_B, self.features)
+    def view(self, camera: int) -> View:
+        return View(self.frame.observation.T_O_B, self.features[camera])
 
 
 class KeyframeWindow:
@@ -38,12 +40,14 @@ class KeyframeWindow:
         self._entries: deque[_Entry] = deque(maxlen=2 * config.keyframes.supports + 1)
         self._count, self.session = first_id, session
 
-    def add(self, frame: Frame, features: Features, embedding: Float32[np.ndarray, "d"] | None) -> list[Keyframe]:
+    def add(
+        self, frame: Frame, features: Iterable[Features], embeddings: Iterable[Float32[np.ndarray, "d"]] | None
+    ) -> list[Keyframe]:
         """Add a frame. If a keyframe was waiting only for this frame, return it in a list; otherwise return an empty list.
 
-        `embedding` is None for support frames.
+        `features` and `embeddings` belong to the images of all cameras. `embeddings` is None for support frames.
         """
-        self._entries.append(_Entry(frame, features, embedding))
+        self._entries.append(_Entry(frame, tuple(features), None if embeddings is None else tuple(embeddings)))
         centre = len(self._entries) - 1 - self._config.keyframes.supports
         return self._complete(centre) if centre >= 0 else []
 
@@ -56,11 +60,12 @@ class KeyframeWindow:
 
     def _complete(self, centre: int) -> list[Keyframe]:
         entry = self._entries[centre]
-        if entry.embedding is None:
+        if entry.embeddings is None:
             return []
-        supports = self._config.keyframes.supports
-        nearby = range(max(centre - supports, 0), min(centre + supports + 1, len(self._entries)))
-        views = [self._entries[index].view for index in nearby if index != centre]
+        first, *others = (
+            CameraView(embedding, entry.features[camera], self._landmarks(centre, camera))
+            for camera, embedding in enumerate(entry.embeddings)
+        )
         observation = entry.frame.observation
         keyframe = Keyframe(
             id=self._count,
@@ -68,18 +73,26 @@ class KeyframeWindow:
             stamp=observation.stamp,
             T_O_B=observation.T_O_B,
             step_covariance=entry.frame.step_covariance,
-            embedding=entry.embedding,
-            features=entry.features,
-            landmarks=_with_points(triangulate(entry.view, views, self._camera, self._config.landmarks), observation),
+            embedding=first.embedding,
+            features=first.features,
+            landmarks=first.landmarks,
             session=self.session,
+            others=tuple(others),
         )
         self._count += 1
         return [keyframe]
 
+    def _landmarks(self, centre: int, camera: int) -> Landmarks:
+        """Triangulate the landmarks that a camera of the rig sees at the frame `centre`, from the frames around it."""
+        supports, entry = self._config.keyframes.supports, self._entries[centre]
+        nearby = range(max(centre - supports, 0), min(centre + supports + 1, len(self._entries)))
+        views = [self._entries[index].view(camera) for index in nearby if index != centre]
+        triangulated = triangulate(entry.view(camera), views, self._camera.rig[camera], self._config.landmarks)
+        return _with_points(triangulated, entry.frame.observation.images[camera])
 
-def _with_points(triangulated: Landmarks, observation: Observation) -> Landmarks:
-    """Return the landmarks, followed by the points of the observation's percept as landmarks without key points."""
-    seen = observation.image
+
+def _with_points(triangulated: Landmarks, seen: Image | Percept) -> Landmarks:
+    """Return the landmarks, followed by the points of a percept as landmarks without key points."""
     if not isinstance(seen, Percept) or not len(seen.points):
         return triangulated
     without = np.full(len(seen.points), -1)

@@ -1,4 +1,4 @@
-"""The embedding and the features of an observation, computed from its image or sent in place of the image (`Percept`)."""
+"""The embedding and the features of an image, computed from the image or sent in place of the image (`Percept`)."""
 
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float32
 
 from lexis.features import FeatureExtractor
-from lexis.types import Features, Image, Observation, Percept
+from lexis.types import Features, Image, Percept
 
 
 @runtime_checkable
@@ -42,15 +42,13 @@ class TextEncoder(Encoder, Protocol):
         ...
 
 
-def embedding_of(observation: Observation, encoder: Encoder) -> Float32[np.ndarray, "d"]:
-    """CLIP embedding of an observation (f_CLIP in the paper), copied because sensors and encoders may reuse their arrays."""
-    seen = observation.image
+def embedding_of(seen: Image | Percept, encoder: Encoder) -> Float32[np.ndarray, "d"]:
+    """CLIP embedding of an image (f_CLIP in the paper), copied because sensors and encoders may reuse their arrays."""
     return (seen.embedding if isinstance(seen, Percept) else encoder.encode_image(seen)).copy()
 
 
-def features_of(observation: Observation, extractor: FeatureExtractor) -> Features:
-    """AKAZE features of an observation (f_AKAZE in the paper), copied because sensors may reuse their arrays."""
-    seen = observation.image
+def features_of(seen: Image | Percept, extractor: FeatureExtractor) -> Features:
+    """AKAZE features of an image (f_AKAZE in the paper), copied because sensors may reuse their arrays."""
     if isinstance(seen, Percept):
         return Features(seen.features.keypoints.copy(), seen.features.descriptors.copy())
     return extractor.extract(seen)

@@ -4,18 +4,22 @@ The paper (Sec. III-D) searches the room that the image shows, by its label (`in
 label hides the right room, and keyframes are proposed even where the robot has never been before. By default, keyframes are
 therefore proposed by a calibrated probability of a revisit, from the similarity of the images and the estimated poses
 (`by_probability`).
+
+With a rig of several cameras, two keyframes are as similar as their two most similar images, and a revisit is as probable as
+its most probable pair of cameras. A rear camera thus recognises what a front camera saw when the robot walked the other way.
 """
 
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int
+from jaxtyping import Bool, Float, Float64, Int
 from scipy.special import logit
 
 from lexis.config import PlaceRecognitionConfig
 from lexis.graph.pose_graph import PoseGraph
-from lexis.maths.se3 import between, rotation_angle
+from lexis.maths.rig import camera_angles
+from lexis.maths.se3 import between
 from lexis.maths.ties import reaches, rounded
 from lexis.types import Keyframe, RoomInstance
 
@@ -26,8 +30,8 @@ _SINGLE_PRECISION = 1e-4
 """Upper bound for the rounding error of a cosine similarity in single precision."""
 
 Ids = Int[np.ndarray, "k"]
-PerKeyframe = Float64[np.ndarray, "k"]
-"""One figure, such as a similarity or a distance [m], for each of k keyframes."""
+Figures = Float64[np.ndarray, "*k"]
+"""One figure, such as a similarity or a distance [m], for each of k keyframes or pairs of images."""
 
 
 @runtime_checkable
@@ -87,29 +91,31 @@ def by_probability(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRec
     least = logit(config.least_probability)
     ids = old[_bound(query, old, graph, config) >= least + _MUCH_LESS]
     T_old_query = between(graph.T_W_B[ids], graph.T_W_B[query.id])
-    distances, angles = np.linalg.norm(T_old_query[:, :3, 3], axis=1), rotation_angle(T_old_query)
-    odds = rounded(revisit_log_odds(_similarities(query, ids, graph), distances, angles, config))
+    distances, angles = np.linalg.norm(T_old_query[:, :3, 3], axis=1), camera_angles(T_old_query, graph.rotations)
+    similarities = _cosines(query, graph.embeddings[ids].astype(np.float64))
+    of_pairs = rounded(revisit_log_odds(similarities, distances[:, None, None], angles, config))
+    odds = of_pairs.max(axis=(1, 2))
     if not (odds >= least).any():
         return ()
     best = np.argsort(-odds, kind="stable")[: config.candidates]
     return tuple(ids[best].tolist())
 
 
-def _bound(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRecognitionConfig) -> PerKeyframe:
+def _bound(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRecognitionConfig) -> Figures:
     """Return upper bounds for the log odds of a revisit of the keyframes `old`, which are cheap to compute.
 
     Most keyframes are too far away and too different. By the bounds, they are ruled out without computing their log odds in
     full.
     """
     distances = np.linalg.norm(graph.T_W_B[old, :3, 3] - graph.T_W_B[query.id, :3, 3], axis=1)
-    similarities = graph.embeddings[old] @ query.embedding + np.float32(_SINGLE_PRECISION)
+    similarities = _cosines(query, graph.embeddings[old]).max(axis=(1, 2)) + np.float32(_SINGLE_PRECISION)
     return revisit_log_odds(similarities.astype(np.float64), distances, np.zeros(len(old)), config)
 
 
 def revisit_log_odds(
-    similarities: PerKeyframe, distances_m: PerKeyframe, angles_rad: PerKeyframe, config: PlaceRecognitionConfig
-) -> PerKeyframe:
-    """Return the log odds that a new keyframe is at the place of each earlier keyframe, which means within 1 m and 0.5 rad.
+    similarities: Figures, distances_m: Figures, angles_rad: Figures, config: PlaceRecognitionConfig
+) -> Figures:
+    """Return the log odds that two images show one place, which means that they were taken within 1 m and 0.5 rad.
 
     The log odds rise with the similarity of the images and fall with the squares of the estimated distance and angle. This
     fall is limited: a robot that is lost can be anywhere, so a very similar image far from the estimate counts too.
@@ -118,7 +124,7 @@ def revisit_log_odds(
     Args:
         similarities: cosine similarities of the images.
         distances_m: estimated distances between the keyframes [m].
-        angles_rad: estimated angles between the keyframes [rad].
+        angles_rad: estimated angles between the cameras that took the images [rad].
         config: the settings of the model.
     """
     misplaced = (distances_m / config.place_m) ** 2 + (angles_rad / config.place_rad) ** 2
@@ -160,9 +166,16 @@ def most_similar_keyframes(query: Keyframe, ids: Ids, graph: PoseGraph, count: i
     return tuple(ids[best].tolist())
 
 
-def _similarities(query: Keyframe, ids: Ids, graph: PoseGraph) -> PerKeyframe:
-    """Return the cosine similarities of the query's embedding with the embeddings of other keyframes."""
-    return np.asarray(graph.embeddings[ids].astype(np.float64) @ query.embedding)
+def _similarities(query: Keyframe, ids: Ids, graph: PoseGraph) -> Figures:
+    """Return the cosine similarities of the query with other keyframes: those of the two most similar images."""
+    return np.asarray(_cosines(query, graph.embeddings[ids].astype(np.float64)).max(axis=(1, 2)))
+
+
+def _cosines(query: Keyframe, embeddings: Float[np.ndarray, "k cameras d"]) -> Float[np.ndarray, "k cameras cameras"]:
+    """Return the cosine similarities of the images of k keyframes (rows) with the images of the query (columns)."""
+    count, cameras, size = embeddings.shape
+    flat = embeddings.reshape(count * cameras, size)
+    return np.stack([flat @ own for own in query.embeddings], axis=1).reshape(count, cameras, cameras)
 
 
 def old_enough(

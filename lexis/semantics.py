@@ -13,10 +13,11 @@ from jaxtyping import Float64, Int
 from lexis.config import Config
 from lexis.room_labels import Labels, Refinement, Similarities, label_keyframes
 from lexis.room_segmentation import Clustering, Positions, segment
+from lexis.sight.cameras import largest
 from lexis.sight.pooled_labels import pool_labels
 from lexis.sight.room_clusters import cluster_by_sight
-from lexis.sight.visible_space import VisibleSpace, sight
-from lexis.types import Keyframe, Pose, Poses, RoomInstance
+from lexis.sight.visible_space import VisibleSpace, sight_of_cameras
+from lexis.types import Camera, Keyframe, Poses, RoomInstance
 
 
 @runtime_checkable
@@ -46,15 +47,20 @@ class Semantics:
 class Views:
     """What the cameras of all keyframes saw, and the poses from which they saw it."""
 
-    similarities: Float64[np.ndarray, "n rooms"]
-    """Cosine similarity of every keyframe's image with every room name (paper, Eq. 1)."""
-    spaces: Sequence[VisibleSpace]
-    """The free space that each keyframe's image shows. Only the methods by sight need it; for other methods, it may be
-    empty."""
+    similarities: Float64[np.ndarray, "n cameras rooms"]
+    """Cosine similarity of the images of every keyframe with every room name (paper, Eq. 1)."""
+    spaces: Sequence[tuple[VisibleSpace, ...]]
+    """The free space that each image of each keyframe shows. Only the methods by sight need it; for other methods, it may
+    be empty."""
     T_W_B: Poses
     """Current poses."""
-    T_B_C: Pose
-    """Pose of the camera on the body."""
+    camera: Camera
+    """The camera, with the others of its rig."""
+
+    @property
+    def pooled(self) -> Float64[np.ndarray, "n rooms"]:
+        """Mean similarity of the images of every keyframe with every room name."""
+        return np.asarray(self.similarities.mean(axis=1))
 
 
 def derive_by_component(
@@ -79,7 +85,7 @@ def derive_by_component(
         for room in part.rooms
     ]
     return Semantics(
-        views.similarities,
+        views.pooled,
         np.concatenate([part.baseline_labels for part in parts])[order],
         np.concatenate([part.labels for part in parts])[order],
         np.concatenate([part.floors for part in parts])[order],
@@ -90,7 +96,7 @@ def derive_by_component(
 def _part(views: Views, ids: Int[np.ndarray, "k"]) -> Views:
     """Return the views of some keyframes."""
     spaces = [views.spaces[i] for i in ids.tolist()] if views.spaces else ()
-    return Views(views.similarities[ids], spaces, views.T_W_B[ids], views.T_B_C)
+    return Views(views.similarities[ids], spaces, views.T_W_B[ids], views.camera)
 
 
 def derive(
@@ -113,10 +119,10 @@ def derive(
     if given is not None or config.labels.method == "image":  # labels that are not to be corrected
         config = replace(config, sight=replace(config.sight, min_keyframes=1))
     refine, cluster = _by_sight(views, config)
-    labels = label_keyframes(views.similarities, positions, room_names, config.labels, refine)
+    labels = label_keyframes(views.pooled, positions, room_names, config.labels, refine)
     found = labels.refined if given is None else given
     rooms = segment(found, positions, room_names, config.segmentation, cluster)
-    return Semantics(views.similarities, labels.baseline, rooms.labels, rooms.floors, rooms.rooms)
+    return Semantics(views.pooled, labels.baseline, rooms.labels, rooms.floors, rooms.rooms)
 
 
 def _by_sight(views: Views, config: Config) -> tuple[Refinement | None, Clustering | None]:
@@ -126,13 +132,14 @@ def _by_sight(views: Views, config: Config) -> tuple[Refinement | None, Clusteri
     """
     if not config.by_sight:
         return None, None
-    sees = sight(views.spaces, views.T_W_B, views.T_B_C, config.sight.near_m)
+    sees = sight_of_cameras(views.spaces, views.T_W_B, views.camera, config.sight.near_m)
 
     def refine(scores: Similarities, keyframes: Int[np.ndarray, "n"]) -> Labels:
-        return pool_labels(scores, sees[keyframes][:, keyframes], config.sight)[0]
+        allowed = np.where(np.isneginf(scores)[:, None], -np.inf, views.similarities[keyframes])
+        return pool_labels(allowed, [seen[keyframes][:, keyframes] for seen in sees], config.sight)[0]
 
     def cluster(labels: Labels, floors: Labels, positions: Positions) -> tuple[Labels, Labels]:
-        return cluster_by_sight(labels, floors, positions, sees, config.sight)
+        return cluster_by_sight(labels, floors, positions, largest(sees), config.sight)
 
     labels, rooms = config.labels.method == "sight", config.segmentation.method == "sight"
     return refine if labels else None, cluster if rooms else None

@@ -3,8 +3,8 @@
 Every observation passes through these stages (with the sections of the paper):
 
 1. Select keyframes (`lexis.keyframes`, III-A). Equal spacing makes the graph grow with the path and not with time.
-2. Encode the image and extract local features (`lexis.perception`, III-A). The embedding is used to find the room label and
-   loop candidates, the features to verify loops.
+2. Encode the images and extract local features (`lexis.perception`, III-A), for each camera of the rig by itself. The
+   embeddings are used to find the room label and loop candidates, the features to verify loops.
 3. Triangulate landmarks from the neighbouring frames (`lexis.keyframe_window`), because PnP needs 3-D points.
 4. Add the keyframe to the pose graph (`lexis.graph`, III-A), at the pose that odometry predicts.
 5. Propose loop candidates (`lexis.place_recognition`, III-D): earlier keyframes that the robot probably revisits, by the
@@ -37,7 +37,7 @@ from lexis.room_labels import most_similar, similarities
 from lexis.semantics import Labeller, Semantics, Views, derive_by_component
 from lexis.sessions.compatibility import check_continues
 from lexis.sessions.relocalisation import Relocaliser, at_any_distance, candidates_elsewhere, shift_of
-from lexis.sight.visible_space import VisibleSpace, space_in_view
+from lexis.sight.visible_space import VisibleSpace, spaces_in_view
 from lexis.timing import StageTimer
 from lexis.types import Camera, EncoderId, Keyframe, LexisMap, Observation, Poses, RoomInstance, Verdict
 from lexis.verification import Verifier, verify
@@ -78,7 +78,7 @@ class Slam:
         """
         check_camera(camera)
         check_room_names(room_names)
-        self._camera = replace(camera, T_B_C=camera.T_B_C.copy())
+        self._camera = camera.copy()
         self._encoder = encoder
         self._room_names = tuple(room_names)
         self._config = config or Config()
@@ -86,9 +86,9 @@ class Slam:
         self._text = encoder.encode_rooms(self._room_names)
         self._selector = KeyframeSelector(self._config.keyframes)
         self._extractor = FeatureExtractor(self._config.landmarks)
-        self._graph = PoseGraph(self._config.pose_graph)
-        self._similarities = GrowingArray((len(self._room_names),))
-        self._spaces: list[VisibleSpace] = []
+        self._graph = PoseGraph(self._config.pose_graph, self._camera)
+        self._similarities = GrowingArray((len(camera.rig), len(self._room_names)))
+        self._spaces: list[tuple[VisibleSpace, ...]] = []
         self._candidates: list[tuple[int, tuple[int, ...]]] = []
         self._verdicts: list[Verdict] = []
         self._rooms: tuple[RoomInstance, ...] = ()
@@ -116,11 +116,11 @@ class Slam:
         if frame is None:
             return
         with self._timed("encode"):
-            embedding = embedding_of(observation, self._encoder) if frame.is_keyframe else None
+            embeddings = [embedding_of(image, self._encoder) for image in observation.images if frame.is_keyframe] or None
         with self._timed("features"):
-            features = features_of(observation, self._extractor)
+            features = [features_of(image, self._extractor) for image in observation.images]
         with self._timed("landmarks"):
-            complete = self._window.add(frame, features, embedding)
+            complete = self._window.add(frame, features, embeddings)
         for keyframe in complete:
             self._add(keyframe)
 
@@ -171,9 +171,8 @@ class Slam:
         """Fill the graph with the keyframes, poses and loops of an earlier map."""
         components = session_components(map.keyframes, map.loops)
         self._graph.resume(map.keyframes, map.T_W_B, map.loops, components)
-        for row in map.similarities:
-            self._similarities.append(row)
-        self._spaces += [self._space(keyframe) for keyframe in map.keyframes if self._config.by_sight]
+        for keyframe in map.keyframes:
+            self._take_views(keyframe)
         self._candidates, self._verdicts = list(map.candidates), list(map.verdicts)
 
     def _add(self, keyframe: Keyframe) -> None:
@@ -184,9 +183,7 @@ class Slam:
         be slow, because all keyframes are labelled each time.
         """
         self._graph.add_keyframe(keyframe)
-        self._similarities.append(similarities(keyframe.embedding, self._text))
-        if self._config.by_sight:
-            self._spaces.append(self._space(keyframe))
+        self._take_views(keyframe)
         self._close_loops(keyframe)
         self._join_components(keyframe)
         optimised = self._optimise()
@@ -194,20 +191,23 @@ class Slam:
         if due and self._config.place_recognition.method == "room":
             self._rooms = self._derive_semantics(self._graph.T_W_B).rooms
 
-    def _space(self, keyframe: Keyframe) -> VisibleSpace:
-        return space_in_view(keyframe, self._camera.T_B_C, self._config.sight)
+    def _take_views(self, keyframe: Keyframe) -> None:
+        """Store what labels are derived from: how the images of a keyframe resemble the room names, and what they show."""
+        self._similarities.append(similarities(keyframe.embeddings, self._text))
+        if self._config.by_sight:
+            self._spaces.append(spaces_in_view(keyframe, self._camera, self._config.sight))
 
     def _derive_semantics(self, T_W_B: Poses) -> Semantics:
         """Derive labels, rooms and floors of all keyframes at the given poses."""
         with self._timed("rooms"):
             given = self._labeller(self._graph.keyframes) if self._labeller else None
-            views = Views(self._similarities.rows, self._spaces, T_W_B, self._camera.T_B_C)
+            views = Views(self._similarities.rows, self._spaces, T_W_B, self._camera)
             return derive_by_component(views, self._graph.components, self._room_names, self._config, given)
 
     def _close_loops(self, query: Keyframe) -> None:
         """Propose loop candidates, verify them by PnP, and add the loop edges."""
         with self._timed("propose"):
-            label = self._room_names[most_similar(self._similarities.rows[query.id])]
+            label = self._room_names[most_similar(self._similarities.rows[query.id].mean(axis=0))]
             candidates = self._propose(query, label, self._rooms, self._graph, self._config.place_recognition)
         with self._timed("verify"):
             verified = self._verify(query, candidates, self._graph, self._camera, self._config.verification)

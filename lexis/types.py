@@ -6,8 +6,8 @@ looks. ``T_a_b`` maps coordinates in ``b`` to ``a``: ``p_a = T_a_b @ p_b``. Cova
 6x6, **rotation first** as in GTSAM, for a perturbation on the right: ``T = T_mean @ Exp(xi)``.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -38,10 +38,21 @@ class Intrinsics:
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """A camera: its intrinsics and its pose on the body, ``T_B_C``."""
+    """A camera: its intrinsics and its pose on the body, ``T_B_C``; with `others`, the first camera of a rig."""
 
     intrinsics: Intrinsics
     T_B_C: Pose
+    others: tuple["Camera", ...] = ()
+    """The further cameras of the rig, which have no `others` themselves."""
+
+    @property
+    def rig(self) -> tuple["Camera", ...]:
+        """All cameras of the rig: this camera and the others."""
+        return self, *self.others
+
+    def copy(self) -> "Camera":
+        """Return a camera with copies of all poses, because the owner of the original may write into them."""
+        return Camera(self.intrinsics, self.T_B_C.copy(), tuple(other.copy() for other in self.others))
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,22 +89,48 @@ class Observation:
     """Pose of the body as estimated by the odometry, which drifts."""
     increment_covariance: Covariance
     """Covariance of the odometry's motion estimate since the previous observation, as stated by the odometry [rad², m²]."""
+    others: tuple[Image | Percept, ...] = ()
+    """Images of the further cameras at the same time, in the order of `Camera.others`. A SLAM may ignore them."""
+
+    @property
+    def images(self) -> tuple[Image | Percept, ...]:
+        """The images of all cameras, in the order of `Camera.rig`."""
+        return self.image, *self.others
+
+    def with_images(self, images: Iterable[Image | Percept]) -> "Observation":
+        """Return the observation with other images, in the order of `Camera.rig`."""
+        image, *others = images
+        return replace(self, image=image, others=tuple(others))
 
 
 @dataclass(frozen=True, eq=False)
 class Landmarks:
-    """Triangulated 3-D points of one keyframe."""
+    """Triangulated 3-D points of one image."""
 
     points: Float64[np.ndarray, "m 3"]
     """Positions in the keyframe's body frame B [m]."""
     feature_ids: Int[np.ndarray, "m"]
-    """For each point, the row of its key point in the keyframe's features. It is -1 if the point comes from a `Percept`,
-    whose points have no key points."""
+    """For each point, the row of its key point in the image's features. It is -1 if the point comes from a `Percept`, whose
+    points have no key points."""
+
+
+@dataclass(frozen=True, eq=False)
+class CameraView:
+    """What one camera of a keyframe saw."""
+
+    embedding: Float32[np.ndarray, "d"]
+    """CLIP embedding of the image (f_CLIP in the paper), with unit norm."""
+    features: Features
+    """AKAZE features of the image (f_AKAZE in the paper)."""
+    landmarks: Landmarks
 
 
 @dataclass(frozen=True, eq=False)
 class Keyframe:
-    """A node of the pose graph: its odometry pose, the CLIP embedding and features of its image, and landmarks."""
+    """A node of the pose graph: its odometry pose, the CLIP embedding and features of its image, and landmarks.
+
+    The image is that of the first camera; what further cameras of a rig saw is in `others`.
+    """
 
     id: int
     """Position in the sequence of keyframes, from 0."""
@@ -110,6 +147,23 @@ class Keyframe:
     landmarks: Landmarks
     session: int = 0
     """Number of the recording session, from 0. Each session has an odometry frame O of its own."""
+    others: tuple[CameraView, ...] = ()
+    """What the further cameras saw, in the order of `Camera.others`."""
+
+    @property
+    def views(self) -> tuple[CameraView, ...]:
+        """What all cameras saw, in the order of `Camera.rig`."""
+        return CameraView(self.embedding, self.features, self.landmarks), *self.others
+
+    @property
+    def embeddings(self) -> Float32[np.ndarray, "cameras d"]:
+        """CLIP embeddings of the images of all cameras."""
+        return np.stack([view.embedding for view in self.views])
+
+    @property
+    def points(self) -> Float64[np.ndarray, "k 3"]:
+        """Positions of the landmarks of all cameras in the body frame B [m]."""
+        return np.concatenate([view.landmarks.points for view in self.views])
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +178,7 @@ class LoopEdge:
     covariance: Covariance
     """Covariance of ``T_match_query`` [rad², m²]."""
     inliers: int
-    """Number of key points in the later keyframe's image that lie where `T_match_query` predicts them."""
+    """Number of key points in the later keyframe's images that lie where `T_match_query` predicts them."""
 
 
 Outcome = Literal[
@@ -146,11 +200,11 @@ class Verdict:
     """Id of the earlier keyframe that was proposed."""
     outcome: Outcome
     matches: int | None = None
-    """Number of key points in the new keyframe's image that match a landmark."""
+    """Number of key points in the new keyframe's images that match a landmark."""
     inliers: int | None = None
     """Number of key points that agree with the relative pose."""
     cells: int | None = None
-    """Number of cells of a 6 x 6 grid on the image that contain an inlier."""
+    """Number of cells of a 6 x 6 grid on the image that contain an inlier; with several cameras, the largest number."""
     misfit_m: float | None = None
     """Distance between the measured position of the new keyframe and its position in the estimate at that time [m]."""
     misfit_rad: float | None = None
@@ -227,7 +281,8 @@ class LexisMap:
     """Optimised poses of the keyframes. Sessions that no loop edge connects to the first one lie beside it along x, because
     their place is unknown."""
     similarities: Float64[np.ndarray, "n rooms"]
-    """Cosine similarity of every keyframe's image with every entry of `room_names` (paper, Eq. 1)."""
+    """Cosine similarity of every keyframe's image with every entry of `room_names` (paper, Eq. 1). With several cameras, it
+    is the mean over their images."""
     baseline_labels: Int[np.ndarray, "n"]
     """Labels of the keyframes before refinement: for each image, the index of the room name with the largest similarity."""
     labels: Int[np.ndarray, "n"]

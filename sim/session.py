@@ -31,6 +31,8 @@ _AHEAD = 16
 class Session:
     """The observations of a run along a tour, as an iterable of `(Observation, Truth)` pairs in the order of arrival.
 
+    The images of an observation are those of all cameras of `camera.rig`.
+
     A session can be iterated several times. Observations arrive in order of time unless `faults` change that order. `seed`
     determines the random numbers of the faults. A background thread, which owns the GL context, renders frames ahead, so
     that rendering and LEXIS run on two cores. With a `sensor` nothing is rendered, and each observation holds a percept (a
@@ -81,13 +83,13 @@ class Session:
         # Poses go through quaternions, as in recordings, so that a replayed recording gives the same poses bit by bit.
         T_O_B = poses_of(pose_rows(self.odometry.T_O_B))
         with closing(self._images()) as images:
-            for i, image in enumerate(images):
+            for i, (image, *others) in enumerate(images):
                 stamp = float(self.tour.stamps[i])
                 covariance = self.odometry.increment_covariance[i].copy()  # the SLAM may write into it
-                yield Observation(i, stamp, image, T_O_B[i], covariance), self.truths[i]
+                yield Observation(i, stamp, image, T_O_B[i], covariance, tuple(others)), self.truths[i]
 
     def picture(self, frame: int) -> Image:
-        """Render the image of one frame of the tour, without the faults that a run applies to images.
+        """Render the first camera's image of one frame of the tour, without the faults that a run applies to images.
 
         This also works in a session with a `sensor`, which itself renders no images. Raises `GraphicsError` if there is no
         off-screen OpenGL.
@@ -102,25 +104,26 @@ class Session:
         """
         return verify if self._sensed is None else self._sensed.verifier()
 
-    def _images(self) -> Generator[Image | Percept, None, None]:
+    def _images(self) -> Generator[tuple[Image | Percept, ...], None, None]:
+        """Yield what all cameras of the rig see in each frame."""
         if self._sensed is not None:
             return self._percepts(self._sensed)  # not in a thread, because work in numpy alone gains nothing from it
         return prefetched(self._rendered, _AHEAD)
 
-    def _percepts(self, sensed: SensedTour) -> Generator[Percept, None, None]:
+    def _percepts(self, sensed: SensedTour) -> Generator[tuple[Percept, ...], None, None]:
         start = time.perf_counter()
-        for percept in sensed.percepts():
+        for percepts in sensed.percepts():
             self.render_seconds += time.perf_counter() - start
-            yield percept
+            yield percepts
             start = time.perf_counter()
 
-    def _rendered(self) -> Generator[Image, None, None]:
+    def _rendered(self) -> Generator[tuple[Image, ...], None, None]:
         with closing(FrameRenderer(self._world_states, self.camera, self._distortion)) as renderer:
             for frame, T_W_B in enumerate(self.tour.T_W_B):
                 start = time.perf_counter()
-                image = renderer.rgb(frame, T_W_B)
+                images = renderer.rig(frame, T_W_B)
                 self.render_seconds += time.perf_counter() - start
-                yield image
+                yield images
 
 
 def _truths(house: House, tour: Tour) -> tuple[Truth, ...]:

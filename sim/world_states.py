@@ -11,7 +11,7 @@ from lexis.types import Camera, Image
 from sim.faults import Fault, WorldFault, WorldState, fault_rng
 from sim.render.actor import Actor
 from sim.render.camera import CameraRenderer, fovy_deg
-from sim.render.lens import Distortion, Lens
+from sim.render.lens import Distortion, Lens, rendered_camera
 from sim.render.scene import Scene, build_scene
 from sim.tours.tour import Tour
 from sim.truth import Truth
@@ -105,19 +105,26 @@ class FrameRenderer:
 
     def __init__(self, staging: WorldStates, camera: Camera, distortion: Distortion | None = None) -> None:
         self._world_states = staging
-        self._lens = Lens(camera.intrinsics, distortion) if distortion else None
-        self._camera = camera if self._lens is None else Camera(self._lens.pinhole, camera.T_B_C)
+        self._lenses = [Lens(each.intrinsics, distortion) for each in camera.rig] if distortion else []
+        self._camera = rendered_camera(camera, distortion) if distortion else camera
         self._renderer: CameraRenderer | None = None
 
     def rgb(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> Image:
-        """Render the image of a frame from a body pose."""
+        """Render the image of a frame from a body pose. For a rig, this is the image of its first camera."""
         image = self._set(frame, T_W_B).rgb(T_W_B)
-        return image if self._lens is None else self._lens.image(image)
+        return self._lenses[0].image(image) if self._lenses else image
+
+    def rig(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> tuple[Image, ...]:
+        """Render the images of a frame by all cameras of the rig from a body pose."""
+        images = self._set(frame, T_W_B).rig(T_W_B)
+        if not self._lenses:
+            return images
+        return tuple(lens.image(image) for lens, image in zip(self._lenses, images, strict=True))
 
     def depth(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> Float32[ndarray, "h w"]:
         """Render the depth of a frame along the optical axis [m]. It is never given to LEXIS."""
         depth = self._set(frame, T_W_B).depth(T_W_B)
-        return depth if self._lens is None else self._lens.nearest(depth)
+        return self._lenses[0].nearest(depth) if self._lenses else depth
 
     def _set(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> CameraRenderer:
         scene = self._world_states.world_at(frame).scene

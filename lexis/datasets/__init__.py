@@ -1,7 +1,8 @@
 """Recorded runs as input: TUM RGB-D, EuRoC ASL and ROS 2 bags.
 
 `open_dataset` (in `dataset`) recognises the format by the files in the folder. `tum_rgbd`, `euroc` and `ros2` read one
-format each; `recorded` holds code that these three share, and `image_header` checks images without decoding them.
+format each; `recorded` holds code that these three share, `camera_tracks` joins the images of several cameras, and
+`image_header` checks images without decoding them.
 """
 
 import lazy_loader

@@ -39,20 +39,21 @@ class Dataset:
 
     @property
     def camera(self) -> Camera:
-        """The camera that took the images."""
-        return self.recorded.camera
+        """The camera that took the images, with the others of its rig."""
+        return self.recorded.seen.camera
 
     @property
     def stamps(self) -> Float64[np.ndarray, "n"]:
         """Stamps of the images [s]."""
-        return self.recorded.stamps
+        return self.recorded.seen.stamps
 
     def __len__(self) -> int:
         return len(self.stamps)
 
     def __iter__(self) -> Iterator[Observation]:
-        for i, image in enumerate(self.recorded.images()):
-            yield Observation(i, float(self.stamps[i]), image, self.T_O_B[i], self.increment_covariances[i])
+        for i, (image, *others) in enumerate(self.recorded.seen.images()):
+            stamp, covariance = float(self.stamps[i]), self.increment_covariances[i]
+            yield Observation(i, stamp, image, self.T_O_B[i], covariance, tuple(others))
 
 
 def open_dataset(directory: Path, config: DatasetConfig | None = None) -> Dataset:
@@ -66,7 +67,7 @@ def open_dataset(directory: Path, config: DatasetConfig | None = None) -> Datase
         recorded = read_bag(directory, config)
     else:
         recorded = read_tum_dataset(directory, config)
-    poses = odometry_at(recorded.odometry, recorded.stamps, config.max_odometry_gap_s)
+    poses = odometry_at(recorded.odometry, recorded.seen.stamps, config.max_odometry_gap_s)
     covariances = recorded.increment_covariances
     return Dataset(directory, recorded, poses, assumed_covariances(poses, config) if covariances is None else covariances)
 

@@ -1,6 +1,7 @@
 """Recorded runs in the ASL format of EuRoC's micro aerial vehicle datasets.
 
-    mav0/cam0/data.csv, data/, sensor.yaml    images by their stamp [ns], pinhole with radial-tangential distortion, T_BS
+    mav0/cam0/data.csv, data/, sensor.yaml    images by their stamp [ns], pinhole with radial-tangential distortion, T_BS;
+                                              further cameras of a rig: cam1 and so on, with equal stamps
     mav0/odom0/data.csv, sensor.yaml          the odometry: stamp [ns], position [m], quaternion w x y z; then, optionally,
                                               the 36 numbers of the covariance of its increment since the previous line,
                                               rotation first [rad², m²]; T_BS is optional
@@ -16,8 +17,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
+from lexis.datasets.camera_tracks import CameraTrack, joined
 from lexis.datasets.recorded import (
     DatasetConfig,
     OdometryTrack,
@@ -54,7 +56,16 @@ def is_euroc(directory: Path) -> bool:
 
 def read_euroc(directory: Path, config: DatasetConfig) -> Recorded:
     """Read a dataset in EuRoC's ASL format. Raises LexisError, with file and line, if it is incomplete or inconsistent."""
-    folder = directory / SENSORS / (config.camera or CAMERA)
+    seen = joined([_read_images(directory / SENSORS / name) for name in config.cameras(CAMERA)])
+    track, covariances = _read_odometry(directory / SENSORS / (config.odometry or ODOMETRY))
+    # The covariances belong to the increments between odometry poses. Only if the odometry has the same stamps as the images
+    # are these the increments between images.
+    at_images = covariances is not None and np.array_equal(track.stamps, seen.stamps)
+    return Recorded(seen, track, covariances if at_images else None)
+
+
+def _read_images(folder: Path) -> CameraTrack:
+    """Read the calibration and the list of images of one camera."""
     camera, distortion = _read_camera(folder / "sensor.yaml")
     listed = folder / "data.csv"
     rows = _rows(listed, 2)
@@ -63,14 +74,10 @@ def read_euroc(directory: Path, config: DatasetConfig) -> Recorded:
     paths = [image_file(folder / "data", f"{listed}:{number}", words[1]) for number, words in rows]
     rectified = rectifier(camera, distortion)
 
-    def images() -> Iterator[Image]:
-        return (rectified(read_image(path, camera)) for path in paths)
+    def images(wanted: Bool[np.ndarray, "n"]) -> Iterator[Image]:
+        return (rectified(read_image(paths[i], camera)) for i in np.flatnonzero(wanted).tolist())
 
-    track, covariances = _read_odometry(directory / SENSORS / (config.odometry or ODOMETRY))
-    # The covariances belong to the increments between odometry poses. Only if the odometry has the same stamps as the images
-    # are these the increments between images.
-    at_images = covariances is not None and np.array_equal(track.stamps, stamps)
-    return Recorded(camera, stamps, images, track, covariances if at_images else None)
+    return CameraTrack(str(listed), camera, stamps, images)
 
 
 def _read_camera(path: Path) -> tuple[Camera, Float64[np.ndarray, "k"]]:

@@ -1,7 +1,7 @@
 """Code shared by the readers of recorded runs: their result type, decoding of images, and interpolation of the odometry."""
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float64, UInt8
 from scipy.spatial.transform import Rotation, Slerp
 
+from lexis.datasets.camera_tracks import RigTrack
 from lexis.datasets.image_header import image_size
 from lexis.errors import DatasetError, one_line
 from lexis.files.reading import FileKind, read_bytes
@@ -30,7 +31,8 @@ class DatasetConfig:
     odometry: str | None = None
     """The odometry: a file (TUM), a sensor's folder (EuRoC) or a topic (ROS 2). None: the default name."""
     camera: str | None = None
-    """The camera: a file (TUM), a sensor's folder (EuRoC) or the namespace of topics (ROS 2). None: the default name."""
+    """The camera: a file (TUM), a sensor's folder (EuRoC) or the namespace of topics (ROS 2). None: the default name. A list
+    of names, separated by commas, makes a rig of several cameras (EuRoC and ROS 2)."""
     max_odometry_gap_s: float = 0.5
     """Longest gap between odometry poses that is interpolated [s]."""
     rotation_sigma: float = 0.003
@@ -39,6 +41,13 @@ class DatasetConfig:
     translation_sigma: float = 0.015
     """Standard deviation to assume for the drift of the position after one metre of path, if the dataset has no covariances
     [m/√m]."""
+
+    def cameras(self, usual: str) -> tuple[str, ...]:
+        """Return the names of all cameras, or `usual` if none is named. Raises DatasetError for a name that occurs twice."""
+        names = tuple(name.strip() for name in (self.camera or usual).split(","))
+        if len(set(names)) < len(names) or not all(names):
+            raise DatasetError(f"cameras {self.camera!r}; valid: different names, separated by commas")
+        return names
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,12 +65,8 @@ class OdometryTrack:
 class Recorded:
     """The contents of a dataset's files, before the odometry is interpolated."""
 
-    camera: Camera
-    stamps: Float64[np.ndarray, "n"]
-    """Stamps of the images, ascending [s]."""
-    images: Callable[[], Iterator[Image]]
-    """Function that returns a new iterator over the images, in order. The iterator raises DatasetError if an image is
-    unreadable or does not have the camera's size."""
+    seen: RigTrack
+    """The images of all cameras."""
     odometry: OdometryTrack
     increment_covariances: Float64[np.ndarray, "n 6 6"] | None
     """Covariances of the odometry's increments from image to image [rad², m²]. None if the dataset states no covariances, or

@@ -2,7 +2,8 @@
 
     /cam0/image_raw              sensor_msgs/Image (rgb8, bgr8 or mono8), or
     /cam0/image_raw/compressed   sensor_msgs/CompressedImage (PNG or JPEG)
-    /cam0/camera_info            sensor_msgs/CameraInfo: pinhole, plumb_bob
+    /cam0/camera_info            sensor_msgs/CameraInfo: pinhole, plumb_bob; further cameras of a rig: /cam1 and so on, with
+                                 images of equal stamps
     /odom                        nav_msgs/Odometry: T_O_B
     /odom/increment_covariance   std_msgs/Float64MultiArray, optional: one message per odometry message, in the same order,
                                  with the 6x6 covariance of the increment since the previous odometry message, rotation
@@ -21,8 +22,9 @@ from typing import Any, TypeAlias
 
 import cv2
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
+from lexis.datasets.camera_tracks import CameraTrack, joined
 from lexis.datasets.recorded import (
     DatasetConfig,
     OdometryTrack,
@@ -68,25 +70,30 @@ def read_bag(directory: Path, config: DatasetConfig) -> Recorded:
     Raises LexisError, which names the topic, if the bag is incomplete or inconsistent.
     """
     bag = _Bag(directory if (directory / METADATA).is_file() else directory / "bag")
-    name = f"/{(config.camera or CAMERA).strip('/')}"
-    raw, compressed = f"{name}/image_raw", f"{name}/image_raw/compressed"
-    topic = bag.first_of(raw, compressed)
-    kind = _COMPRESSED if topic == compressed else _IMAGE
     track, body = _read_odometry(bag, config.odometry or ODOMETRY)
-    camera, distortion = _read_camera(bag, f"{name}/camera_info", body)
-    rectified = rectifier(camera, distortion)
-    decode = _decode if topic == compressed else _as_image
-
-    def images() -> Iterator[Image]:
-        return (rectified(decode(message, f"{bag.path}: {topic}", camera)) for message in bag.messages(topic, kind))
-
-    stamps = np.array([_stamp(message) for message in bag.messages(topic, kind)])
-    check_ascending(f"{bag.path}: {topic}", stamps)
+    seen = joined([_read_images(bag, f"/{name.strip('/')}", body) for name in config.cameras(CAMERA)])
     covariances = _read_covariances(bag, f"{config.odometry or ODOMETRY}/increment_covariance", len(track.stamps))
     # The covariances belong to the increments between odometry poses. Only if the odometry has the same stamps as the images
     # are these the increments between images.
-    at_images = covariances is not None and np.array_equal(track.stamps, stamps)
-    return Recorded(camera, stamps, images, track, covariances if at_images else None)
+    at_images = covariances is not None and np.array_equal(track.stamps, seen.stamps)
+    return Recorded(seen, track, covariances if at_images else None)
+
+
+def _read_images(bag: "_Bag", name: str, body: str) -> CameraTrack:
+    """Read the calibration of the camera `name` and the stamps of its images. `body` is the body frame."""
+    raw, compressed = f"{name}/image_raw", f"{name}/image_raw/compressed"
+    topic = bag.first_of(raw, compressed)
+    kind, decode = (_COMPRESSED, _decode) if topic == compressed else (_IMAGE, _as_image)
+    camera, distortion = _read_camera(bag, f"{name}/camera_info", body)
+    rectified, source = rectifier(camera, distortion), f"{bag.path}: {topic}"
+
+    def images(wanted: Bool[np.ndarray, "n"]) -> Iterator[Image]:
+        messages = zip(bag.messages(topic, kind), wanted.tolist(), strict=True)
+        return (rectified(decode(message, source, camera)) for message, is_wanted in messages if is_wanted)
+
+    stamps = np.array([_stamp(message) for message in bag.messages(topic, kind)])
+    check_ascending(source, stamps)
+    return CameraTrack(source, camera, stamps, images)
 
 
 class _Bag:

@@ -16,8 +16,9 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
+from lexis.datasets.camera_tracks import CameraTrack, joined
 from lexis.datasets.recorded import DatasetConfig, OdometryTrack, Recorded, image_file, read_image, rectifier
 from lexis.errors import DatasetError, LexisError
 from lexis.files.camera import CameraData
@@ -41,17 +42,21 @@ def read_tum_dataset(directory: Path, config: DatasetConfig) -> Recorded:
     stamps, paths = _read_image_list(directory)
     odometry = directory / (config.odometry or ODOMETRY)
 
-    def images() -> Iterator[Image]:
-        return (rectified(read_image(path, camera)) for path in paths)
+    def images(wanted: Bool[np.ndarray, "n"]) -> Iterator[Image]:
+        return (rectified(read_image(paths[i], camera)) for i in np.flatnonzero(wanted).tolist())
 
+    seen = joined([CameraTrack(str(directory / IMAGE_LIST), camera, stamps, images)])
     track = OdometryTrack(str(odometry), *read_tum(odometry))
     # The file of covariances belongs to the default odometry and describes no other odometry.
     covariances = _read_covariances(directory / COVARIANCE, stamps) if config.odometry in (None, ODOMETRY) else None
-    return Recorded(camera, stamps, images, track, covariances)
+    return Recorded(seen, track, covariances)
 
 
 def write_dataset(directory: Path, camera: Camera, observations: Iterable[Observation]) -> None:
-    """Write observations as a dataset with PNG images; the folder appears complete or not at all. Raises LexisError."""
+    """Write observations as a dataset with PNG images; the folder appears complete or not at all. Raises LexisError.
+
+    The format holds one camera, so only the images of the first camera are written.
+    """
     with replaced_folder(directory, IMAGE_LIST) as folder:
         (folder / "rgb").mkdir()
         write_camera(folder / CAMERA, camera)
@@ -64,7 +69,7 @@ def write_dataset(directory: Path, camera: Camera, observations: Iterable[Observ
             covariances.write("# stamp [s], 6x6 row by row\n")
             for i, observation in enumerate(observations):
                 stamp, name = f"{observation.stamp:.6f}", f"rgb/{i:06d}.png"
-                (folder / name).write_bytes(cv2.imencode(".png", pixels(observation)[..., ::-1])[1].tobytes())
+                (folder / name).write_bytes(cv2.imencode(".png", pixels(observation)[0][..., ::-1])[1].tobytes())
                 images.write(f"{stamp} {name}\n")
                 odometry.write(odometry_line(stamp, observation))
                 covariances.write(covariance_line(stamp, observation))

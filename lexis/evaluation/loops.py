@@ -74,8 +74,31 @@ def true_edges(
 
 def true_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "k"]:
     """Ids of the revisits: keyframes within 1 m and 0.5 rad of a keyframe at least 10 s earlier, by their true poses."""
-    later, earlier = np.nonzero(stamps[:, None] - stamps[None, :] >= REVISIT_S)
-    near = np.linalg.norm(T_W_B[later, :3, 3] - T_W_B[earlier, :3, 3], axis=1) <= REVISIT_M
-    later, earlier = later[near], earlier[near]
+    later, earlier = _close_pairs(T_W_B, stamps)
     _, angle = separation(T_W_B, later, earlier)
     return np.unique(later[angle <= REVISIT_RAD])
+
+
+def opposite_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "k"]:
+    """Ids of the revisits in the opposite direction alone: places that were seen before, but only from the other side.
+
+    By their true poses, these are keyframes within 1 m of a keyframe at least 10 s earlier whose heading is opposite to
+    within 0.5 rad. Revisits in the same direction (`true_revisits`) do not count.
+    """
+    later, earlier = _close_pairs(T_W_B, stamps)
+    _, angle = separation(T_W_B, later, earlier)
+    return np.setdiff1d(later[angle >= np.pi - REVISIT_RAD], true_revisits(T_W_B, stamps))
+
+
+def opposite_edges(query: Int[np.ndarray, "m"], match: Int[np.ndarray, "m"], T_W_B: Poses) -> Bool[np.ndarray, "m"]:
+    """Whether the body looks in opposite directions at the two ends of each edge: by more than a right angle."""
+    return np.asarray(rotation_angle(between(T_W_B[match], T_W_B[query])) > np.pi / 2)
+
+
+def _close_pairs(
+    T_W_B: Poses, stamps: Float64[np.ndarray, "n"]
+) -> tuple[Int[np.ndarray, "pairs"], Int[np.ndarray, "pairs"]]:
+    """Return the later and the earlier keyframe of all pairs within 1 m of each other and at least 10 s apart."""
+    later, earlier = np.nonzero(stamps[:, None] - stamps[None, :] >= REVISIT_S)
+    near = np.linalg.norm(T_W_B[later, :3, 3] - T_W_B[earlier, :3, 3], axis=1) <= REVISIT_M
+    return later[near], earlier[near]

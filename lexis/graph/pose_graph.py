@@ -15,7 +15,7 @@ from lexis.graph.graph_optimisation import GraphOptimiser, loop_weights
 from lexis.graph.thinning import STAYS, Retired, anchors
 from lexis.maths.growing_array import GrowingArray
 from lexis.maths.se3 import between, compose_covariance, inverse
-from lexis.types import Covariance, Keyframe, LoopEdge, Pose, Poses
+from lexis.types import Camera, Covariance, Keyframe, LoopEdge, Pose, Poses
 
 _SESSION_M = 1e6
 """Length of path that is assumed between consecutive sessions [m], so that keyframes of two sessions count as two visits."""
@@ -35,12 +35,14 @@ class PoseGraph:
     Active keyframes take part in the optimisation. Odometry connects each active keyframe to the active keyframe before it.
     """
 
-    def __init__(self, config: PoseGraphConfig) -> None:
-        """Create an empty graph."""
+    def __init__(self, config: PoseGraphConfig, camera: Camera | None = None) -> None:
+        """Create an empty graph. `camera` is the camera of all keyframes; only a rig of several cameras has to be given."""
         self._config = config
+        self.rotations = np.stack([np.eye(3)] if camera is None else [each.T_B_C[:3, :3] for each in camera.rig])
+        """Rotations of the cameras on the body, from C to B (cameras, 3, 3)."""
         self._T_W_B = GrowingArray((4, 4))
         self._path_m, self._stamps = GrowingArray(()), GrowingArray(())
-        self._embeddings = GrowingArray((0,), np.float32)
+        self._embeddings = GrowingArray((1, 0), np.float32)
         self._active = GrowingArray((), np.int64)
         self._covariances: list[Covariance] = []
         self._retired = Retired()
@@ -68,8 +70,8 @@ class PoseGraph:
         return self._active.rows
 
     @property
-    def embeddings(self) -> Float32[np.ndarray, "n d"]:
-        """CLIP embeddings of all keyframes (f_CLIP in the paper)."""
+    def embeddings(self) -> Float32[np.ndarray, "n cameras d"]:
+        """CLIP embeddings of the images of all keyframes (f_CLIP in the paper)."""
         return self._embeddings.rows
 
     @property
@@ -123,14 +125,14 @@ class PoseGraph:
         self._active.append(len(self.keyframes))
         self._covariances.append(keyframe.step_covariance)
         self._stamps.append(keyframe.stamp)
-        self._embeddings.append(keyframe.embedding)
+        self._embeddings.append(keyframe.embeddings)
         self._sessions.append(keyframe.session)
         self.keyframes.append(keyframe)
 
     def _begin_session(self, keyframe: Keyframe) -> None:
         if self._optimiser is None:
             self._optimiser = GraphOptimiser(keyframe.T_O_B, self._config)
-            self._embeddings = GrowingArray(keyframe.embedding.shape, np.float32)
+            self._embeddings = GrowingArray(keyframe.embeddings.shape, np.float32)
         else:
             self._optimiser.add_session(keyframe.T_O_B)
         self._T_W_B.append(keyframe.T_O_B)

@@ -13,6 +13,7 @@ from jaxtyping import Int, Shaped
 from lexis.errors import MapError
 from lexis.files.arrays import Arrays, Layout
 from lexis.inputs import MAX_POSITION_M, usable_covariances
+from lexis.map.other_views import pack_others, unpack_others
 from lexis.maths.se3 import is_rigid
 from lexis.types import OUTCOMES, Features, Keyframe, Landmarks, LexisMap, LoopArrays, LoopEdge, Verdict
 
@@ -52,7 +53,13 @@ LAYOUT: Layout = {
 }
 """Type and shape of every array in `arrays.npz`."""
 
-_COUNTED = {"feature": "keypoints", "landmark": "landmark_points", "candidate": "candidate_match"}
+_COUNTED = {
+    "feature": "keypoints",
+    "landmark": "landmark_points",
+    "candidate": "candidate_match",
+    "other_feature": "other_keypoints",
+    "other_landmark": "other_landmark_points",
+}
 """For each array of counts, named without the ending `_count`, the array whose rows are counted: `feature_count` counts the
 rows of `keypoints`."""
 _UNKNOWN = -1.0
@@ -99,7 +106,7 @@ def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
         "verdict_counts": [_known((v.matches, v.inliers, v.cells)) for v in map.verdicts],
         "verdict_misfit": [_known((v.misfit_m, v.misfit_rad)) for v in map.verdicts],
     }
-    return {name: _as_laid_out(name, column) for name, column in columns.items()}
+    return {name: _as_laid_out(name, column) for name, column in columns.items()} | pack_others(keyframes, features)
 
 
 def unpack_keyframes(arrays: Arrays) -> tuple[Keyframe, ...]:
@@ -108,6 +115,7 @@ def unpack_keyframes(arrays: Arrays) -> tuple[Keyframe, ...]:
     descriptors = _split(arrays["descriptors"], arrays["feature_count"])
     points = _split(arrays["landmark_points"], arrays["landmark_count"])
     feature_ids = _split(arrays["landmark_feature"], arrays["landmark_count"])
+    others = unpack_others(arrays)
     return tuple(
         Keyframe(
             id=i,
@@ -119,6 +127,7 @@ def unpack_keyframes(arrays: Arrays) -> tuple[Keyframe, ...]:
             features=Features(keypoints[i], descriptors[i]),
             landmarks=Landmarks(points[i], feature_ids[i]),
             session=int(arrays["session"][i]),
+            others=others[i],
         )
         for i in range(len(arrays["stamp"]))
     )
@@ -159,11 +168,11 @@ def check(arrays: Arrays) -> None:
         if array.dtype.kind == "f" and not np.isfinite(array).all():
             raise MapError(f"array {name} has values that are not finite")
     _check_references(arrays)
-    for name in ("feature", "landmark", "candidate"):
-        _check_counts(arrays, name)
-    owners = np.repeat(arrays["feature_count"], arrays["landmark_count"])
-    if (arrays["landmark_feature"] >= owners).any():
-        raise MapError("array landmark_feature refers to a feature that its keyframe does not have")
+    for name, counted in _COUNTED.items():
+        if counted in arrays:
+            _check_counts(arrays, name)
+    for prefix in ("", "other_") if "other_embedding" in arrays else ("",):
+        _check_landmarks(arrays, prefix)
     for name in ("T_O_B", "T_W_B", "loop_pose"):
         if not is_rigid(arrays[name], tolerance=1e-5).all():
             raise MapError(f"array {name} has a matrix that is no rigid motion")
@@ -206,6 +215,17 @@ def _check_references(arrays: Arrays) -> None:
     if (later := np.flatnonzero(match >= query)).size:
         i = later[0]
         raise MapError(f"loop {i} leads from keyframe {query[i]} to {match[i]}, which is not earlier; valid: an earlier one")
+
+
+def _check_landmarks(arrays: Arrays, prefix: str) -> None:
+    """Raise MapError unless each landmark refers to a feature of its own image, or to none (-1).
+
+    `prefix` is "other_" for the images of the further cameras.
+    """
+    features, of_landmarks = arrays[f"{prefix}landmark_feature"], arrays[f"{prefix}landmark_count"]
+    owners = np.repeat(arrays[f"{prefix}feature_count"].ravel(), of_landmarks.ravel())
+    if (features >= owners).any() or (features < -1).any():
+        raise MapError(f"array {prefix}landmark_feature refers to a feature that its image does not have")
 
 
 def _check_counts(arrays: Arrays, name: str) -> None:

@@ -122,15 +122,16 @@ def summary(map: LexisMap) -> dict[str, Any]:
 def _candidates(map: LexisMap, room_of: Mapping[int, str]) -> list[dict[str, Any]]:
     """Return what became of every loop candidate in verification, with the figures that decided.
 
-    Each candidate also has the room of the earlier keyframe, the similarity of the images, and the final weight of its edge.
+    Each candidate also has the room of the earlier keyframe, the similarity of the most similar images, and the final weight
+    of its edge.
     """
     weights = {(loop.query, loop.match): float(w) for loop, w in zip(map.loops, map.loop_weights, strict=True)}
-    embeddings = [keyframe.embedding.astype(np.float64) for keyframe in map.keyframes]
+    embeddings = [keyframe.embeddings.astype(np.float64) for keyframe in map.keyframes]
     return [
         asdict(verdict)
         | {
             "room": room_of.get(verdict.match),
-            "similarity": float(embeddings[verdict.query] @ embeddings[verdict.match]),
+            "similarity": float((embeddings[verdict.query] @ embeddings[verdict.match].T).max()),
             "weight": weights.get((verdict.query, verdict.match)),
         }
         for verdict in map.verdicts

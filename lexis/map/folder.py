@@ -13,8 +13,9 @@ from lexis.files.camera import CameraData
 from lexis.files.reading import FileKind, read_model
 from lexis.files.replace import replaced_folder
 from lexis.files.temporary_folder import recover
-from lexis.inputs import MAX_NAME_LENGTH, MAX_ROOM_NAMES, check_camera, check_room_names
+from lexis.inputs import MAX_CAMERAS, MAX_NAME_LENGTH, MAX_ROOM_NAMES, check_camera, check_room_names
 from lexis.map.arrays import LAYOUT, check, pack, unpack_candidates, unpack_keyframes, unpack_loops, unpack_verdicts
+from lexis.map.other_views import LAYOUT as OF_OTHERS
 from lexis.types import EncoderId, LexisMap, RoomInstance
 
 JSON_FILE = "map.json"
@@ -48,6 +49,8 @@ class _Map(BaseModel):
 
     schema_version: Literal[4] = Field(alias="schema")
     camera: CameraData
+    other_cameras: tuple[CameraData, ...] = Field((), max_length=MAX_CAMERAS - 1)
+    """The further cameras of a rig. Files of a single camera do not state them."""
     encoder: _Encoder
     room_names: tuple[_Name, ...] = Field(min_length=1, max_length=MAX_ROOM_NAMES)
     rooms: tuple[_Room, ...] = Field(max_length=100_000)
@@ -63,13 +66,15 @@ def save_map(map: LexisMap, directory: Path, features: bool = True) -> None:
     header = _Map(
         schema=4,
         camera=CameraData.of(map.camera),
+        other_cameras=tuple(CameraData.of(other) for other in map.camera.others),
         encoder=_Encoder(name=map.encoder.name, fingerprint=map.encoder.fingerprint),
         room_names=map.room_names,
         rooms=tuple(_Room(label=room.label, floor=room.floor) for room in map.rooms),
         stage_seconds=map.stage_seconds,
     )
     with replaced_folder(directory, JSON_FILE) as folder:
-        text = json.dumps(header.model_dump(mode="json", by_alias=True), indent=1)
+        excluded = None if map.camera.others else {"other_cameras"}
+        text = json.dumps(header.model_dump(mode="json", by_alias=True, exclude=excluded), indent=1)
         (folder / JSON_FILE).write_text(text + "\n", encoding="utf-8")
         np.savez(folder / ARRAY_FILE, allow_pickle=False, **pack(map, features))
 
@@ -78,9 +83,10 @@ def load_map(directory: Path) -> LexisMap:
     """Read a map that was written by `save_map`. Raises MapError for anything else."""
     recover(directory)
     header = read_model(directory / JSON_FILE, _HEADER_FILE, _Map)
-    sizes = {"rooms": len(header.rooms), "room_names": len(header.room_names)}
-    arrays = read_arrays(directory / ARRAY_FILE, _ARRAYS_FILE, LAYOUT, sizes)
-    camera = header.camera.camera()
+    others = header.other_cameras
+    sizes = {"rooms": len(header.rooms), "room_names": len(header.room_names), "others": len(others)}
+    arrays = read_arrays(directory / ARRAY_FILE, _ARRAYS_FILE, {**LAYOUT, **OF_OTHERS} if others else LAYOUT, sizes)
+    camera = header.camera.camera(others)
     try:
         check_camera(camera)
         check_room_names(header.room_names)

@@ -12,7 +12,7 @@ from lexis.map.encoder_check import check_encoder
 from lexis.perception import Encoder
 from lexis.room_labels import similarities
 from lexis.semantics import Views, derive_by_component
-from lexis.sight.visible_space import space_in_view
+from lexis.sight.visible_space import spaces_in_view
 from lexis.types import LexisMap
 
 
@@ -32,10 +32,10 @@ def relabel(map: LexisMap, room_names: Sequence[str], encoder: Encoder, config: 
     check_room_names(room_names)
     check_encoder(map, encoder)
     names = tuple(room_names)
-    config, T_B_C = config or Config(), map.camera.T_B_C
-    embeddings = np.array([keyframe.embedding for keyframe in map.keyframes])
-    spaces = [space_in_view(keyframe, T_B_C, config.sight) for keyframe in map.keyframes if config.by_sight]
-    views = Views(similarities(embeddings, encoder.encode_rooms(names)), spaces, map.T_W_B, T_B_C)
+    config = config or Config()
+    embeddings = np.array([keyframe.embeddings for keyframe in map.keyframes])
+    spaces = [spaces_in_view(keyframe, map.camera, config.sight) for keyframe in map.keyframes if config.by_sight]
+    views = Views(similarities(embeddings, encoder.encode_rooms(names)), spaces, map.T_W_B, map.camera)
     meaning = derive_by_component(views, component_of(map), names, config)
     return replace(
         map,

@@ -1,6 +1,7 @@
 """Small mathematical tools that several stages share.
 
-`se3` and `quaternions` are about rigid motions, `projection` about the pinhole camera. `paths` measures length along a path,
+`se3` and `quaternions` are about rigid motions, `projection` about the pinhole camera, `pnp` about its pose from matched
+points, and `rig` about several cameras on one body. `paths` measures length along a path,
 `stretches` cuts a sequence into stretches of equal values, `ties` compares values so that rounding errors decide nothing,
 and `growing_array` holds an array that grows row by row.
 """

@@ -19,7 +19,8 @@ from scipy.spatial import cKDTree
 from lexis.config import SightConfig
 from lexis.maths.ties import rounded
 from lexis.planning.evidence import evidence_at
-from lexis.sight import pool_labels, sight, space_in_view
+from lexis.sight.pooled_labels import pool_labels
+from lexis.sight.visible_space import sight_of_cameras, spaces_in_view
 from lexis.types import LexisMap, RoomInstance
 
 INSIDE_M = 1.0
@@ -35,12 +36,13 @@ CLEAR = 0.3
 def label_probabilities(map: LexisMap) -> Float64[np.ndarray, "n rooms"]:
     """Return the probabilities of the labels of every keyframe, from the images that show the place of the keyframe.
 
-    The default settings apply, because a map does not contain the settings with which it was made.
+    The default settings apply, because a map does not contain the settings with which it was made. The images of a rig of
+    several cameras count with their mean similarities, because a map does not contain those of each camera.
     """
     config = SightConfig(passes=0)
-    spaces = [space_in_view(keyframe, map.camera.T_B_C, config) for keyframe in map.keyframes]
-    sees = sight(spaces, map.T_W_B, map.camera.T_B_C, config.near_m)
-    return pool_labels(map.similarities, sees, config)[1]
+    spaces = [spaces_in_view(keyframe, map.camera, config) for keyframe in map.keyframes]
+    sees = sight_of_cameras(spaces, map.T_W_B, map.camera, config.near_m)
+    return pool_labels(np.repeat(map.similarities[:, None], len(sees), axis=1), sees, config)[1]
 
 
 def surely_inside(

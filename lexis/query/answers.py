@@ -2,7 +2,7 @@
 
 1. Turn the question into captions, the texts that the encoder was trained on (`lexis.query.questions`). A question may have
    several readings.
-2. Embed each reading as the mean of its captions, and compare it with the embeddings of all keyframes.
+2. Embed each reading as the mean of its captions, and compare it with the embeddings of all images of all keyframes.
 3. Score each room by the mean similarity of its best views, because most of its views may not show the requested thing.
 4. With a calibration, convert the scores to probabilities (`lexis.query.calibration`).
 5. Return the rooms and keyframes for the reading that has the best-fitting room.
@@ -88,8 +88,7 @@ def ask(map: LexisMap, text: str, encoder: TextEncoder, calibration: Calibration
         raise LexisError("the map has no rooms; valid: one with at least one")
     check_encoder(map, encoder)
     readings = np.stack([_embed(captions, encoder) for captions in question.readings])
-    images = np.array([keyframe.embedding for keyframe in map.keyframes])
-    answers = [_rank(map, rounded(images.astype(np.float64) @ reading), question.negated) for reading in readings]
+    answers = [_rank(map, _fits(map, reading), question.negated) for reading in readings]
     if calibration is None:
         return max(answers, key=lambda answer: answer.rooms[0].similarity)
     likely = [_likely(answer, calibration, reading, encoder) for answer, reading in zip(answers, readings, strict=True)]
@@ -107,6 +106,14 @@ def embed_questions(texts: Sequence[str], encoder: TextEncoder) -> Float32[np.nd
 def _embed(captions: Captions, encoder: TextEncoder) -> Float32[np.ndarray, "d"]:
     mean = encoder.encode_texts(captions).mean(axis=0)
     return np.asarray(mean / np.linalg.norm(mean), np.float32)
+
+
+def _fits(map: LexisMap, reading: Float32[np.ndarray, "d"]) -> Float[np.ndarray, "n"]:
+    """Return the similarity of every keyframe with a reading; with several cameras, that of the most similar image."""
+    images = np.array([keyframe.embeddings for keyframe in map.keyframes])
+    keyframes, cameras, size = images.shape
+    fits = rounded(images.reshape(keyframes * cameras, size).astype(np.float64) @ reading)
+    return np.asarray(fits.reshape(keyframes, cameras).max(axis=1))
 
 
 def _rank(map: LexisMap, fits: Float[np.ndarray, "n"], negated: bool) -> Answer:

@@ -18,8 +18,14 @@ def check_continues(map: LexisMap, camera: Camera, encoder: Encoder, room_names:
             f"the map has the room names {', '.join(map.room_names)}, but the new session has {', '.join(room_names)}; "
             "valid: equal names in equal order ('lexis relabel' changes those of a map)"
         )
-    if camera.intrinsics != map.camera.intrinsics or not np.allclose(camera.T_B_C, map.camera.T_B_C, atol=1e-6):
+    if len(camera.rig) != len(map.camera.rig):
         raise MapError(
-            f"the camera {camera.intrinsics} or its pose on the body differs from the map's {map.camera.intrinsics}; "
-            "valid: the same camera in all sessions of a map"
+            f"the rig has {len(camera.rig)} cameras, and that of the map {len(map.camera.rig)}; "
+            "valid: the same cameras in all sessions of a map"
         )
+    for own, other in zip(camera.rig, map.camera.rig, strict=True):
+        if own.intrinsics != other.intrinsics or not np.allclose(own.T_B_C, other.T_B_C, atol=1e-6):
+            raise MapError(
+                f"the camera {own.intrinsics} or its pose on the body differs from the map's {other.intrinsics}; "
+                "valid: the same camera in all sessions of a map"
+            )

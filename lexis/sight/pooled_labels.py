@@ -1,5 +1,7 @@
 """Labels of keyframes by sight: from all images that show the place of a keyframe."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Float64, Int
 from scipy.sparse import csr_array, diags_array
@@ -7,6 +9,7 @@ from scipy.special import softmax
 
 from lexis.config import SightConfig
 from lexis.maths.ties import rounded
+from lexis.sight.cameras import mean
 
 _BELIEF_FLOOR = 0.01
 """Constant that is added to beliefs before their logarithm is taken, so that no neighbour can rule out a label."""
@@ -14,26 +17,27 @@ _NEVER = 1e-9
 
 
 def pool_labels(
-    similarities: Float64[np.ndarray, "n rooms"], sees: csr_array, config: SightConfig
+    similarities: Float64[np.ndarray, "n cameras rooms"], sees: Sequence[csr_array], config: SightConfig
 ) -> tuple[Int[np.ndarray, "n"], Float64[np.ndarray, "n rooms"]]:
     """Label each keyframe by the images that show its place, and return the labels and the probabilities of all labels.
 
     1. Convert the similarities of each image to log probabilities, which are the evidence of the image.
     2. Sum up, for each keyframe, the evidence of all images, weighted by the share of the image's visible space that lies
        near the keyframe. The keyframe's own image counts `own_weight` in addition. The probabilities that follow from this
-       sum are the keyframe's beliefs.
+       sum are the keyframe's beliefs. With several cameras, the evidence is the mean over the cameras, so that cameras with
+       overlapping views do not count twice.
     3. Let keyframes come to agree, in a few passes of logarithmic opinion pooling. The neighbours of a keyframe are the
        other keyframes that see its place. In each pass, every keyframe adds the mean log belief of its neighbours, times
        `neighbour_weight`, to its evidence.
 
     Args:
-        similarities: cosine similarities of the images (rows) with the room names.
-        sees: the matrix that `lexis.sight.visible_space.sight` returns.
+        similarities: cosine similarities of the images of every keyframe, one for each camera, with the room names.
+        sees: for each camera, the matrix that `lexis.sight.visible_space.sight` returns.
         config: the weights, the temperature of the probabilities, and the number of passes.
     """
-    own = np.log(softmax(rounded(similarities) / config.temperature, axis=1) + config.least_probability)
-    evidence = sees @ own + config.own_weight * own
-    neighbours = _between_others(sees)
+    images = np.log(softmax(rounded(similarities) / config.temperature, axis=2) + config.least_probability)
+    evidence = mean([seen @ own + config.own_weight * own for own, seen in zip(images.swapaxes(0, 1), sees, strict=True)])
+    neighbours = _between_others(mean(sees))
     beliefs = softmax(evidence, axis=1)
     for _ in range(config.passes):
         agreed = neighbours @ np.log(beliefs + _BELIEF_FLOOR)

@@ -24,6 +24,7 @@ def cluster_by_sight(
     """Group keyframes into rooms; return the number of the room of every keyframe, and the labels of the keyframes.
 
     1. Two keyframes of one label and floor are in one room if they are consecutive, or if one sees the place of the other.
+       With several cameras, one image that shows the place is enough.
        Two keyframes on stairs are also in one room if they are horizontally close, because the flights of a staircase lie
        above one another.
     2. A room of fewer than `min_keyframes` keyframes is absorbed by the larger room of its floor that it sees, or is seen
@@ -36,7 +37,7 @@ def cluster_by_sight(
         labels: label of every keyframe.
         floors: floor of every keyframe; `NO_FLOOR` on stairs.
         positions: positions of the keyframes in W [m].
-        sees: the matrix that `lexis.sight.visible_space.sight` returns.
+        sees: the matrix that `lexis.sight.visible_space.sight` returns; for several cameras, the largest entries of all.
         config: the least share of a visible space that counts as seeing a place, and the least size of a room.
     """
     n = len(labels)

@@ -83,11 +83,11 @@ class ViewCounts:
     heights: tuple[float, float]
     """Heights of the floor and the ceiling in W, as far as the landmarks and cameras show them [m]."""
     passed: Int[np.ndarray, "rows columns"]
-    """Number of keyframes that look through the cell at the height of obstacles."""
+    """Number of camera views that look through the cell at the height of obstacles."""
     hit: Int[np.ndarray, "rows columns"]
-    """Number of keyframes that see a landmark in the cell at the height of obstacles."""
+    """Number of camera views that see a landmark in the cell at the height of obstacles."""
     low: Int[np.ndarray, "rows columns"]
-    """Number of keyframes that look through the cell below `LOW_M` above the floor, or see the floor in the cell."""
+    """Number of camera views that look through the cell below `LOW_M` above the floor, or see the floor in the cell."""
     walked: Bool[np.ndarray, "rows columns"]
     """Whether the cell is within `WALKED_M` of the camera's path."""
 
@@ -96,7 +96,7 @@ class ViewCounts:
         return _cells(self.origin, points)
 
     def occupied(self, share: float) -> Bool[np.ndarray, "rows columns"]:
-        """Return the cells in which at least this share of the keyframes that see into a cell see a landmark."""
+        """Return the cells in which at least this share of the views that reach a cell see a landmark."""
         return np.asarray((self.hit > 0) & (self.hit >= share * (self.hit + self.passed)) & ~self.walked)
 
 
@@ -114,15 +114,15 @@ def storey_grid(map: LexisMap, floor: int) -> StoreyGrid:
 
 
 def count_views(map: LexisMap, floor: int) -> ViewCounts:
-    """Count the keyframes that look through the cells of a floor. Raises MapError if it is larger than `MAX_CELLS`."""
+    """Count the camera views that pass through the cells of a floor. Raises MapError if it is larger than `MAX_CELLS`."""
     members = np.flatnonzero(map.floors == floor)
     cameras = (map.T_W_B[members] @ map.camera.T_B_C)[:, :3, 3]
-    landmarks = [_landmarks(map, int(i), camera) for i, camera in zip(members, cameras, strict=True)]
-    seen = np.concatenate([cameras, *landmarks])
+    sights = [sight for i in members.tolist() for sight in _sights(map, i)]
+    seen = np.concatenate([cameras, *(points for _, points in sights)])
     heights = _heights(cameras, seen)
     views = _no_views(floor, seen, heights)
     band, bottom = _obstacle_heights(cameras, heights), heights[0] - _BELOW_M
-    for camera, points in zip(cameras, landmarks, strict=True):
+    for camera, points in sights:
         samples, on_floor = _samples(camera, points), _within(points, (bottom, heights[0] + _ON_FLOOR_M))
         _count(views, views.passed, _within(samples, band))
         _count(views, views.hit, _within(points, band))
@@ -130,11 +130,13 @@ def count_views(map: LexisMap, floor: int) -> ViewCounts:
     return replace(views, walked=_walked(map, floor, views))
 
 
-def _landmarks(map: LexisMap, i: int, camera: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "k 3"]:
-    """Return the positions of a keyframe's landmarks within `RANGE_M` of the camera, in W [m]."""
-    points = transform(map.T_W_B[i], map.keyframes[i].landmarks.points)
-    with np.errstate(over="ignore"):
-        return np.asarray(points[np.linalg.norm(points - camera, axis=1) <= RANGE_M])
+def _sights(map: LexisMap, i: int) -> Iterator[tuple[Float64[np.ndarray, "3"], Float64[np.ndarray, "k 3"]]]:
+    """Yield, for each camera of a keyframe, its position and those of its landmarks within `RANGE_M`, in W [m]."""
+    for camera, view in zip(map.camera.rig, map.keyframes[i].views, strict=True):
+        position = (map.T_W_B[i] @ camera.T_B_C)[:3, 3]
+        points = transform(map.T_W_B[i], view.landmarks.points)
+        with np.errstate(over="ignore"):
+            yield position, np.asarray(points[np.linalg.norm(points - position, axis=1) <= RANGE_M])
 
 
 def _heights(cameras: Float64[np.ndarray, "n 3"], seen: Float64[np.ndarray, "k 3"]) -> tuple[float, float]:

@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 from lexis.config import SightConfig
 from lexis.maths.se3 import inverse, transform
 from lexis.maths.ties import rounded
-from lexis.types import Keyframe, Pose, Poses
+from lexis.types import Camera, Keyframe, Pose, Poses
 
 _SHARES = np.array([0.0, 0.25, 0.5])
 """Places are sampled at these shares of the way from the camera to a landmark."""
@@ -43,8 +43,13 @@ class VisibleSpace:
     """Share of the visible space that each place stands for; the shares add up to 1."""
 
 
-def space_in_view(keyframe: Keyframe, T_B_C: Pose, config: SightConfig) -> VisibleSpace:
-    """Sample the free space between the camera of a keyframe and its landmarks.
+def spaces_in_view(keyframe: Keyframe, camera: Camera, config: SightConfig) -> tuple[VisibleSpace, ...]:
+    """Sample the free space that each camera of a keyframe sees, in the order of the rig; see `space_in_view`."""
+    return tuple(space_in_view(keyframe, each.T_B_C, config, number) for number, each in enumerate(camera.rig))
+
+
+def space_in_view(keyframe: Keyframe, T_B_C: Pose, config: SightConfig, camera: int = 0) -> VisibleSpace:
+    """Sample the free space between a camera of a keyframe and the landmarks that this camera saw.
 
     Landmarks farther away than `config.range_m` are left out. Without other landmarks, only the place of the camera is known
     to be free.
@@ -53,8 +58,9 @@ def space_in_view(keyframe: Keyframe, T_B_C: Pose, config: SightConfig) -> Visib
         keyframe: its landmarks are used, and the direction of gravity in its odometry pose.
         T_B_C: pose of the camera on the body.
         config: the range.
+        camera: number of the camera in the rig, from 0.
     """
-    rays = transform(inverse(T_B_C), keyframe.landmarks.points)
+    rays = transform(inverse(T_B_C), keyframe.views[camera].landmarks.points)
     rays = rays[rounded(np.linalg.norm(rays, axis=1)) <= config.range_m]
     if not len(rays):
         return VisibleSpace(np.zeros((1, 3)), np.ones(1))
@@ -83,6 +89,21 @@ def _horizontal(up: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "2 3"]:
     (x, y, z), (a, b, c) = (front / np.linalg.norm(front)).tolist(), up.tolist()
     right = [y * c - z * b, z * a - x * c, x * b - y * a]  # front × up; np.cross takes ten times as long
     return np.array([right, [x, y, z]])
+
+
+def sight_of_cameras(
+    spaces: Sequence[tuple[VisibleSpace, ...]], T_W_B: Poses, camera: Camera, near_m: float
+) -> list[csr_array]:
+    """Return for each camera of the rig which keyframes it sees from which other keyframes; see `sight`.
+
+    Args:
+        spaces: what `spaces_in_view` returns for each keyframe.
+        T_W_B: poses of the keyframes.
+        camera: the camera, with the others of its rig.
+        near_m: a keyframe within this distance of a place stands in the space that the image shows [m].
+    """
+    by_camera = zip(*spaces, strict=True)
+    return [sight(seen, T_W_B, each.T_B_C, near_m) for seen, each in zip(by_camera, camera.rig, strict=True)]
 
 
 def sight(spaces: Sequence[VisibleSpace], T_W_B: Poses, T_B_C: Pose, near_m: float) -> csr_array:

@@ -3,7 +3,8 @@
 `speed` (with `memory`, `overlap` and `plain`) measures times, and `throughput` measures houses per second. `segmentation`
 measures the labels, rooms, loops and plans of whole runs. The subpackage `peers` compares LEXIS with other methods on the
 same walks, and `places` compares LEXIS's own methods of place recognition. `scale` measures how time and memory grow along
-one long walk. `sessions` measures whether a robot that returns to a house recognises where it is.
+one long walk. `sessions` measures whether a robot that returns to a house recognises where it is, and `rigs` whether one
+that walks back recognises the way.
 
 `public_pose_graphs` optimises the graphs in g2o files, and `kernels` tests robust kernels against the false loops of
 `injected_loops`. `planning` compares drives along the same plans with different pose estimates, and `queries` asks the

@@ -59,6 +59,7 @@ _LIST = (
     ("places", "places --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 75),
     ("kernels", "kernels --houses {houses} --seed 500 --csv {out}/kernels.csv --plot {out}/kernels.png", 30),
     ("sessions", "sessions --houses {houses} --seed 500", 25),
+    ("rigs", "rigs --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/rigs.csv", 40),
     ("planning", "planning --houses {houses} --seed 500", 200),
     ("queries", "queries --houses {houses} --seed 500", 85),
     ("fidelity", "fidelity --houses {houses} --seed 500", 30),

@@ -21,10 +21,7 @@ IMAGES_HELP = (
 )
 
 RIGS = ("wide", "stereo", "front-rear", "four")
-RIG_HELP = (
-    f"cameras: {', '.join(RIGS)}; LEXIS uses the first one; wide gets a second camera 0.11 m to the right "
-    "(default: %(default)s)"
-)
+RIG_HELP = f"cameras: {', '.join(RIGS)}; wide gets a second camera 0.11 m to the right (default: %(default)s)"
 
 LEVER_ARM = "X,Y,Z[,ROLL,PITCH,YAW]"
 LEVER_ARM_HELP = (

@@ -65,7 +65,7 @@ def _bridging(lost: list[Observation], after: Observation) -> Observation:
 
 @dataclass(frozen=True)
 class Frozen(StreamFault):
-    """The camera freezes: it repeats an image, while stamps and odometry continue."""
+    """The cameras freeze: they repeat their images, while stamps and odometry continue."""
 
     name = "frozen"
     share: float = setting(0.05, 0.0, 1.0)
@@ -78,7 +78,7 @@ class Frozen(StreamFault):
         shown: Observation | None = None
         for (observation, truth), is_stuck in zip(stream, _bursts(self.share, self.burst, rng), strict=False):
             if is_stuck and shown is not None:
-                yield replace(observation, image=shown.image), self.mark(truth)
+                yield observation.with_images(shown.images), self.mark(truth)
             else:
                 shown = observation
                 yield observation, truth

@@ -1,7 +1,7 @@
 """Faults of images: blur, exposure, noise, grease on the lens, darkness. They change no other part of an observation."""
 
 from abc import abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import cv2
@@ -28,8 +28,8 @@ class ImageFault(FrameFault):
     """A fault that changes each image in its time span."""
 
     def change(self, observation: Observation, rng: np.random.Generator) -> Observation:
-        """Return the observation with the changed image."""
-        return replace(observation, image=self.edit(pixels(observation), rng))
+        """Return the observation with the changed images of all cameras."""
+        return observation.with_images([self.edit(image, rng) for image in pixels(observation)])
 
     @abstractmethod
     def edit(self, image: Image, rng: np.random.Generator) -> Image:
@@ -102,7 +102,7 @@ class LightsOff(ImageFault):
 
 @dataclass(frozen=True)
 class Smear(SpanFault):
-    """Grease on the lens: patches in which the image is blurred and hazy. All images have the same patches."""
+    """Grease on the lenses: patches in which images are blurred and hazy. All images have the same patches."""
 
     name = "smear"
     share: float = setting(0.3, 0.0, 1.0)
@@ -115,7 +115,10 @@ class Smear(SpanFault):
         seed = int(rng.integers(2**63))
         for observation, truth in stream:
             if self.active(truth):
-                yield replace(observation, image=self._smeared(pixels(observation), seed)), self.mark(truth)
+                yield (
+                    observation.with_images([self._smeared(image, seed) for image in pixels(observation)]),
+                    self.mark(truth),
+                )
             else:
                 yield observation, truth
 

@@ -29,7 +29,7 @@ class StampOffset(StreamFault):
             if len(waiting) > abs(self.frames):
                 early, late = waiting.popleft(), pair
                 (seen, truth), (dated, _) = (early, late) if self.frames > 0 else (late, early)
-                yield replace(dated, index=seen.index, image=seen.image), self.mark(truth) if self.frames else truth
+                yield replace(dated, index=seen.index).with_images(seen.images), self.mark(truth) if self.frames else truth
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,11 @@ from scipy.special import ndtr, ndtri
 
 from lexis.config import Config
 from lexis.evaluation.loops import true_edges
+from lexis.locator import Locator
 from lexis.maths.se3 import between, log
 from lexis.perception import Encoder
 from lexis.slam import Slam
 from lexis.types import Camera, LexisMap, LoopArrays
-from lexis.verification import Locator
 from sim.feature_sensor.covisibility_verifier import PREDICTORS, LoopModel, MeasuredEdges, TrueView, fit_logistic, predictors
 from sim.feature_sensor.ray_origins import RayGrid
 from sim.feature_sensor.surroundings import survey

@@ -6,6 +6,7 @@ For each candidate:
    other view, by ray casts.
 2. Confirm the candidate with the probability that a logistic model computes from these three values. The model is fitted to
    real verification.
+   With a rig of several cameras, the largest probability of all pairs of cameras counts.
 3. If the candidate is confirmed, draw a real edge that is true, at random. Return the true relative pose with the error,
    covariance and inlier count of the real edge.
 4. Otherwise do the same with a real edge that is false, but only with a small probability.
@@ -75,7 +76,11 @@ class LoopModel:
 
 @dataclass(frozen=True, eq=False)
 class TrueView:
-    """Ground truth of a keyframe: the poses of its body and camera, and the depth of its rays [m]."""
+    """Ground truth of what one camera of a keyframe sees: its pose, and the depth of its rays [m].
+
+    For a further camera of a rig, the pose of the body is the pose at which the first camera would look in the direction of
+    this camera.
+    """
 
     T_W_B: Pose
     T_W_C: Pose
@@ -140,16 +145,16 @@ def _nearest(values: Float64[np.ndarray, "n k"], axis: Float32[np.ndarray, "m"])
 class CovisibilityVerifier:
     """A `lexis.verification.Verifier` that uses the ground truth. The edge of a pair depends on pair and seed only."""
 
-    def __init__(self, model: LoopModel, view_of: Callable[[int], TrueView], seed: int) -> None:
-        """`view_of` maps the index of an observation to its ground truth."""
-        self._model, self._view_of, self._seed = model, view_of, seed
+    def __init__(self, model: LoopModel, views_of: Callable[[int], tuple[TrueView, ...]], seed: int) -> None:
+        """`views_of` maps the index of an observation to its ground truth for each camera, the first camera first."""
+        self._model, self._views_of, self._seed = model, views_of, seed
 
     def renumbered(self, original: Callable[[int], int]) -> "CovisibilityVerifier":
         """Return this verifier for a SLAM that gets the observations under other indices.
 
         `original` maps the SLAM's index of an observation to the index in the tour.
         """
-        return CovisibilityVerifier(self._model, lambda index: self._view_of(original(index)), self._seed)
+        return CovisibilityVerifier(self._model, lambda index: self._views_of(original(index)), self._seed)
 
     def followed_by(self, second: "CovisibilityVerifier", count: int, away_m: float = 0.0) -> "CovisibilityVerifier":
         """Return a verifier for two sessions: the session of this verifier, then the session of the verifier `second`.
@@ -160,13 +165,13 @@ class CovisibilityVerifier:
         shift = np.eye(4)
         shift[0, 3] = away_m
 
-        def view_of(index: int) -> TrueView:
+        def views_of(index: int) -> tuple[TrueView, ...]:
             if index < count:
-                return self._view_of(index)
-            view = second._view_of(index - count)
-            return replace(view, T_W_B=shift @ view.T_W_B, T_W_C=shift @ view.T_W_C)
+                return self._views_of(index)
+            views = second._views_of(index - count)
+            return tuple(replace(view, T_W_B=shift @ view.T_W_B, T_W_C=shift @ view.T_W_C) for view in views)
 
-        return CovisibilityVerifier(self._model, view_of, second._seed)
+        return CovisibilityVerifier(self._model, views_of, second._seed)
 
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
@@ -175,16 +180,27 @@ class CovisibilityVerifier:
         if not candidates:
             return Verification(())
         common = np.random.default_rng((self._seed, _QUERY, query.id)).standard_normal()
-        seen = self._view_of(query.observation_index)
-        before = [self._view_of(graph.keyframes[match].observation_index) for match in candidates]
-        limits = ndtri(self._model.probability(predictors(before, [seen] * len(before))))
-        true = between(np.stack([view.T_W_B for view in before]), seen.T_W_B)
+        seen = self._views_of(query.observation_index)
+        before = [self._views_of(graph.keyframes[match].observation_index) for match in candidates]
+        limits = ndtri(self._probabilities(before, seen))
+        true = between(np.stack([first.T_W_B for first, *_ in before]), seen[0].T_W_B)
         located = []
         for match, T_match_query, limit in zip(candidates, true, limits.tolist(), strict=True):
             edge = self._edge(query.id, match, T_match_query, limit, common)
             verdict = Verdict(query.id, match, "unconfirmed")
             located.append((verdict if edge is None else replace(verdict, outcome="accepted", inliers=edge.inliers), edge))
         return plausible(located, graph, config)
+
+    def _probabilities(
+        self, before: Sequence[tuple[TrueView, ...]], seen: tuple[TrueView, ...]
+    ) -> Float64[np.ndarray, "candidates"]:
+        """Return the probability that each candidate is confirmed, by its best pair of cameras."""
+        of_pairs = [
+            self._model.probability(predictors(views, [view] * len(views)))
+            for views in zip(*before, strict=True)
+            for view in seen
+        ]
+        return np.asarray(np.max(of_pairs, axis=0))
 
     def _edge(self, query: int, match: int, true: Pose, limit: float, common: float) -> LoopEdge | None:
         """Return the edge to a candidate with the relative pose `true`, or None.

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, lru_cache
 from typing import NamedTuple
 
@@ -236,7 +236,7 @@ def _shipped_features() -> FeatureModel:
 
 def _start(slam: SlamUnderTest, scenario: Scenario, session: Session) -> None:
     names, model = session.house.spec.room_labels, _feature_model(scenario)
-    camera = replace(session.camera, T_B_C=session.camera.T_B_C.copy())  # the SLAM may write into it
+    camera = session.camera.copy()  # the SLAM may write into it
     if model is not None and isinstance(slam, AcceptsFeatures):
         source = str(scenario.feature_model or MINI_FEATURES)
         slam.start_on_features(camera, names, FeatureInput(model, source, scenario.encoder == ORACLE, session.verifier()))

@@ -72,7 +72,7 @@ class Scenario(Settings, place="scenario", error=SimError):
     faults: tuple[Fault, ...] = ()
     """Faults in the order in which they act; see `sim.faults`."""
     rig: RigConfig = field(default_factory=RigConfig)
-    """Cameras on the body. The SLAM gets the images of the first pinhole camera; recordings contain all pinhole cameras."""
+    """Cameras on the body. The SLAM gets the images of all pinhole cameras; recordings contain them, too."""
 
     def __post_init__(self) -> None:
         """Raise SimError for a value that is not valid, or for values that contradict each other."""

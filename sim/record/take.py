@@ -40,7 +40,7 @@ class RecordedFrame:
 
     stamp_ns: int
     observation: Observation
-    """Input of LEXIS, with the image of cam0."""
+    """Input of LEXIS, with the images of the rig."""
     truth: Truth
     images: Mapping[str, Image]
     """Images of cam0 and the other recorded cameras, by camera name."""
@@ -54,8 +54,10 @@ class Take:
 
     config: Scenario
     walk: Walk
+    rig: Camera
+    """The first pinhole camera of the rig with the others, whose images LEXIS receives."""
     cameras: Mapping[str, Camera]
-    """Cameras by name; LEXIS receives the images of cam0."""
+    """All recorded cameras by name: cam0 and the others of the rig, or cam0 and a second camera for stereo."""
     imu_config: ImuConfig
     distortion: Distortion
     """Distortion of the lens of every camera."""
@@ -66,10 +68,13 @@ class Take:
 
     @cached_property
     def session(self) -> Session:
-        """The walk as a session, which yields the images of cam0 with the odometry, and the truth of every frame."""
+        """The walk as a session, which yields the images of the rig with the odometry, and the truth of every frame."""
+        return self._session(self.rig)
+
+    def _session(self, camera: Camera) -> Session:
         walked, config = self.walk, self.config
-        camera, bent = self.cameras["cam0"], self.distortion
-        return Session(walked.house, walked.tour, walked.odometry, camera, config.faults, config.seed, distortion=bent)
+        faults, bent = config.faults, self.distortion
+        return Session(walked.house, walked.tour, walked.odometry, camera, faults, config.seed, distortion=bent)
 
     @property
     def rest_frames(self) -> int:
@@ -104,7 +109,8 @@ class Take:
         """Render and yield the frames in order, beginning with the frames at rest before the walk.
 
         A frame has the images of cam0 and of the further `cameras`. With `depth`, it also has the depth of cam0. Faults of
-        images affect only cam0, the camera that LEXIS uses. Faults of the world are visible to all cameras.
+        images affect the cameras of the rig, but not a second camera that is added to a single one for stereo. Faults of the
+        world are visible to all cameras.
 
         Raises `GraphicsError` if off-screen OpenGL is not available.
         """
@@ -114,19 +120,23 @@ class Take:
         # The session renders in another thread, so the other cameras need world states of their own.
         rendered = rendered_camera(camera, bent) if bent else camera
         staging = WorldStates(walked.house, walked.tour, rendered, faults, seed)
+        rig = self.rig if cameras else camera
+        session, of_rig = self.session if cameras else self._session(camera), [f"cam{k}" for k in range(len(rig.rig))]
         with ExitStack() as stack:
             painters = {
-                name: stack.enter_context(closing(FrameRenderer(staging, self.cameras[name], bent))) for name in cameras
+                name: stack.enter_context(closing(FrameRenderer(staging, self.cameras[name], bent)))
+                for name in cameras
+                if name not in of_rig
             }
             ranging = stack.enter_context(closing(FrameRenderer(staging, camera, bent))) if depth else None
-            pairs = stack.enter_context(closing(iter(self.session)))
+            pairs = stack.enter_context(closing(iter(session)))
             for k, (observation, truth) in enumerate(pairs):
                 images = {name: painter.rgb(truth.index, truth.T_W_B) for name, painter in painters.items()}
                 frame = RecordedFrame(
                     stamp_ns(observation.stamp),
                     observation,
                     truth,
-                    MappingProxyType({"cam0": pixels(observation), **images}),
+                    MappingProxyType({**dict(zip(of_rig, pixels(observation), strict=True)), **images}),
                     None if ranging is None else ranging.depth(truth.index, truth.T_W_B),
                 )
                 yield from self._at_rest(frame) if k == 0 else [frame]
@@ -160,9 +170,8 @@ def prepare(
     # The IMU has its own random stream, so that recording does not change the random numbers of the run.
     rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(crc32(b"imu"),)))
     imu = corrupted(_with_rest(ideal_imu(walked.tour.motion, imu_config.rate_hz), imu_config.rate_hz), imu_config, rng)
-    return Take(
-        config, walked, {f"cam{k}": camera for k, camera in enumerate(cameras)}, imu_config, distortion, imu, with_truth
-    )
+    named = {f"cam{k}": camera for k, camera in enumerate(cameras)}
+    return Take(config, walked, rig.front, named, imu_config, distortion, imu, with_truth)
 
 
 def _check_places(cameras: Sequence[Camera]) -> None:

@@ -29,7 +29,7 @@ def fovy_deg(intrinsics: Intrinsics) -> float:
 
 
 class CameraRenderer:
-    """Renders a scene with one camera from poses of the body. Use it as a context manager, or call `close` at the end.
+    """Renders a scene with one camera, or its rig, from poses of the body. Use it as a context manager, or call `close`.
 
     It holds a GL context. Raises `GraphicsError` if there is no off-screen OpenGL.
     """
@@ -45,6 +45,10 @@ class CameraRenderer:
     def rgb(self, T_W_B: Pose) -> UInt8[np.ndarray, "h w 3"]:
         """Render the image from a body pose."""
         return self._raster.rgb(T_W_B @ self._camera.T_B_C, self._camera.intrinsics)
+
+    def rig(self, T_W_B: Pose) -> tuple[UInt8[np.ndarray, "h w 3"], ...]:
+        """Render the images of all cameras of the rig from a body pose."""
+        return tuple(self._raster.rgb(T_W_B @ camera.T_B_C, camera.intrinsics) for camera in self._camera.rig)
 
     def depth(self, T_W_B: Pose) -> Float32[np.ndarray, "h w"]:
         """Render the depth along the optical axis [m], for tests and training. It is never given to LEXIS."""

@@ -145,8 +145,12 @@ class Lens:
 
 
 def rendered_camera(camera: Camera, distortion: Distortion) -> Camera:
-    """Return the wider pinhole camera to render for a camera with a distortion. Raises `SimError` as `Lens` does."""
-    return Camera(Lens(camera.intrinsics, distortion).pinhole, camera.T_B_C)
+    """Return the wider pinhole camera to render for a camera with a distortion. Raises `SimError` as `Lens` does.
+
+    The further cameras of a rig have the same distortion.
+    """
+    others = tuple(rendered_camera(other, distortion) for other in camera.others)
+    return Camera(Lens(camera.intrinsics, distortion).pinhole, camera.T_B_C, others)
 
 
 def _border(k: Intrinsics) -> Float64[np.ndarray, "n 2"]:

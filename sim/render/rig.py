@@ -34,7 +34,7 @@ _FISHEYE_DEG = 180.0
 
 @dataclass(frozen=True, eq=False)
 class Rig:
-    """Cameras mounted on one body: pinhole cameras and fisheyes. LEXIS receives the images of the first pinhole camera."""
+    """Cameras mounted on one body: pinhole cameras and fisheyes. LEXIS receives the images of all pinhole cameras."""
 
     name: str
     cameras: Mapping[str, Camera]
@@ -42,8 +42,9 @@ class Rig:
 
     @property
     def front(self) -> Camera:
-        """The camera whose images LEXIS receives."""
-        return next(iter(self.cameras.values()))
+        """The first pinhole camera; its field `others` holds the further ones. LEXIS receives the images of all of them."""
+        first, *others = self.cameras.values()
+        return replace(first, others=tuple(others))
 
     @property
     def size_px(self) -> tuple[int, int]:
@@ -146,9 +147,9 @@ RIGS: Mapping[str, Callable[[Camera], Rig]] = MappingProxyType(
     {"wide": _wide, "stereo": _stereo, "front-rear": _front_rear, "four": _four, "fisheye": _fisheye}
 )
 """Function that builds each preset from one pinhole camera. `four` is the rig of the LEXIS paper: two cameras look ahead,
-one looks to the left and one to the right. The rear camera of `front-rear` can recognise revisits in the opposite direction.
-`fisheye` adds a fisheye camera of 180 degrees to the front pinhole camera, for tests of other software. In every rig, LEXIS
-receives only the images of the first camera."""
+one looks to the left and one to the right. The rear camera of `front-rear` recognises revisits in the opposite direction.
+`fisheye` adds a fisheye camera of 180 degrees to the front pinhole camera, for tests of other software. LEXIS receives the
+images of all pinhole cameras of a rig."""
 
 
 def _mounted(camera: Camera, x_m: float = 0.0, y_m: float = 0.0, yaw: float = 0.0) -> Camera:

@@ -25,14 +25,16 @@ class OtherFrames(NoChange):
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation in the new frames."""
         T_O_B = self.T_new_old @ observation.T_O_B @ self.T_B_N
-        covariance, image = _in_frame(self.T_B_N, observation.increment_covariance), observation.image
-        if isinstance(image, Percept):
-            image = replace(image, points=transform(inverse(self.T_B_N), image.points))
-        yield replace(observation, T_O_B=T_O_B, increment_covariance=covariance, image=image)
+        covariance = _in_frame(self.T_B_N, observation.increment_covariance)
+        images = [
+            replace(image, points=transform(inverse(self.T_B_N), image.points)) if isinstance(image, Percept) else image
+            for image in observation.images
+        ]
+        yield replace(observation, T_O_B=T_O_B, increment_covariance=covariance).with_images(images)
 
     def camera(self, camera: Camera) -> Camera:
-        """Return the camera with its pose in the new body frame."""
-        return replace(camera, T_B_C=inverse(self.T_B_N) @ camera.T_B_C)
+        """Return the camera, and the others of its rig, with their poses in the new body frame."""
+        return replace(camera, T_B_C=inverse(self.T_B_N) @ camera.T_B_C, others=tuple(map(self.camera, camera.others)))
 
     def features(self, features: FeatureInput) -> FeatureInput:
         """Return the input with a verifier that measures loops between the new body frames."""

@@ -19,7 +19,9 @@ class OtherImages(NoChange):
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation, with its image replaced if the observation's index is odd."""
-        yield replace(observation, image=_other(observation.image)) if self.is_replaced(observation.index) else observation
+        yield (
+            observation.with_images(map(_other, observation.images)) if self.is_replaced(observation.index) else observation
+        )
 
     @staticmethod
     def is_replaced(frame: int) -> bool:
@@ -33,8 +35,9 @@ class _ChangedPixels(NoChange):
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation with the changed image."""
-        image = observation.image
-        yield observation if isinstance(image, Percept) else replace(observation, image=self.pixels(image))
+        yield observation.with_images(
+            image if isinstance(image, Percept) else self.pixels(image) for image in observation.images
+        )
 
     def pixels(self, image: Image) -> Image:
         """Return the changed image."""

@@ -131,10 +131,10 @@ class ReusedArrays(NoChange):
         """Yield a copy of the observation, and overwrite the copy when the next observation is requested."""
         lent = copied(observation)
         yield lent
-        seen = lent.image
-        of_image = (seen.embedding, seen.points) if isinstance(seen, Percept) else (seen,)
-        for array in (*of_image, lent.T_O_B, lent.increment_covariance):
-            array[...] = 0
+        for seen in lent.images:
+            for array in (seen.embedding, seen.points) if isinstance(seen, Percept) else (seen,):
+                array[...] = 0
+        lent.T_O_B[...] = lent.increment_covariance[...] = 0
 
 
 @dataclass(frozen=True)
@@ -261,6 +261,7 @@ class Synonyms(NoChange):
 def copied(observation: Observation) -> Observation:
     """Return an observation whose arrays are copies, except for key points."""
     own = with_copied_geometry(observation)
-    image = own.image
-    seen = replace(image, embedding=image.embedding.copy()) if isinstance(image, Percept) else image.copy()
-    return replace(own, image=seen)
+    return own.with_images(
+        replace(image, embedding=image.embedding.copy()) if isinstance(image, Percept) else image.copy()
+        for image in own.images
+    )

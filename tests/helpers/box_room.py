@@ -1,5 +1,7 @@
 """A textured box-shaped room, rendered from inside by ray casting: exact geometry for tests without the simulator."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 from jaxtyping import Float64
@@ -15,6 +17,10 @@ FORWARD_CAMERA = Camera(
     np.array([[0.0, 0.0, 1.0, 0.1], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.2], [0.0, 0.0, 0.0, 1.0]]),
 )
 """A camera with a field of view of about 98°; it looks forward and sits slightly ahead of and above the body's origin."""
+
+_BACKWARDS = np.diag([-1.0, -1.0, 1.0, 1.0])
+FRONT_REAR = replace(FORWARD_CAMERA, others=(replace(FORWARD_CAMERA, T_B_C=_BACKWARDS @ FORWARD_CAMERA.T_B_C),))
+"""A rig of `FORWARD_CAMERA` and a camera that looks back, 0.2 m behind it."""
 
 
 class BoxRoom:

@@ -1,9 +1,12 @@
 """Small maps for tests, with the contents that LEXIS gives them: keyframes along a walk through rooms."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from lexis.types import (
     Camera,
+    CameraView,
     EncoderId,
     Features,
     Intrinsics,
@@ -35,15 +38,19 @@ def covariance(rng):
     return root @ root.T + 1e-4 * np.eye(6)
 
 
-def keyframe(rng, i, pose):
-    """A keyframe with a few features, of which every other one is a landmark. Every fifth keyframe has no features."""
-    n = 0 if i % 5 == 4 else int(rng.integers(1, 8))
+def view(rng, n):
+    """What a camera saw: n features, of which every other one is a landmark."""
     features = Features(rng.uniform(0, 360, (n, 2)).astype(np.float32), rng.integers(0, 256, (n, 61), dtype=np.uint8))
     ids = np.arange(0, n, 2)
     embedding = rng.normal(size=16).astype(np.float32)
     embedding /= np.linalg.norm(embedding)
-    landmarks = Landmarks(rng.normal(size=(len(ids), 3)), ids)
-    return Keyframe(i, 5 * i, 0.5 * i, pose, covariance(rng), embedding, features, landmarks)
+    return CameraView(embedding, features, Landmarks(rng.normal(size=(len(ids), 3)), ids))
+
+
+def keyframe(rng, i, pose):
+    """A keyframe with a few features, of which every other one is a landmark. Every fifth keyframe has no features."""
+    seen = view(rng, 0 if i % 5 == 4 else int(rng.integers(1, 8)))
+    return Keyframe(i, 5 * i, 0.5 * i, pose, covariance(rng), seen.embedding, seen.features, seen.landmarks)
 
 
 def accepted(query, match):
@@ -98,3 +105,11 @@ def corridor_with_offices(rng, **changes):
     labels = np.repeat([0, 1, 0, 1], [10, 10, 10, 10])
     members = [("corridor", [*range(10), *range(20, 30)]), ("office", range(10, 20)), ("office", range(30, 40))]
     return build_map(positions, labels, members, ("corridor", "office", "kitchen"), rng, **changes)
+
+
+def with_rear_camera(lexis_map, rng):
+    """The map as if it came from a rig with a second camera, which looks back. Every third of its images has no features."""
+    backwards = Camera(CAMERA.intrinsics, np.diag([-1.0, -1.0, 1.0, 1.0]))
+    others = [(view(rng, 0 if i % 3 == 2 else int(rng.integers(1, 8))),) for i in range(len(lexis_map.keyframes))]
+    keyframes = (replace(k, others=seen) for k, seen in zip(lexis_map.keyframes, others, strict=True))
+    return replace(lexis_map, camera=replace(CAMERA, others=(backwards,)), keyframes=tuple(keyframes))

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.box_room import FORWARD_CAMERA
+from helpers.box_room import FORWARD_CAMERA, FRONT_REAR
 from helpers.map_builder import corridor_with_offices
 
 from lexis.errors import LexisError, ObservationError
@@ -164,3 +164,25 @@ def test_arrays_of_another_shape_are_refused(field, value):
 def test_a_mount_that_is_no_rigid_motion_is_refused():
     with pytest.raises(LexisError, match="T_B_C"):
         check_camera(Camera(FORWARD_CAMERA.intrinsics, LEANING))
+
+
+def test_every_camera_of_a_rig_needs_an_image_of_its_size():
+    both = replace(GOOD, others=(GOOD.image,))
+    check_observation(both, FRONT_REAR, None)
+    for seen, camera in ((GOOD, FRONT_REAR), (both, FORWARD_CAMERA)):
+        with pytest.raises(
+            ObservationError, match=r"observation 3: has the images of \d cameras; valid: of \d, one for each"
+        ):
+            check_observation(seen, camera, None)
+    with pytest.raises(ObservationError, match=r"observation 3: the image is uint8 \(24, 32, 3\)"):
+        check_observation(replace(GOOD, others=(GOOD.image[::10, ::10].copy(),)), FRONT_REAR, None)
+
+
+def test_a_rig_is_flat_and_all_of_its_cameras_are_checked():
+    check_camera(FRONT_REAR)
+    with pytest.raises(LexisError, match="`others` at the first camera alone"):
+        check_camera(replace(FORWARD_CAMERA, others=(FRONT_REAR,)))
+    with pytest.raises(LexisError, match="a rig of 17 cameras"):
+        check_camera(replace(FORWARD_CAMERA, others=(FORWARD_CAMERA,) * 16))
+    with pytest.raises(LexisError, match="not a rigid motion"):
+        check_camera(replace(FORWARD_CAMERA, others=(replace(FORWARD_CAMERA, T_B_C=2.0 * np.eye(4)),)))

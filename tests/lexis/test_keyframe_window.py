@@ -31,8 +31,8 @@ def frames(rng):
 
 def feed(window, frames):
     """For each frame, the keyframes that it completes."""
-    embedding = np.ones(1, np.float32)
-    return [window.add(frame, features, embedding if frame.is_keyframe else None) for frame, features in frames]
+    embeddings = [np.ones(1, np.float32)]
+    return [window.add(frame, [features], embeddings if frame.is_keyframe else None) for frame, features in frames]
 
 
 def test_a_keyframe_is_complete_when_the_frames_after_it_have_come(frames):

@@ -41,7 +41,8 @@ def observations():
 
 def percept_of(observation):
     extractor = FeatureExtractor(CONFIG.landmarks)
-    return replace(observation, image=Percept(embedding_of(observation, MeanColour()), features_of(observation, extractor)))
+    image = observation.image
+    return replace(observation, image=Percept(embedding_of(image, MeanColour()), features_of(image, extractor)))
 
 
 def mapped(observations):
@@ -90,6 +91,7 @@ def test_bad_percepts_are_refused(observations, percept, message):
 
 
 def test_pixels_are_those_of_the_image(observations):
-    assert pixels(observations[0]) is observations[0].image
+    (image,) = pixels(observations[0])
+    assert image is observations[0].image
     with pytest.raises(ObservationError, match="has a percept but no image"):
         pixels(percept_of(observations[0]))

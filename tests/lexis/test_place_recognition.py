@@ -2,12 +2,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.box_room import FRONT_REAR
 
 from lexis.config import PlaceRecognitionConfig, PoseGraphConfig
 from lexis.graph.pose_graph import PoseGraph
 from lexis.maths import se3
 from lexis.place_recognition import propose, revisit_log_odds
-from lexis.types import Features, Keyframe, Landmarks, RoomInstance
+from lexis.types import CameraView, Features, Keyframe, Landmarks, RoomInstance
 
 NOTHING = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
 CONFIG = PlaceRecognitionConfig(method="room", candidates=3, min_gap_s=10.0, min_gap_m=5.0)
@@ -36,7 +37,7 @@ def test_candidates_are_the_most_similar_of_the_closest_room_of_the_label(graph)
     rooms = [room(0, "office", range(5), graph), room(1, "office", range(5, 10), graph), room(2, "lab", range(3), graph)]
     query = graph.keyframes[20]
     found = propose(query, "office", rooms, graph, CONFIG)
-    similarity = graph.embeddings[:5] @ query.embedding
+    similarity = graph.embeddings[:5, 0] @ query.embedding
     assert list(found) == np.argsort(-similarity)[:3].tolist()
 
 
@@ -68,13 +69,13 @@ def test_asking_for_no_candidates_switches_loops_off(method, graph):
 @pytest.mark.parametrize("method", ["probability", "similarity"])
 def test_other_methods_than_the_paper_s_need_no_room(method, graph):
     config = PlaceRecognitionConfig(method=method, candidates=3, min_gap_s=10.0, min_gap_m=5.0)
-    query = replace(graph.keyframes[20], embedding=graph.embeddings[0])
+    query = replace(graph.keyframes[20], embedding=graph.embeddings[0, 0])
     assert propose(query, "kitchen", [], graph, config)[0] == 0
 
 
 def test_similarity_alone_ranks_all_older_keyframes(graph):
     query, config = graph.keyframes[20], replace(CONFIG, method="similarity")
-    ranked = np.argsort(-(graph.embeddings[:11] @ query.embedding))  # ten seconds before the query at the latest
+    ranked = np.argsort(-(graph.embeddings[:11, 0] @ query.embedding))  # ten seconds before the query at the latest
     assert list(propose(query, "office", [], graph, config)) == ranked[:3].tolist()
 
 
@@ -85,7 +86,7 @@ def test_a_new_place_is_not_a_revisit_unless_its_image_is_known(rng):
     by_probability = replace(CONFIG, method="probability")
     query = graph.keyframes[39]
     assert propose(query, "office", [], graph, by_probability) == ()
-    kidnapped = replace(query, embedding=graph.embeddings[7])
+    kidnapped = replace(query, embedding=graph.embeddings[7, 0])
     assert propose(kidnapped, "office", [], graph, by_probability) == (7,)
 
 
@@ -121,7 +122,7 @@ def test_the_bound_hides_no_likely_revisit(rng):
     query = graph.keyframes[199]
     old = np.arange(190)
     T = se3.between(graph.T_W_B[old], graph.T_W_B[199])
-    similarity = graph.embeddings[old].astype(float) @ query.embedding
+    similarity = graph.embeddings[old, 0].astype(float) @ query.embedding
     odds = revisit_log_odds(similarity, np.linalg.norm(T[:, :3, 3], axis=1), se3.rotation_angle(T), config)
     likely = odds >= np.log(config.least_probability / (1 - config.least_probability))
     assert 3 < likely.sum() < 180
@@ -129,3 +130,27 @@ def test_the_bound_hides_no_likely_revisit(rng):
     assert set(old[likely].tolist()) <= set(found) and set(found) - set(old[likely].tolist())
     assert list(found) == sorted(found, key=lambda k: -round(odds[k], 6))
     assert propose(query, "", [], graph, replace(config, candidates=3)) == found[:3]
+
+
+def there_and_back(rng, camera):
+    """A graph of ten keyframes along x and of their ten successors, which look back at the same places; and the images.
+
+    The front camera sees on the way back what the rear camera saw before. The two directions look completely different.
+    """
+    graph, ahead, behind = PoseGraph(PoseGraphConfig(), camera), rng.normal(size=(10, 32)), rng.normal(size=(10, 32))
+    turned = se3.exp(np.array([0.0, 0.0, np.pi, 0.0, 0.0, 0.0]))
+    for i, x in enumerate([*range(10), *range(9, -1, -1)]):
+        seen = (ahead[x], behind[x]) if i < 10 else (behind[x], ahead[x])
+        first, second = (keyframe(i, float(x), embedding) for embedding in seen)
+        others = (CameraView(second.embedding, NOTHING, second.landmarks),) if camera is not None else ()
+        graph.add_keyframe(replace(first, T_O_B=first.T_O_B @ (np.eye(4) if i < 10 else turned), others=others))
+    return graph
+
+
+@pytest.mark.parametrize("method", ["probability", "similarity"])
+def test_a_rear_camera_recognises_the_way_back(method, rng):
+    config = replace(CONFIG, method=method, candidates=1)
+    graph, alone = there_and_back(rng, FRONT_REAR), there_and_back(rng, None)
+    for query in range(15, 20):
+        assert propose(graph.keyframes[query], "", [], graph, config) == (19 - query,)
+        assert method == "similarity" or propose(alone.keyframes[query], "", [], alone, config) == ()

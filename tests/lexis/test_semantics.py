@@ -1,5 +1,8 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from helpers.box_room import FORWARD_CAMERA
 
 from lexis.config import Config, LabelConfig, SegmentationConfig
 from lexis.maths import se3
@@ -13,7 +16,9 @@ TEXT = np.eye(3, dtype=np.float32)
 
 def views(embeddings, T):
     """Views of cameras that only know their own places."""
-    return Views(similarities(embeddings, TEXT), [VisibleSpace(np.zeros((1, 3)), np.ones(1))] * len(T), T, np.eye(4))
+    alone = VisibleSpace(np.zeros((1, 3)), np.ones(1))
+    camera = replace(FORWARD_CAMERA, T_B_C=np.eye(4))
+    return Views(similarities(embeddings[:, None], TEXT), [(alone,)] * len(T), T, camera)
 
 
 @pytest.fixture

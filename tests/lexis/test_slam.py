@@ -5,7 +5,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from helpers.box_room import FORWARD_CAMERA, BoxRoom, walk
+from helpers.box_room import FORWARD_CAMERA, FRONT_REAR, BoxRoom, walk
 
 from lexis.config import Config, LandmarkConfig, PlaceRecognitionConfig
 from lexis.errors import LexisError, ObservationError
@@ -227,3 +227,45 @@ def test_no_observation_makes_none():
 def test_time_cannot_run_backwards(observations):
     with pytest.raises(ObservationError, match="not after"):
         run([observations[1], replace(observations[2], stamp=0.0)])
+
+
+@pytest.fixture(scope="module")
+def there_and_back():
+    """A walk along a curve and back on the same way, seen by a front and a rear camera; the odometry is right."""
+    room = BoxRoom((9.0, 6.0, 2.8), np.random.default_rng(5))
+    way = np.stack([np.linspace(1.5, 7.5, 40), 3.0 + 0.8 * np.sin(np.linspace(0.0, 3.0, 40))], axis=1)
+    there, back = walk(way, 0.2501), walk(way[::-1], 0.2501)
+    true = np.concatenate([there, back])
+    front, rear = FRONT_REAR.rig
+    return [
+        Observation(i, 0.5 * i, room.render(T, front), T, COVARIANCE, (room.render(T, rear),)) for i, T in enumerate(true)
+    ]
+
+
+def mapped_way(observations, camera):
+    slam = Slam(camera, ThumbnailEncoder(), ROOMS, CONFIG)
+    for observation in observations:
+        slam.process(observation)
+    return slam.finish()
+
+
+def test_a_rig_closes_loops_on_the_way_back(there_and_back):
+    both = mapped_way(there_and_back, FRONT_REAR)
+    alone = mapped_way([replace(observation, others=()) for observation in there_and_back], FORWARD_CAMERA)
+    assert not alone.loops and len(both.loops) > 5
+    for loop in both.loops:
+        error = se3.between(se3.between(both.T_W_B[loop.match], both.T_W_B[loop.query]), loop.T_match_query)
+        assert np.linalg.norm(error[:3, 3]) < 0.2 and loop.T_match_query[0, 0] < -0.5  # looking back
+    assert [len(keyframe.views) for keyframe in both.keyframes] == [2] * len(both.keyframes)
+
+
+def test_a_rig_s_map_can_be_continued_and_another_rig_is_refused(there_and_back):
+    half = len(there_and_back) // 2
+    first = mapped_way(there_and_back[:half], FRONT_REAR)
+    slam = Slam(FRONT_REAR, ThumbnailEncoder(), ROOMS, CONFIG, map=first)
+    for observation in there_and_back[half:]:
+        slam.process(observation)
+    whole = slam.finish()
+    assert {keyframe.session for keyframe in whole.keyframes} == {0, 1} and whole.loops
+    with pytest.raises(LexisError, match="the rig has 1 cameras, and that of the map 2"):
+        Slam(FORWARD_CAMERA, ThumbnailEncoder(), ROOMS, CONFIG, map=first)

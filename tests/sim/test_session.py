@@ -10,9 +10,12 @@ import pytest
 
 from lexis.types import Observation
 from sim.errors import SimError
+from sim.faults.delivery import Frozen
+from sim.faults.images import Noise
 from sim.odometry.simulation import ODOMETRY_PRESETS, simulate_odometry
 from sim.prefetch import THREAD
 from sim.render.camera import CameraRenderer, wide_camera
+from sim.render.rig import displaced, make_rig
 from sim.session import Session
 from sim.tours.tour import Tour, plan_tour
 from worlds.house import build_house
@@ -48,6 +51,25 @@ def test_images_are_the_renderer_s(session, pairs):
     with CameraRenderer(session.scene, session.camera) as renderer:
         for observation, truth in pairs[:: FRAMES // 5]:
             assert np.array_equal(observation.image, renderer.rgb(truth.T_W_B))
+
+
+def test_a_rig_yields_the_images_of_all_cameras_at_the_same_time(session, pairs):
+    """The rear camera sees what the front camera would see from a body that is turned round."""
+    rig = displaced(make_rig("front-rear", 160, 120), (0.05, 0.0, 0.0))
+    both = Session(session.house, session.tour, session.odometry, rig.front, (Noise(20.0), Frozen(0.5, 2)), 3)
+    front, rear = rig.cameras.values()
+    seen = list(both)
+    with CameraRenderer(both.scene, front) as ahead, CameraRenderer(both.scene, rear) as behind:
+        for observation, truth in seen[:: FRAMES // 5]:
+            if "frozen" in truth.faults:
+                continue
+            (image,) = observation.others
+            for noisy, clean in ((observation.image, ahead.rgb(truth.T_W_B)), (image, behind.rgb(truth.T_W_B))):
+                assert 5.0 < np.abs(noisy.astype(float) - clean).mean() < 20.0
+    frozen = [i for i, (_, truth) in enumerate(seen) if "frozen" in truth.faults and i]
+    assert frozen
+    for i in frozen:
+        assert all(np.array_equal(a, b) for a, b in zip(seen[i][0].images, seen[i - 1][0].images, strict=True))
 
 
 def test_a_second_pass_is_the_same(session, pairs):
@@ -87,7 +109,8 @@ def test_an_iterator_in_garbage_is_collected_without_waiting(session):
 
 
 def test_an_observation_has_no_place_for_truth(session, pairs):
-    assert {field.name for field in fields(Observation)} == {"index", "stamp", "image", "T_O_B", "increment_covariance"}
+    sensed = {"index", "stamp", "image", "others", "T_O_B", "increment_covariance"}
+    assert {field.name for field in fields(Observation)} == sensed
     last_seen, last_true = pairs[-1]
     assert not np.allclose(last_seen.T_O_B, last_true.T_W_B)
 

@@ -57,9 +57,11 @@ def scene_graph(map: LexisMap) -> _Json:
 
 def _metadata(map: LexisMap) -> _Json:
     names = [[i, name] for i, name in enumerate(map.room_names)]
+    others = [CameraData.of(other).model_dump(mode="json") for other in map.camera.others]
     own = {
         "schema": 1,
         "camera": CameraData.of(map.camera).model_dump(mode="json"),
+        **({"other_cameras": others} if others else {}),
         "encoder": asdict(map.encoder),
         "room_names": list(map.room_names),
         "candidates": map.candidates,
@@ -118,13 +120,15 @@ def _places(map: LexisMap) -> Iterator[_Json]:
             "baseline_label": int(map.baseline_labels[i]),
             "similarities": map.similarities[i].tolist(),
         }
+        if keyframe.others:
+            own["other_embeddings"] = [view.embedding.astype(np.float64).tolist() for view in keyframe.others]
         semantic = _semantic(f"keyframe {i}", int(map.labels[i]), position[None])
         yield _node(PLACES.node(i), PLACES.key, PLACE, position, semantic | more, own)
 
 
 def _clearances(map: LexisMap) -> Float64[np.ndarray, "n"]:
     """Return the distance of every keyframe from the nearest landmark of any keyframe [m]; 0 if there are no landmarks."""
-    points = [transform(T, keyframe.landmarks.points) for T, keyframe in zip(map.T_W_B, map.keyframes, strict=True)]
+    points = [transform(T, keyframe.points) for T, keyframe in zip(map.T_W_B, map.keyframes, strict=True)]
     landmarks = np.concatenate(points)
     if not len(landmarks):
         return np.zeros(len(map.keyframes))

@@ -17,7 +17,7 @@ from typing import Annotated, Generic, Literal, TypeVar
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
 from lexis.files.camera import CameraData, Row
-from lexis.inputs import MAX_NAME_LENGTH, MAX_ROOM_NAMES
+from lexis.inputs import MAX_CAMERAS, MAX_NAME_LENGTH, MAX_ROOM_NAMES
 from lexis.types import Verdict
 
 KEY = "lexis"
@@ -88,6 +88,8 @@ class GraphData(BaseModel):
 
     schema_version: Literal[1] = Field(alias="schema")
     camera: CameraData
+    other_cameras: tuple[CameraData, ...] = Field((), max_length=MAX_CAMERAS - 1)
+    """The further cameras of a rig. Files of a single camera do not state them."""
     encoder: EncoderData
     room_names: tuple[Name, ...] = Field(min_length=1, max_length=MAX_ROOM_NAMES)
     candidates: tuple[tuple[Id, tuple[Id, ...]], ...] = Field(max_length=_MANY)
@@ -116,6 +118,8 @@ class PlaceData(BaseModel):
     floor: Id | None
     baseline_label: Id
     similarities: tuple[float, ...] = Field(max_length=MAX_ROOM_NAMES)
+    other_embeddings: tuple[tuple[float, ...], ...] = Field((), max_length=MAX_CAMERAS - 1)
+    """Embeddings of the images of the further cameras of a rig. Files of a single camera do not state them."""
 
 
 class RoomData(BaseModel):

@@ -29,7 +29,7 @@ from lexis.map.interchange.spark_dsg_format import (
     RoomAttributes,
 )
 from lexis.maths.quaternions import as_rotations
-from lexis.types import EncoderId, Features, Keyframe, Landmarks, LexisMap, LoopEdge, Poses, RoomInstance
+from lexis.types import CameraView, EncoderId, Features, Keyframe, Landmarks, LexisMap, LoopEdge, Poses, RoomInstance
 
 _FILE = FileKind(
     "a scene graph written by 'lexis export --format spark-dsg'", 400_000_000, MapError, unusable="no scene graph of a map"
@@ -58,10 +58,10 @@ def _map(file: GraphFile) -> LexisMap:
     places = _in_order(file, PLACES, PlaceAttributes)
     if len(agents) != len(places):
         raise MapError(f"{len(agents)} nodes a and {len(places)} nodes p; valid: one of each for every keyframe")
-    _check_lengths(places, len(own.room_names))
+    _check_lengths(places, len(own.room_names), len(own.other_cameras))
     loops = _loops(file.edges)
     return LexisMap(
-        camera=own.camera.camera(),
+        camera=own.camera.camera(own.other_cameras),
         encoder=EncoderId(own.encoder.name, own.encoder.fingerprint),
         room_names=own.room_names,
         keyframes=tuple(_keyframe(i, *attributes) for i, attributes in enumerate(zip(agents, places, strict=True))),
@@ -92,30 +92,48 @@ def _in_order(file: GraphFile, layer: Layer, kind: type[_Attributes]) -> list[_A
     return [attributes for i in range(len(nodes)) if isinstance(attributes := nodes[i], kind)]
 
 
-def _check_lengths(places: Sequence[PlaceAttributes], room_names: int) -> None:
-    """Raise MapError unless all embeddings have one length, and all keyframes a similarity to every room name."""
+def _check_lengths(places: Sequence[PlaceAttributes], room_names: int, others: int) -> None:
+    """Raise MapError unless all keyframes have one embedding for each camera, and a similarity to every room name.
+
+    All embeddings need the same length. `others` is the number of the further cameras.
+    """
     for i, place in enumerate(places):
         feature, wanted = place.semantic_feature, places[0].semantic_feature.rows
         if not len(feature.data) == feature.rows == wanted:
             found = f"an embedding of {len(feature.data)} numbers in {feature.rows} rows"
             raise MapError(f"node p{i} has {found}; valid: {wanted}, as p0")
+        if {len(other) for other in place.metadata.lexis.other_embeddings} - {wanted}:
+            raise MapError(f"node p{i} has other_embeddings of other lengths; valid: {wanted}, as the embedding")
+        if len(place.metadata.lexis.other_embeddings) != others:
+            count = len(place.metadata.lexis.other_embeddings)
+            raise MapError(f"node p{i} has {count} other_embeddings; valid: {others}, one for each of other_cameras")
         if len(place.metadata.lexis.similarities) != room_names:
             raise MapError(f"node p{i} has {len(place.metadata.lexis.similarities)} similarities; valid: {room_names}")
 
 
 def _keyframe(i: int, agent: AgentAttributes, place: PlaceAttributes) -> Keyframe:
     own = agent.metadata.lexis
+    first, *others = (
+        _view(embedding) for embedding in (place.semantic_feature.data, *place.metadata.lexis.other_embeddings)
+    )
     return Keyframe(
         id=i,
         observation_index=own.observation_index,
         stamp=own.stamp,
         T_O_B=np.array(own.T_O_B),
         step_covariance=np.array(own.step_covariance),
-        embedding=np.array(place.semantic_feature.data, np.float32),
-        features=Features(np.zeros((0, 2), np.float32), np.zeros((0, 0), np.uint8)),
-        landmarks=Landmarks(np.zeros((0, 3)), np.zeros(0, int)),
+        embedding=first.embedding,
+        features=first.features,
+        landmarks=first.landmarks,
         session=own.session,
+        others=tuple(others),
     )
+
+
+def _view(embedding: Sequence[float]) -> CameraView:
+    """Return the view of a camera of which only the embedding is known."""
+    features = Features(np.zeros((0, 2), np.float32), np.zeros((0, 0), np.uint8))
+    return CameraView(np.array(embedding, np.float32), features, Landmarks(np.zeros((0, 3)), np.zeros(0, int)))
 
 
 def _poses(agents: Iterable[AgentAttributes]) -> Poses:

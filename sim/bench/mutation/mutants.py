@@ -46,8 +46,8 @@ _KEYFRAMES = (
     Mutant(
         "a keyframe gets the embedding of the latest frame",
         "keyframe_window.py",
-        "            embedding=entry.embedding,",
-        "            embedding=next(e.embedding for e in reversed(self._entries) if e.embedding is not None),",
+        "            embedding=first.embedding,",
+        "            embedding=next(e.embeddings[0] for e in reversed(self._entries) if e.embeddings is not None),",
     ),
     Mutant(
         "the covariances of the steps between two keyframes are not added up",
@@ -258,15 +258,15 @@ _PLACES = (
     ),
     Mutant(
         "PnP returns the pose of the camera instead of the body",
-        "verification.py",
-        "T_match_query = inverse(T_C_match) @ inverse(self._camera.T_B_C)",
-        "T_match_query = inverse(T_C_match)",
+        "locator.py",
+        "T_match_query = inverse(fit.T_C_match[0]) @ inverse(self._camera.T_B_C)",
+        "T_match_query = inverse(fit.T_C_match[0])",
     ),
     Mutant(
         "landmarks of neighbouring keyframes are not moved into the frame of the candidate",
-        "verification.py",
-        "points.append(transform(T_match_neighbour, keyframe.landmarks.points[pairs[:, 1]]))",
-        "points.append(keyframe.landmarks.points[pairs[:, 1]])",
+        "locator.py",
+        "found[camera].append((pairs[:, 0], transform(T_match_neighbour, points)))",
+        "found[camera].append((pairs[:, 0], points))",
     ),
     Mutant(
         "verified loops are not added to the graph",
@@ -277,8 +277,8 @@ _PLACES = (
     Mutant(
         "loop candidates of nearly equal probability are ranked at random",
         "place_recognition.py",
-        "odds = rounded(revisit_log_odds(_similarities(query, ids, graph), distances, angles, config))",
-        "odds = revisit_log_odds(_similarities(query, ids, graph), distances, angles, config) + np.random.random(len(ids))",
+        "odds = of_pairs.max(axis=(1, 2))",
+        "odds = of_pairs.max(axis=(1, 2)) + np.random.random(len(ids))",
     ),
     Mutant(
         "stamps are kept in single precision",
@@ -373,14 +373,14 @@ _LABELS = (
     Mutant(
         "an image counts for its own keyframe alone",
         "sight/pooled_labels.py",
-        "evidence = sees @ own + config.own_weight * own",
-        "evidence = own",
+        "seen @ own + config.own_weight * own",
+        "own",
     ),
     Mutant(
         "an image counts where it is seen from instead of what it shows",
         "sight/pooled_labels.py",
-        "evidence = sees @ own + config.own_weight * own",
-        "evidence = sees.T @ own + config.own_weight * own",
+        "seen @ own + config.own_weight * own",
+        "seen.T @ own + config.own_weight * own",
     ),
     Mutant(
         "similarities count as probabilities without a temperature",
@@ -397,8 +397,8 @@ _LABELS = (
     Mutant(
         "landmarks are taken to be in the frame of the camera",
         "sight/visible_space.py",
-        "rays = transform(inverse(T_B_C), keyframe.landmarks.points)",
-        "rays = keyframe.landmarks.points",
+        "rays = transform(inverse(T_B_C), keyframe.views[camera].landmarks.points)",
+        "rays = keyframe.views[camera].landmarks.points",
     ),
     Mutant(
         "visible space lies behind the camera",
@@ -514,8 +514,8 @@ _ROOMS = (
     Mutant(
         "labels and rooms come from the poses of the odometry",
         "slam.py",
-        "self._spaces, T_W_B, self._camera.T_B_C)",
-        "self._spaces, __import__('numpy').stack([each.T_O_B for each in self._graph.keyframes]), self._camera.T_B_C)",
+        "self._spaces, T_W_B, self._camera)",
+        "self._spaces, __import__('numpy').stack([each.T_O_B for each in self._graph.keyframes]), self._camera)",
     ),
     Mutant(
         "there are at most three floors",

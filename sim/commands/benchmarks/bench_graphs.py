@@ -1,4 +1,4 @@
-"""Benchmarks of pose graphs, of long walks and of several sessions."""
+"""Benchmarks of pose graphs, of long walks, of several sessions and of rigs of several cameras."""
 
 import argparse
 from collections.abc import Iterator
@@ -12,13 +12,19 @@ from lexis.command_line import positive
 from sim.commands.action import Action
 from sim.commands.arguments import SEED, argument, number
 from sim.commands.benchmarks.bench_options import (
+    CONFIG,
     CSV,
+    FIDELITY,
     HOUSES,
     PLOT,
     PRESET,
     printing,
     seeds_of,
+    tracked,
 )
+
+RIGS = ("wide", "stereo", "front-rear", "four")
+RIG_HELP = f"cameras of each run, of {', '.join(RIGS)} (default: wide front-rear)"
 
 
 def _pose_graph(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -89,6 +95,31 @@ def _sessions(arguments: argparse.Namespace) -> Iterator[Table]:
     yield table
 
 
+def _rigs(arguments: argparse.Namespace) -> Iterator[Table]:
+    from lexis.config import read_config
+    from sim.bench.rigs import measure_rigs, summary
+    from sim.bench.row_files import check_files, write_rows
+
+    check_files(arguments.csv)
+    seeds, count = seeds_of(arguments), len(arguments.rigs) * arguments.houses
+    settings = read_config(arguments.config) if arguments.config else None
+    measured = measure_rigs(arguments.rigs, arguments.preset, seeds, arguments.fidelity, settings)
+    rows = list(tracked(measured, count, "runs"))
+    title = (
+        f"{arguments.preset}, seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: all rooms and back along the same path"
+    )
+    headers = ("opposite revisits", "found", "trusted loops", "false", "labels", "room PQ", "ATE, m", "ms per keyframe")
+    table = Table("rig", "seed", *headers, title=title)
+    for row in (*rows, *summary(rows)):
+        table.add_row(
+            *(row.rig, "all" if row.seed < 0 else str(row.seed), str(row.revisits), f"{row.recall:.2f}", str(row.trusted)),
+            *(str(row.false), f"{row.labels:.3f}", f"{row.rooms:.3f}", f"{row.ate_m:.3f}", f"{row.keyframe_ms:.1f}"),
+        )
+    yield table
+    if arguments.csv:
+        write_rows(rows, arguments.csv)
+
+
 BENCHMARKS = (
     Action(
         "pose-graph",
@@ -137,6 +168,21 @@ BENCHMARKS = (
             HOUSES,
             argument("--every", type=float, default=10.0, help="metres of walk between starts (default: %(default)s)"),
             argument("--length", type=float, default=15.0, help="length of each session in metres (default: %(default)s)"),
+            SEED,
+        ),
+    ),
+    Action(
+        "rigs",
+        printing(_rigs),
+        "whether places are recognised from the opposite direction, and the time per keyframe, with rigs of several cameras",
+        "lexis-sim bench rigs --rigs wide front-rear four --houses 5 --seed 500",
+        (
+            argument("--rigs", nargs="+", choices=RIGS, default=["wide", "front-rear"], metavar="RIG", help=RIG_HELP),
+            PRESET,
+            HOUSES,
+            FIDELITY,
+            CONFIG,
+            CSV,
             SEED,
         ),
     ),

@@ -1,13 +1,14 @@
 """EuRoC recordings: defects are reported in one line, before any image is read."""
 
 import os
+import shutil
 import zlib
 
 import numpy as np
 import pytest
 from helpers.small_inputs import CAMERA, FRAMES, write_euroc_run, write_tum_run
 
-from lexis.datasets.dataset import open_dataset
+from lexis.datasets.dataset import DatasetConfig, open_dataset
 from lexis.datasets.image_header import image_size
 from lexis.errors import LexisError
 
@@ -28,6 +29,43 @@ def test_the_whole_recording_is_read(folder):
     dataset = open_dataset(folder)
     assert [seen.image.shape for seen in dataset] == [(24, 32, 3)] * FRAMES
     np.testing.assert_allclose(dataset.camera.T_B_C, CAMERA.T_B_C)
+
+
+def with_second_camera(folder, skipped=()):
+    """Add a camera cam1 that looks back and lacks the images `skipped`."""
+    sensors = folder / "mav0"
+    shutil.copytree(sensors / "cam0", sensors / "cam1")
+    lines = (sensors / "cam1" / "data.csv").read_text().splitlines(keepends=True)
+    images = [line for line in lines if not line.startswith("#")]
+    kept = [line for line in lines if line not in [images[i] for i in skipped]]
+    (sensors / "cam1" / "data.csv").write_text("".join(kept))
+    (sensors / "cam1" / "sensor.yaml").write_text((sensors / "cam1" / "sensor.yaml").read_text().replace("0.3", "0.4"))
+
+
+def test_cameras_that_are_named_make_a_rig(folder):
+    with_second_camera(folder)
+    dataset = open_dataset(folder, DatasetConfig(camera="cam0, cam1"))
+    assert [camera.T_B_C[2, 3] for camera in dataset.camera.rig] == [0.3, 0.4]
+    assert [len(seen.images) for seen in dataset] == [2] * FRAMES
+    assert len(open_dataset(folder).camera.rig) == 1
+
+
+def test_an_image_that_another_camera_lacks_is_left_out(folder):
+    with_second_camera(folder, skipped=[1])
+    alone, both = open_dataset(folder), open_dataset(folder, DatasetConfig(camera="cam0,cam1"))
+    np.testing.assert_array_equal(both.stamps, np.delete(alone.stamps, 1))
+    kept = [seen.image for i, seen in enumerate(alone) if i != 1]
+    assert all(np.array_equal(seen.image, image) for seen, image in zip(both, kept, strict=True))
+
+
+def test_cameras_without_a_common_time_or_named_twice_are_refused(folder):
+    with_second_camera(folder)
+    image = next((folder / "mav0" / "cam1" / "data").iterdir()).name
+    (folder / "mav0" / "cam1" / "data.csv").write_text(f"1,{image}\n")
+    with pytest.raises(LexisError, match=r"cam1.*: have no stamp in common"):
+        open_dataset(folder, DatasetConfig(camera="cam0,cam1"))
+    with pytest.raises(LexisError, match="valid: different names, separated by commas"):
+        open_dataset(folder, DatasetConfig(camera="cam0,cam0"))
 
 
 def sensor(old, new):

@@ -11,7 +11,7 @@ from sklearn.metrics import adjusted_rand_score, v_measure_score
 from lexis.evaluation.coverage import path_covered
 from lexis.evaluation.floors import floor_accuracy, floor_count_error
 from lexis.evaluation.labels import accuracy, accuracy_per_room, graded_accuracy
-from lexis.evaluation.loops import score_loops, true_revisits
+from lexis.evaluation.loops import opposite_edges, opposite_revisits, score_loops, true_revisits
 from lexis.evaluation.place_recognition import Counts, at_one_place, count_matches
 from lexis.evaluation.planning import spl, success_rate
 from lexis.evaluation.rooms import score_rooms
@@ -119,6 +119,17 @@ def test_loops_are_true_within_half_a_metre_and_a_fifth_of_a_radian():
     assert scores.precision == 0.5 and scores.recall == 1.0
     assert true_revisits(truth, stamps).tolist() == [2]
     assert score_loops(7, query[1:2], match[1:2], relative[1:2], truth, stamps).recall == 0.0
+
+
+def test_a_revisit_in_the_opposite_direction_was_never_seen_from_its_own():
+    """Out along x, back, and out again; 20 s between keyframes."""
+    truth = np.tile(np.eye(4), (9, 1, 1))
+    truth[:, 0, 3] = [0.0, 2.0, 4.0, 4.0, 2.0, 0.0, 0.0, 2.0, 4.0]
+    truth[3:6, :2, :2] *= -1.0
+    stamps = 20.0 * np.arange(9)
+    assert opposite_revisits(truth, stamps).tolist() == [3, 4, 5]
+    assert true_revisits(truth, stamps).tolist() == [6, 7, 8]
+    assert opposite_edges(np.array([5, 7, 7]), np.array([0, 1, 4]), truth).tolist() == [True, False, True]
 
 
 def test_a_revisit_lies_ten_seconds_back():

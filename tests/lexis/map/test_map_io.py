@@ -7,7 +7,7 @@ import pickle
 
 import numpy as np
 import pytest
-from helpers.map_builder import corridor_with_offices
+from helpers.map_builder import corridor_with_offices, with_rear_camera
 from helpers.same_map import assert_same
 
 from lexis.errors import LexisError, MapError
@@ -32,6 +32,54 @@ def test_a_map_without_loops_or_features_is_a_map(rng, tmp_path):
     assert all(len(k.features.keypoints) == len(k.landmarks.points) == 0 for k in loaded.keyframes)
     np.testing.assert_array_equal(loaded.T_W_B, bare.T_W_B)
     assert_same(loaded.rooms, bare.rooms)
+
+
+@pytest.fixture
+def of_a_rig(lexis_map, rng):
+    return with_rear_camera(lexis_map, rng)
+
+
+def test_the_views_of_further_cameras_are_kept(of_a_rig, tmp_path):
+    save_map(of_a_rig, tmp_path / "map")
+    assert_same(load_map(tmp_path / "map"), of_a_rig)
+    save_map(of_a_rig, tmp_path / "bare", features=False)
+    for loaded, saved in zip(load_map(tmp_path / "bare").keyframes, of_a_rig.keyframes, strict=True):
+        np.testing.assert_array_equal(loaded.embeddings, saved.embeddings)
+        assert len(loaded.points) == len(loaded.others[0].features.keypoints) == 0
+
+
+def test_a_map_of_one_camera_has_nothing_of_others(lexis_map, tmp_path):
+    save_map(lexis_map, tmp_path / "map")
+    assert "other" not in (tmp_path / "map" / "map.json").read_text()
+    with np.load(tmp_path / "map" / "arrays.npz") as arrays:
+        assert not [name for name in arrays.files if name.startswith("other")]
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"other_embedding": None}, "lacks the arrays other_embedding"),
+        ({"other_embedding": np.zeros((40, 2, 16), np.float32)}, "other_embedding"),
+        ({"other_embedding": np.full((40, 1, 16), np.nan, np.float32)}, "finite"),
+        ({"other_feature_count": np.zeros((40, 1), int)}, "other_feature_count does not add up"),
+        ({"other_landmark_count": np.zeros((40, 2), int)}, "other_landmark_count"),
+        ({"other_landmark_count": np.zeros((40, 1), int)}, "other_landmark_count does not add up"),
+    ],
+)
+def test_damaged_views_of_further_cameras_are_refused(of_a_rig, tmp_path, changes, says):
+    save_map(of_a_rig, tmp_path / "map")
+    rewritten(tmp_path / "map", **changes)
+    with pytest.raises(MapError, match=says):
+        load_map(tmp_path / "map")
+
+
+def test_a_landmark_of_a_feature_that_its_image_lacks_is_refused(of_a_rig, tmp_path):
+    save_map(of_a_rig, tmp_path / "map")
+    count = sum(len(keyframe.others[0].landmarks.points) for keyframe in of_a_rig.keyframes)
+    for wrong in (100, -2):
+        rewritten(tmp_path / "map", other_landmark_feature=np.full(count, wrong))
+        with pytest.raises(MapError, match="other_landmark_feature refers to a feature"):
+            load_map(tmp_path / "map")
 
 
 def test_an_earlier_map_is_replaced_and_anything_else_is_left_alone(lexis_map, tmp_path):

@@ -95,7 +95,7 @@ def confirmed(house, chosen, seed=0, queries=40, matches=10):
     """Loop edges between equal views, by query."""
     few = RayGrid(*np.float32([[-0.5, 0.5]] * 2))
     here = replace(sight(house, 2.0, 2.5, 0.3), depth=np.ones((2, 2), np.float32), grid=few)
-    verifier = CovisibilityVerifier(chosen, lambda index: here, seed)
+    verifier = CovisibilityVerifier(chosen, lambda index: (here,), seed)
     graph = graph_of(matches + queries)
     return [
         verifier(graph.keyframes[query], range(matches), graph, CAMERA, ANYWHERE).edges
@@ -125,7 +125,7 @@ def test_false_edges_come_at_their_rate_with_their_error(house):
 
 def test_nothing_in_common_is_never_truly_confirmed(house):
     sights = [sight(house, 2.0, 2.5, 0.0), sight(house, 8.0, 2.5, 0.0)]
-    verifier = CovisibilityVerifier(model(40.0), lambda index: sights[index], 0)
+    verifier = CovisibilityVerifier(model(40.0), lambda index: (sights[index],), 0)
     graph = graph_of(2)
     assert verifier(graph.keyframes[1], [0], graph, CAMERA, ANYWHERE).edges == ()
 
@@ -135,14 +135,14 @@ def test_the_decision_on_a_pair_depends_on_that_pair_and_the_seed(house):
     names = [[[edge.match for edge in edges] for edges in found] for found in (first, again, other)]
     assert names[0] == names[1] != names[2]
     here = sight(house, 2.0, 2.5, 0.3)
-    verifier, graph = CovisibilityVerifier(model(), lambda index: here, 1), graph_of(50)
+    verifier, graph = CovisibilityVerifier(model(), lambda index: (here,), 1), graph_of(50)
     back = verifier(graph.keyframes[10], [*range(9, -1, -1)], graph, CAMERA, ANYWHERE).edges
     assert sorted(edge.match for edge in back) == sorted(edge.match for edge in first[0])
 
 
 def test_an_edge_that_contradicts_the_odometry_is_refused(house):
     here = sight(house, 2.0, 2.5, 0.3)
-    verifier, graph = CovisibilityVerifier(model(-40.0, false_rate=1.0), lambda index: here, 1), graph_of(2)
+    verifier, graph = CovisibilityVerifier(model(-40.0, false_rate=1.0), lambda index: (here,), 1), graph_of(2)
     accepted, refused = (verifier(graph.keyframes[1], [0], graph, CAMERA, each) for each in (ANYWHERE, VerificationConfig()))
     assert len(accepted.edges) == 1 and refused.edges == ()
     assert (accepted.verdicts[0].outcome, refused.verdicts[0].outcome) == ("accepted", "far from the estimate")

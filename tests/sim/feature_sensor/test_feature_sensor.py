@@ -254,3 +254,18 @@ def test_the_oracle_sees_no_images_and_knows_no_other_rooms():
 def test_an_unknown_fidelity_is_refused():
     with pytest.raises(SimError, match=r"scenario\.fidelity is 'sound'; valid: render, features"):
         unchecked(Scenario, fidelity="sound")
+
+
+def test_a_rear_camera_sees_what_the_front_camera_would_see_from_a_turned_body(fitted):
+    """The cameras of this rig are at the origin of the body, so that turning the body exchanges them."""
+    house, T_W_B = walk(CONFIG).house, walk(CONFIG).tour.T_W_B[:20]
+    turn = np.diag([-1.0, -1.0, 1.0, 1.0])
+    front = replace(build_rig(CONFIG.rig).front, others=())
+    rig = replace(front, others=(replace(front, T_B_C=turn @ front.T_B_C),))
+    seen = list(FeatureSensor(fitted, rig, 5).tour([house] * 20, T_W_B).percepts())
+    turned = FeatureSensor(fitted, front, 5).tour([house] * 20, T_W_B @ turn).percepts()
+    alone = FeatureSensor(fitted, front, 5).tour([house] * 20, T_W_B).percepts()
+    for (first, second), (ahead,), (behind,) in zip(seen, alone, turned, strict=True):
+        np.testing.assert_array_equal(first.embedding, ahead.embedding)
+        np.testing.assert_allclose(second.embedding, behind.embedding, atol=1e-5)
+        np.testing.assert_allclose(second.points, transform(turn, behind.points), atol=1e-4)

@@ -103,14 +103,15 @@ def test_the_same_seed_gives_the_same_result_apart_from_times():
     np.testing.assert_array_equal(first.estimate.similarities, again.estimate.similarities)
 
 
-def test_lexis_sees_what_the_first_camera_of_the_rig_sees():
+def test_lexis_sees_what_the_cameras_of_the_rig_see():
     rig = build_rig(BRIEF.rig)
-    assert rig.front is rig.cameras["left"] and rig.front.T_B_C[1, 3] == STEREO_BASELINE_M / 2
+    assert [camera.T_B_C[1, 3] for camera in rig.front.rig] == [STEREO_BASELINE_M / 2, -STEREO_BASELINE_M / 2]
     walked = walk(BRIEF)
     session = Session(walked.house, walked.tour, walked.odometry, rig.front)
     with closing(iter(session)) as pairs, RigRenderer(build_rig_scene(walked.house, rig), rig) as renderer:
         observation, truth = next(pairs)
-        np.testing.assert_array_equal(observation.image, renderer.rgb(truth.T_W_B)["left"])
+        for image, rendered in zip(observation.images, renderer.rgb(truth.T_W_B).values(), strict=True):
+            np.testing.assert_array_equal(image, rendered)
 
 
 def test_the_folder_holds_what_the_result_says(finished, result, trials, tmp_path):

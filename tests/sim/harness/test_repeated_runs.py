@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sim.feature_sensor import sensor
+from sim.feature_sensor import sensed_camera
 from sim.harness.adapters.lexis import Lexis
 from sim.harness.adapters.odometry_only import OdometryOnly
 from sim.harness.runner import run
@@ -69,5 +69,5 @@ def test_a_slam_that_overwrites_loops_does_not_change_the_next_run():
 def test_percepts_are_computed_once_for_all_runs_of_a_scenario(monkeypatch):
     scenario = replace(SCENARIO, seed=34)
     run(scenario, Recorder())
-    monkeypatch.setattr(sensor, "look", None)
+    monkeypatch.setattr(sensed_camera, "look", None)
     run(scenario, Recorder())

@@ -6,6 +6,7 @@ import json
 import shutil
 import sqlite3
 from dataclasses import fields, replace
+from itertools import islice
 
 import cv2
 import numpy as np
@@ -24,6 +25,7 @@ from lexis.maths.quaternions import poses_of
 from sim.cli import main
 from sim.errors import SimError
 from sim.faults.delivery import Dropped
+from sim.faults.images import Noise
 from sim.harness import Lexis, Scenario, run
 from sim.odometry.imu import ImuConfig
 from sim.record import record
@@ -395,8 +397,29 @@ def test_rooms_of_frames_are_true_and_the_house_is_beside(recordings):
 def unlit(monkeypatch):
     """Replaces rendering: frames are black and cost nothing."""
     size = FRONT.intrinsics.height, FRONT.intrinsics.width
-    monkeypatch.setattr(FrameRenderer, "rgb", lambda *_: np.zeros((*size, 3), np.uint8))
+    black = np.zeros((*size, 3), np.uint8)
+    monkeypatch.setattr(FrameRenderer, "rgb", lambda *_: black.copy())
+    monkeypatch.setattr(FrameRenderer, "rig", lambda self, *_: tuple(black.copy() for _ in self._camera.rig))
     monkeypatch.setattr(FrameRenderer, "depth", lambda *_: np.zeros(size, np.float32))
+
+
+@pytest.mark.parametrize("form", ["euroc", "mcap"])
+def test_a_recorded_rig_is_replayed_as_it_was_seen(form, tmp_path, unlit):
+    """The noise of the images tells cameras and frames apart."""
+    config = replace(CONFIG, rig=replace(ARM, name="front-rear"), faults=(Noise(20.0),), frame_rate_hz=2.0)
+    take = prepare(config)
+    record(config, tmp_path / "out", form, "png")
+    dataset = open_dataset(tmp_path / "out", DatasetConfig(camera="cam0,cam1"))
+    for read, made in zip(dataset.camera.rig, take.rig.rig, strict=True):
+        assert read.intrinsics == made.intrinsics
+        np.testing.assert_allclose(read.T_B_C, made.T_B_C, atol=1e-9)
+    # The first frame is part of the rest, during which the covariance is zero.
+    replayed, seen = list(dataset)[take.rest_frames + 1 :], [observation for observation, _ in take.session][1:]
+    assert len(replayed) == len(seen)
+    for one, other in zip(replayed, seen, strict=True):
+        assert all(np.array_equal(a, b) for a, b in zip(one.images, other.images, strict=True))
+        np.testing.assert_array_equal(one.increment_covariance, other.increment_covariance)
+    assert [len(observation.images) for observation in islice(open_dataset(tmp_path / "out"), 3)] == [1, 1, 1]
 
 
 def test_faults_are_recorded(tmp_path, unlit):

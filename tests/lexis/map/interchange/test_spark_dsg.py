@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import spark_dsg
-from helpers.map_builder import corridor_with_offices
+from helpers.map_builder import corridor_with_offices, with_rear_camera
 from helpers.same_map import assert_same
 
 from lexis.cli import main
@@ -50,6 +50,12 @@ def assert_equal_but_rotations(a, b):
 
 def test_reading_gives_back_all_but_key_points_and_landmarks(lexis_map, saved, tmp_path):
     assert_equal_but_rotations(read_spark_dsg(saved), without_features(lexis_map, tmp_path / "map"))
+
+
+def test_the_views_of_further_cameras_are_kept(lexis_map, tmp_path, rng):
+    of_a_rig = with_rear_camera(lexis_map, rng)
+    write_spark_dsg(of_a_rig, tmp_path / "graph.json")
+    assert_equal_but_rotations(read_spark_dsg(tmp_path / "graph.json"), without_features(of_a_rig, tmp_path / "map"))
 
 
 def test_a_second_round_changes_nothing(saved, tmp_path):

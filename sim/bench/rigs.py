@@ -1,0 +1,94 @@
+"""`lexis-sim bench rigs`: whether LEXIS recognises places from the opposite direction with each rig, and what a rig costs.
+
+LEXIS maps every house on a walk through all rooms and back along the same path (tour `both ways`), with each rig.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lexis.config import Config
+from lexis.evaluation.loops import opposite_edges, opposite_revisits
+from sim.fidelity import Fidelity
+from sim.harness import Scenario, evaluate, run
+from sim.harness.adapters import Lexis
+from sim.harness.loops import edge_truth
+from sim.harness.runner import Run
+from sim.harness.world_tests import usual_rate_hz
+
+TRUSTED = 0.5
+"""A loop edge counts as trusted if its weight after the optimisation is at least this."""
+
+
+@dataclass(frozen=True)
+class RigRow:
+    """Figures of one house with one rig."""
+
+    rig: str
+    seed: int
+    revisits: int
+    """Number of keyframes that revisit a place in the opposite direction alone; see `opposite_revisits`."""
+    found: int
+    """Number of these keyframes from which a true loop edge leads to a keyframe with the opposite heading."""
+    trusted: int
+    """Number of trusted loop edges."""
+    false: int
+    """Number of trusted loop edges that are false."""
+    labels: float
+    """Share of the keyframes with the right label."""
+    rooms: float
+    """Panoptic quality of the rooms."""
+    ate_m: float
+    """Absolute trajectory error [m]."""
+    keyframe_ms: float
+    """Time that LEXIS takes for each keyframe, in all stages [ms]."""
+
+    @property
+    def recall(self) -> float:
+        """Share of the revisits in the opposite direction that are found; NaN without a revisit."""
+        return self.found / self.revisits if self.revisits else np.nan
+
+
+def measure_rigs(
+    rigs: Sequence[str], preset: str, seeds: Sequence[int], fidelity: Fidelity, config: Config | None = None
+) -> Iterator[RigRow]:
+    """Map a house for each seed with each rig, and yield the figures of every run. `config` has the settings of LEXIS."""
+    usual = Scenario(preset=preset, tour_kind="both ways", fidelity=fidelity, frame_rate_hz=usual_rate_hz(fidelity))
+    slam = Lexis(config=config)
+    for seed in seeds:
+        for rig in rigs:
+            finished = run(replace(usual, seed=seed, rig=replace(usual.rig, name=rig)), slam)
+            yield _row(finished, rig, slam)
+
+
+def _row(finished: Run, rig: str, slam: Lexis) -> RigRow:
+    loops, result = slam.map.loops, evaluate(finished)
+    query = np.array([loop.query for loop in loops], int)
+    match = np.array([loop.match for loop in loops], int)
+    is_true, trusted = edge_truth(finished), slam.map.loop_weights >= TRUSTED
+    stamps = np.array([keyframe.stamp for keyframe in slam.map.keyframes])
+    revisits = opposite_revisits(finished.true_poses, stamps)
+    across = query[is_true & opposite_edges(query, match, finished.true_poses)]
+    labels, rooms, ate_m = (result.known(name) for name in ("labels.accuracy", "rooms.pq", "trajectory.ate_m"))
+    return RigRow(
+        rig=rig,
+        seed=finished.scenario.seed,
+        revisits=len(revisits),
+        found=int(np.isin(revisits, across).sum()),
+        trusted=int(trusted.sum()),
+        false=int((trusted & ~is_true).sum()),
+        labels=labels,
+        rooms=rooms,
+        ate_m=ate_m,
+        keyframe_ms=1e3 * sum(slam.map.stage_seconds.values()) / len(stamps),
+    )
+
+
+def summary(rows: Sequence[RigRow]) -> Iterator[RigRow]:
+    """Yield one row for each rig, with the seed -1: sums of the counts, and means of the other figures."""
+    for rig in dict.fromkeys(row.rig for row in rows):
+        mine = [row for row in rows if row.rig == rig]
+        counts = np.sum([(row.revisits, row.found, row.trusted, row.false) for row in mine], axis=0)
+        means = np.mean([(row.labels, row.rooms, row.ate_m, row.keyframe_ms) for row in mine], axis=0)
+        yield RigRow(rig, -1, *counts.tolist(), *means.tolist())
