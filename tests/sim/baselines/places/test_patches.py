@@ -1,0 +1,33 @@
+"""Patch features are unit vectors, lie where the image has changed, and do not depend on earlier images."""
+
+import cv2
+import numpy as np
+
+from sim.baselines.places.patches import patch_features
+
+
+def textured(seed):
+    soft = cv2.GaussianBlur(np.random.default_rng(seed).normal(size=(240, 320, 3)).astype(np.float32), None, 5.0)
+    return np.clip(128 + 900 * soft, 0, 255).astype(np.uint8)
+
+
+def test_features_are_unit_vectors_that_differ_between_cells():
+    cells = patch_features(textured(1)).astype(np.float64)
+    np.testing.assert_allclose(np.linalg.norm(cells, axis=1), 1.0, atol=2e-3)
+    assert np.linalg.norm(cells - cells.mean(axis=0), axis=1).min() > 0.1
+
+
+def test_cells_lie_in_rows_like_the_pixels():
+    before = textured(1)
+    for row, column in ((0, 0), (0, 4), (3, 0), (2, 3)):
+        after = before.copy()
+        part = slice(60 * row, 60 * row + 60), slice(64 * column, 64 * column + 64)
+        after[part] = textured(2)[part]
+        change = np.linalg.norm(patch_features(after).astype(float) - patch_features(before), axis=1)
+        assert change.argmax() == 5 * row + column
+
+
+def test_features_do_not_depend_on_earlier_images():
+    first = patch_features(textured(1))
+    patch_features(textured(2))
+    np.testing.assert_array_equal(patch_features(textured(1)), first)
