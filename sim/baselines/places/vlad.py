@@ -1,7 +1,7 @@
 """Place recognition by VLAD, the vector of locally aggregated descriptors (Jégou et al., CVPR 2010).
 
-The descriptors are those of AKAZE, whose bits are taken as numbers, or patch features of the encoder, as in AnyLoc (Keetha et
-al., RA-L 2024).
+The descriptors are those of AKAZE, whose bits are taken as numbers, or patch features of the encoder. AnyLoc aggregates such
+features (Keetha et al., RA-L 2024).
 
 An image is described by the sums of the differences between its descriptors and their visual words. The sums are normalised
 word by word (Arandjelović and Zisserman, CVPR 2013), by their signed square roots, and then whitened (Jégou and Chum, ECCV
