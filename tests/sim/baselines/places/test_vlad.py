@@ -1,5 +1,7 @@
 """VLAD vectors: unit norm, no order of descriptors, whitened components, and bits as numbers."""
 
+import itertools
+
 import numpy as np
 import pytest
 from helpers.two_laps import two_laps
@@ -56,9 +58,9 @@ def test_descriptors_that_repeat_weigh_no_more(rng):
 
 def test_the_kind_says_which_descriptors_of_keyframes_are_compared(rng):
     seen = two_laps(rng)
-    for kind in ("akaze", "patches"):
+    for kind, dims in itertools.product(("akaze", "patches"), (0, 4)):
         descriptors = getattr(seen, kind)
-        method = Vlad.learned(descriptors, np.random.default_rng(1), words=4, dims=0, kind=kind)
+        method = Vlad.learned(descriptors, np.random.default_rng(1), words=4, dims=dims, kind=kind)
         vectors = method.vectors(descriptors)
         np.testing.assert_array_equal(method.scores(seen), seen.only_eligible(vectors @ vectors.T))
 
