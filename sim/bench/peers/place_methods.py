@@ -67,8 +67,9 @@ METHODS: Mapping[str, Contestant] = MappingProxyType(
     }
 )
 """Methods with the settings that `place_tuning` found on other houses: `lexis-sim bench fig5 --tune` with the homes 100 to
-104 and the offices (ori) 100 and 101; those of patch VLAD on the homes 100 and 101 and the office 100 alone. LEXIS has the defaults of LEXIS instead, which answer more queries because a
-false candidate costs LEXIS a verification only."""
+104 and the offices (ori) 100 and 101, but those of patch VLAD on the homes 100 and 101 and the office 100 alone. The first
+one has the defaults of LEXIS instead, which answer more queries because a false candidate costs LEXIS a verification
+only."""
 
 
 def compare_place_methods(walks: Iterable[PlaceWalk]) -> Iterator[PlaceFigures]:
