@@ -53,6 +53,7 @@ _LIST = (
     ("openness", "openness --houses {houses} --seed 500 --out {out}/openness.csv {out}/openness.png", 35),
     ("clutter", "sweep clutter --houses {houses} --seed 500 --out {out}/clutter.csv {out}/clutter.png", 25),
     ("odometry", "sweep odometry --houses {houses} --seed 500 --out {out}/odometry.csv {out}/odometry.png", 20),
+    ("spacing", "sweep spacing --houses {houses} --seed 500 --out {out}/spacing.csv {out}/spacing.png", 30),
     ("light", "sweep light --houses {houses} {sweep} --seed 500 --out {out}/light.csv {out}/light.png", 360),
     ("texture", "sweep texture --houses {houses} {sweep} --seed 500 --out {out}/texture.csv {out}/texture.png", 390),
     ("places", "places --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 75),

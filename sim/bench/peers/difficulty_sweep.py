@@ -64,6 +64,15 @@ class Difficulty:
     """Names of the methods that are compared."""
     fidelity: Fidelity = "features"
     """Lighting and textures show in images only."""
+    adjusted: Callable[[SlamUnderTest, Any], SlamUnderTest] = lambda slam, value: slam
+    """Returns the SLAM with the settings that belong to the value, for a property of the SLAM rather than of the run."""
+
+
+def _spaced(slam: SlamUnderTest, spacing_m: float) -> SlamUnderTest:
+    """Return a LEXIS with the same settings that selects keyframes at another distance."""
+    if not isinstance(slam, Lexis):
+        return slam
+    return Lexis(slam.encoder, replace(slam.config, keyframes=replace(slam.config.keyframes, spacing_m=spacing_m)))
 
 
 _WITHOUT_MAP = ("LEXIS", "LEXIS, paper", "positions alone")
@@ -84,6 +93,9 @@ DIFFICULTIES: Mapping[str, Difficulty] = MappingProxyType(
             lambda scenario, value: replace(scenario, odometry=value),
             _WITHOUT_MAP,
         ),
+        "spacing": Difficulty(
+            (0.25, 0.5, 1.0, 2.0), lambda scenario, value: scenario, tuple(LEXIS_VARIANTS), adjusted=_spaced
+        ),
         "light": Difficulty(
             ("day", "evening", "dim"),
             lambda scenario, value: in_house(scenario, in_light(house_spec(scenario), value)),
@@ -98,7 +110,8 @@ DIFFICULTIES: Mapping[str, Difficulty] = MappingProxyType(
         ),
     }
 )
-"""The difficulties by name. The true map depends on openness only: furniture, light and drift do not change it."""
+"""The difficulties by name; "spacing" is the distance between keyframes [m]. The true map depends on openness only: clutter,
+light and drift do not change it."""
 
 
 @dataclass(frozen=True)
@@ -135,7 +148,7 @@ def sweep(
             if length_m is not None:
                 scenario = with_walk_m(scenario, length_m)
             changed = difficulty.changed(scenario, value)
-            slams = {name: METHODS[name](changed) for name in difficulty.methods}
+            slams = {name: difficulty.adjusted(METHODS[name](changed), value) for name in difficulty.methods}
             for name, finished in run_side_by_side(changed, slams).items():
                 found = evaluate(finished)
                 rooms = found.rooms.pq or 0.0, found.rooms.splits or 0, found.rooms.merges or 0

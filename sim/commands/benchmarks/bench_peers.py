@@ -180,10 +180,12 @@ BENCHMARKS = (
     Action(
         "sweep",
         printing(_sweep_over),
-        "the same while another difficulty grows: clutter, odometry errors, light or texture",
+        "the same while another difficulty grows: clutter, odometry errors, distance of keyframes, light or texture",
         "lexis-sim bench sweep odometry --houses 5 --seed 500",
         (
-            argument("over", choices=("clutter", "odometry", "light", "texture"), help="what becomes more difficult"),
+            argument(
+                "over", choices=("clutter", "odometry", "spacing", "light", "texture"), help="what becomes more difficult"
+            ),
             PRESET,
             HOUSES,
             argument(
