@@ -24,6 +24,7 @@ def two_laps(rng: np.random.Generator, noise: float = 0.1, flipped: float = 0.03
         embeddings,
         _flipped(rng.integers(0, 256, (PLACES, 60, 32), np.uint8)[places], flipped, rng),
         _flipped(rng.integers(0, 256, (PLACES, 60, 61), np.uint8)[places], flipped, rng),
+        _noisy(rng.normal(size=(PLACES, 20, 24))[places], noise, rng),
         apart >= 4,
         estimated,
         np.where(apart >= 0, 0.0, np.inf),
@@ -59,3 +60,8 @@ def _is_square(value: object, seen: SeenKeyframes) -> bool:
 def _flipped(descriptors: np.ndarray, share: float, rng: np.random.Generator) -> tuple[np.ndarray, ...]:
     noise = np.packbits(rng.random((*descriptors.shape, 8)) < share, axis=-1)[..., 0]
     return tuple(descriptors ^ noise)
+
+
+def _noisy(features: np.ndarray, noise: float, rng: np.random.Generator) -> tuple[np.ndarray, ...]:
+    noisy = features + noise * rng.normal(size=features.shape)
+    return tuple((noisy / np.linalg.norm(noisy, axis=-1, keepdims=True)).astype(np.float16))

@@ -6,11 +6,12 @@ from functools import lru_cache
 
 import cv2
 import numpy as np
-from jaxtyping import UInt8
+from jaxtyping import Float16, UInt8
 
 from lexis.config import LandmarkConfig
 from lexis.features import FeatureExtractor
 from lexis.types import Image
+from sim.baselines.places.patches import patch_features
 from sim.training.frames import frames_of_house
 from sim.training.houses import TRAINING_SEEDS, draw_houses
 from sim.training.viewpoints import LEXIS_VIEWS
@@ -29,6 +30,7 @@ class TrainingDescriptors:
 
     orb: tuple[UInt8[np.ndarray, "_ 32"], ...]
     akaze: tuple[UInt8[np.ndarray, "_ 61"], ...]
+    patches: tuple[Float16[np.ndarray, "_ channels"], ...]
 
 
 def strongest_orb(image: Image) -> UInt8[np.ndarray, "n 32"]:
@@ -52,5 +54,7 @@ def described(images: Sequence[Image]) -> TrainingDescriptors:
     """Compute the descriptors of training images."""
     akaze = FeatureExtractor(LandmarkConfig())
     return TrainingDescriptors(
-        tuple(strongest_orb(image) for image in images), tuple(akaze.extract(image).descriptors for image in images)
+        tuple(strongest_orb(image) for image in images),
+        tuple(akaze.extract(image).descriptors for image in images),
+        tuple(patch_features(image) for image in images),
     )

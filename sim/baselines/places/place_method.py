@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from jaxtyping import Bool, Float32, Float64, UInt8
+from jaxtyping import Bool, Float16, Float32, Float64, UInt8
 
 Scores = Float64[np.ndarray, "n n"]
 """Score of every keyframe (columns) as a match for every query (rows); -inf: the keyframe is not proposed to this query."""
@@ -23,6 +23,8 @@ class SeenKeyframes:
     """ORB descriptors of every image, those of the strongest key points first."""
     akaze: tuple[UInt8[np.ndarray, "_ 61"], ...]
     """AKAZE descriptors of every image, as LEXIS computes them to verify loops."""
+    patches: tuple[Float16[np.ndarray, "_ channels"], ...]
+    """Patch features of every image by the encoder `mini`, with unit norm."""
     eligible: Bool[np.ndarray, "n n"]
     """Whether each keyframe is old enough to be proposed to each query; see `lexis.place_recognition.old_enough`."""
     estimated_m: Float64[np.ndarray, "n n"]

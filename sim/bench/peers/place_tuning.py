@@ -68,6 +68,9 @@ SEARCHES: Mapping[str, SettingsSearch] = MappingProxyType(
         ),
         "ORB words, DBoW2": SettingsSearch(bag_of_words, (_each("depth", 5, 4), _ISLANDS)),
         "AKAZE VLAD": SettingsSearch(vlad, (_each("words", 64, 8, 16, 32, 128), _each("dims", 128, 0, 64, 256))),
+        "patch VLAD": SettingsSearch(
+            partial(vlad, kind="patches"), (_each("words", 128, 64, 256, 512), _each("dims", 0, 128))
+        ),
     }
 )
 """The search for each method of `METHODS` that has something to tune."""

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Bool, Float32, Float64, Int, UInt8
+from jaxtyping import Bool, Float16, Float32, Float64, Int, UInt8
 
 from lexis.config import Config, PlaceRecognitionConfig
 from lexis.evaluation.place_recognition import at_one_place
@@ -17,6 +17,7 @@ from lexis.perception import Encoder
 from lexis.place_recognition import old_enough, propose
 from lexis.types import Image, Keyframe, Poses, RoomInstance
 from sim.baselines.places.descriptors import strongest_orb
+from sim.baselines.places.patches import patch_features
 from sim.baselines.places.place_method import SeenKeyframes
 from sim.harness import Run, Scenario, run
 from sim.harness.adapters import Lexis
@@ -47,10 +48,11 @@ class PlaceWalk:
 
 @dataclass(eq=False)
 class _Listener:
-    """An encoder that keeps ORB descriptors of the images of keyframes, and place recognition that keeps all evidence."""
+    """An encoder that keeps descriptors of the images of keyframes, and place recognition that keeps all evidence."""
 
     encoder: Encoder
     orb: list[UInt8[np.ndarray, "_ 32"]] = field(default_factory=list)
+    patches: list[Float16[np.ndarray, "_ channels"]] = field(default_factory=list)
     keyframes: list[Keyframe] = field(default_factory=list)
     old: list[Bool[np.ndarray, "k"]] = field(default_factory=list)
     estimated: list[tuple[Float64[np.ndarray, "k"], Float64[np.ndarray, "k"]]] = field(default_factory=list)
@@ -70,6 +72,7 @@ class _Listener:
 
     def encode_image(self, image: Image) -> Float32[np.ndarray, "d"]:
         self.orb.append(strongest_orb(image))  # LEXIS encodes the images of keyframes only, in their order
+        self.patches.append(patch_features(image))
         return self.encoder.encode_image(image)
 
     def __call__(
@@ -94,7 +97,8 @@ class _Listener:
             estimated[:, query, : query + 1] = self.estimated[query]
         akaze = tuple(keyframe.features.descriptors for keyframe in self.keyframes)
         embeddings = np.array([keyframe.embedding for keyframe in self.keyframes])
-        return SeenKeyframes(embeddings, tuple(self.orb), akaze, eligible, estimated[0], estimated[1], active, in_room)
+        local = tuple(self.orb), akaze, tuple(self.patches)
+        return SeenKeyframes(embeddings, *local, eligible, estimated[0], estimated[1], active, in_room)
 
 
 def record_walks(presets: Sequence[str], seeds: Sequence[int], length_m: float = WALK_M) -> Iterator[PlaceWalk]:

@@ -26,13 +26,15 @@ def methods():
         "words": BagOfWords(tree, consistent=None, normalised=False),
         "words with islands": BagOfWords(tree, gap=2, consistent=1, least=0.02, normalised=False),
         "VLAD": Vlad.learned(training.akaze, np.random.default_rng(2), words=8, dims=0),
+        "patch VLAD": Vlad.learned(training.patches, np.random.default_rng(2), words=8, dims=0, kind="patches"),
         "probability": RevisitProbability(),
         "room": LabelledRoom(),
     }
 
 
 NAMES = (
-    "embedding", "sequence", "sequence with contrast", "words", "words with islands", "VLAD", "probability", "room",
+    "embedding", "sequence", "sequence with contrast", "words", "words with islands", "VLAD", "patch VLAD", "probability",
+    "room",
 )  # fmt: skip
 
 

@@ -34,7 +34,8 @@ def recorded():
 def test_evidence_has_one_row_per_keyframe_and_ends_at_the_query(recorded):
     walk, finished = recorded
     n = len(finished.estimate.frames)
-    assert len(walk.seen.orb) == len(walk.seen.akaze) == len(walk.seen.embeddings) == len(walk.T_W_B) == n
+    for each in (walk.seen.orb, walk.seen.akaze, walk.seen.patches, walk.seen.embeddings, walk.T_W_B):
+        assert len(each) == n
     for square in (walk.seen.eligible, walk.seen.in_room, np.isfinite(walk.seen.estimated_m) & ~np.eye(n, dtype=bool)):
         assert not square[np.triu_indices(n)].any()
     assert walk.seen.eligible.any() and (walk.right & walk.seen.eligible).any()
