@@ -28,6 +28,5 @@ def merge(
         MapError: the maps differ in their encoder, camera or room names.
     """
     slam = Slam(second.camera, encoder, second.room_names, config, verifier, map=first)
-    for keyframe in second.keyframes:
-        slam.replay(keyframe)
+    slam.replay(second)
     return slam.finish()

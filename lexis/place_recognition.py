@@ -74,9 +74,12 @@ def _old_enough_in(graph: PoseGraph, query: Keyframe, config: PlaceRecognitionCo
 
     All keyframes of earlier sessions are old enough.
     """
-    start = graph.session_start
-    old = old_enough(query.id - start, graph.stamps[start:], graph.path_m[start:], config)
-    ids = graph.active[graph.active < start + int(old.sum())]  # the first keyframes are the old enough ones
+    earlier = int(np.searchsorted(graph.active, graph.session_start))
+    own = graph.active[earlier:]
+    old = old_enough(int(np.searchsorted(own, query.id)), graph.stamps[own], graph.path_m[own], config)
+    ids = graph.active[: earlier + int(old.sum())]  # the first keyframes are the old enough ones
+    if not graph.is_split:
+        return ids
     components = graph.components
     return np.asarray(ids[components[ids] == components[query.id]])
 
@@ -92,7 +95,7 @@ def by_probability(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRec
     ids = old[_bound(query, old, graph, config) >= least + _MUCH_LESS]
     T_old_query = between(graph.T_W_B[ids], graph.T_W_B[query.id])
     distances, angles = np.linalg.norm(T_old_query[:, :3, 3], axis=1), camera_angles(T_old_query, graph.rotations)
-    similarities = _cosines(query, graph.embeddings[ids].astype(np.float64))
+    similarities = _cosines(query, graph.embeddings_of(ids).astype(np.float64))
     of_pairs = rounded(revisit_log_odds(similarities, distances[:, None, None], angles, config))
     odds = of_pairs.max(axis=(1, 2))
     if not (odds >= least).any():
@@ -108,7 +111,7 @@ def _bound(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRecognition
     full.
     """
     distances = np.linalg.norm(graph.T_W_B[old, :3, 3] - graph.T_W_B[query.id, :3, 3], axis=1)
-    similarities = _cosines(query, graph.embeddings[old]).max(axis=(1, 2)) + np.float32(_SINGLE_PRECISION)
+    similarities = _cosines(query, graph.embeddings_of(old)).max(axis=(1, 2)) + np.float32(_SINGLE_PRECISION)
     return revisit_log_odds(similarities.astype(np.float64), distances, np.zeros(len(old)), config)
 
 
@@ -168,7 +171,7 @@ def most_similar_keyframes(query: Keyframe, ids: Ids, graph: PoseGraph, count: i
 
 def _similarities(query: Keyframe, ids: Ids, graph: PoseGraph) -> Figures:
     """Return the cosine similarities of the query with other keyframes: those of the two most similar images."""
-    return np.asarray(_cosines(query, graph.embeddings[ids].astype(np.float64)).max(axis=(1, 2)))
+    return np.asarray(_cosines(query, graph.embeddings_of(ids).astype(np.float64)).max(axis=(1, 2)))
 
 
 def _cosines(query: Keyframe, embeddings: Float[np.ndarray, "k cameras d"]) -> Float[np.ndarray, "k cameras cameras"]:

@@ -31,6 +31,7 @@ from lexis.inputs import check_camera, check_observation, check_room_names, with
 from lexis.keyframe_window import KeyframeWindow
 from lexis.keyframes import KeyframeSelector
 from lexis.maths.growing_array import GrowingArray
+from lexis.maths.se3 import between
 from lexis.perception import Encoder, embedding_of, features_of
 from lexis.place_recognition import PlaceRecogniser, propose
 from lexis.room_labels import most_similar, similarities
@@ -91,6 +92,8 @@ class Slam:
         self._spaces: list[tuple[VisibleSpace, ...]] = []
         self._candidates: list[tuple[int, tuple[int, ...]]] = []
         self._verdicts: list[Verdict] = []
+        self._forgotten = 0
+        """Number of retired keyframes whose spaces, candidates and verdicts have been dropped."""
         self._rooms: tuple[RoomInstance, ...] = ()
         self._previous: Observation | None = None
         self._timed = StageTimer()
@@ -124,13 +127,20 @@ class Slam:
         for keyframe in complete:
             self._add(keyframe)
 
-    def replay(self, keyframe: Keyframe) -> None:
-        """Add a keyframe of another map, in place of an observation.
+    def replay(self, map: LexisMap) -> None:
+        """Add the keyframes of another map, in place of observations.
 
-        The sessions of the other map are numbered after the sessions of this map.
+        The sessions of the other map are numbered after the sessions of this map. Its retired keyframes stay retired.
         """
-        keyframes, own = self._graph.keyframes, self._window.session
-        self._add(replace(keyframe, id=len(keyframes), session=own + keyframe.session))
+        first = self.keyframes
+        for keyframe, T_W_B in zip(map.keyframes, map.T_W_B, strict=True):
+            new = replace(keyframe, id=first + keyframe.id, session=self._window.session + keyframe.session)
+            if keyframe.anchor is None:
+                self._add(new)
+            else:
+                T_anchor_B = between(map.T_W_B[keyframe.anchor], T_W_B)
+                self._graph.add_retired(replace(new, anchor=first + keyframe.anchor), T_anchor_B)
+                self._take_views(new)
 
     def snapshot(self) -> LexisMap:
         """Return the map so far. The last keyframes, which still wait for frames, are left out; the run can go on.
@@ -201,7 +211,7 @@ class Slam:
         """Derive labels, rooms and floors of all keyframes at the given poses."""
         with self._timed("rooms"):
             given = self._labeller(self._graph.keyframes) if self._labeller else None
-            views = Views(self._similarities.rows, self._spaces, T_W_B, self._camera)
+            views = Views(self._similarities.rows[self._graph.shown_by], self._spaces, T_W_B, self._camera)
             return derive_by_component(views, self._graph.components, self._room_names, self._config, given)
 
     def _close_loops(self, query: Keyframe) -> None:
@@ -230,7 +240,20 @@ class Slam:
 
     def _optimise(self, final: bool = False) -> bool:
         with self._timed("optimise"):
-            return self._graph.optimise_if_due(final)
+            optimised = self._graph.optimise_if_due(final)
+        self._forget_retired()
+        return optimised
+
+    def _forget_retired(self) -> None:
+        """Forget what keyframes that have retired showed, and the loops that they sought; see `lexis.graph.thinning`."""
+        new = self._graph.retired[self._forgotten :].tolist()
+        self._forgotten += len(new)
+        for id in new if self._spaces else ():
+            self._spaces[id] = spaces_in_view(self._graph.keyframes[id], self._camera, self._config.sight)
+        if new:
+            keyframes = self._graph.keyframes
+            self._candidates = [found for found in self._candidates if keyframes[found[0]].anchor is None]
+            self._verdicts = [verdict for verdict in self._verdicts if keyframes[verdict.query].anchor is None]
 
     def _map(self) -> LexisMap:
         T_W_B = side_by_side(self._graph.T_W_B, self._graph.components)

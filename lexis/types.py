@@ -149,6 +149,9 @@ class Keyframe:
     """Number of the recording session, from 0. Each session has an odometry frame O of its own."""
     others: tuple[CameraView, ...] = ()
     """What the further cameras saw, in the order of `Camera.others`."""
+    anchor: int | None = None
+    """Id of an earlier keyframe that shows the same place, if this keyframe has retired from the pose graph; see
+    `lexis.graph.thinning`. This keyframe then has the embeddings of its anchor, and neither features nor landmarks."""
 
     @property
     def views(self) -> tuple[CameraView, ...]:

@@ -7,15 +7,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float32, Float64, Int
+from jaxtyping import Bool, Float32, Float64, Int
 
 from lexis.config import PoseGraphConfig
 from lexis.errors import LexisError
 from lexis.graph.graph_optimisation import GraphOptimiser, loop_weights
-from lexis.graph.thinning import STAYS, Retired, anchors
+from lexis.graph.thinning import STAYS, Retired, anchors, as_retired, fits, thinned_loops
 from lexis.maths.growing_array import GrowingArray
 from lexis.maths.se3 import between, compose_covariance, inverse
-from lexis.types import Camera, Covariance, Keyframe, LoopEdge, Pose, Poses
+from lexis.types import Camera, Covariance, Keyframe, LoopArrays, LoopEdge, Pose, Poses
 
 _SESSION_M = 1e6
 """Length of path that is assumed between consecutive sessions [m], so that keyframes of two sessions count as two visits."""
@@ -27,6 +27,7 @@ class _Extent:
 
     keyframes: int = 0
     loops: int = 0
+    """Number of loop edges that have been added so far, those of keyframes that have retired included."""
 
 
 class PoseGraph:
@@ -46,7 +47,7 @@ class PoseGraph:
         self._active = GrowingArray((), np.int64)
         self._covariances: list[Covariance] = []
         self._retired = Retired()
-        self._acting: list[LoopEdge] = []
+        self._added = 0  # number of loop edges so far
         self._optimiser: GraphOptimiser | None = None
         self._last_optimised, self._last_whole = _Extent(), _Extent()
         self._sessions = GrowingArray((), np.int64)
@@ -55,6 +56,7 @@ class PoseGraph:
         """Id of the first keyframe of the last session."""
         self.keyframes: list[Keyframe] = []
         self.loops: list[LoopEdge] = []
+        """The loop edges, without those of keyframes that have retired; see `lexis.graph.thinning`."""
 
     @property
     def T_W_B(self) -> Poses:
@@ -70,9 +72,27 @@ class PoseGraph:
         return self._active.rows
 
     @property
-    def embeddings(self) -> Float32[np.ndarray, "n cameras d"]:
-        """CLIP embeddings of the images of all keyframes (f_CLIP in the paper)."""
+    def retired(self) -> Int[np.ndarray, "r"]:
+        """Ids of the keyframes that have retired, in the order in which they retired."""
+        return self._retired.ids
+
+    @property
+    def shown_by(self) -> Int[np.ndarray, "n"]:
+        """Id of the keyframe whose images stand for those of each keyframe: its anchor if it has retired, or itself."""
+        ids = np.arange(len(self.keyframes))
+        ids[self._retired.ids] = self._retired.anchors
+        return ids
+
+    @property
+    def embeddings(self) -> Float32[np.ndarray, "k cameras d"]:
+        """CLIP embeddings of the images of the active keyframes, in the order of `active` (f_CLIP in the paper)."""
         return self._embeddings.rows
+
+    def embeddings_of(self, ids: Int[np.ndarray, "m"]) -> Float32[np.ndarray, "m cameras d"]:
+        """Return the embeddings of the images of some active keyframes."""
+        if np.array_equal(ids, self.active[: len(ids)]):
+            return self.embeddings[: len(ids)]  # without a copy
+        return np.asarray(self.embeddings[np.searchsorted(self.active, ids)])
 
     @property
     def path_m(self) -> Float64[np.ndarray, "n"]:
@@ -104,30 +124,56 @@ class PoseGraph:
 
     @property
     def loop_weights(self) -> Float64[np.ndarray, "loops"]:
-        """Weights of the loop edges under the robust kernel at the current estimate, in [0, 1].
-
-        The edges of retired keyframes have weights, too, although these edges no longer take part in the optimisation.
-        """
+        """Weights of the loop edges under the robust kernel at the current estimate, in [0, 1]."""
         return loop_weights(self.T_W_B, self.loops, self._config)
 
     def add_keyframe(self, keyframe: Keyframe) -> None:
-        """Append a keyframe at the pose that odometry predicts from the previous keyframe's pose.
+        """Append a keyframe at the pose that odometry predicts from the pose of the last active keyframe.
 
         The first keyframe of a session begins a new component, at its odometry pose.
         """
+        T_W_B, covariance = keyframe.T_O_B, keyframe.step_covariance
         if self._optimiser is None or keyframe.session != self.keyframes[-1].session:
             self._begin_session(keyframe)
         else:
-            step = between(self.keyframes[-1].T_O_B, keyframe.T_O_B)
-            self._T_W_B.append(self.T_W_B[-1] @ step)
-            self._optimiser.add_keyframe(self.T_W_B[-1], step, keyframe.step_covariance)
-            self._path_m.append(self.path_m[-1] + np.linalg.norm(step[:3, 3]))
+            last = int(self.active[-1])
+            step, covariance = self._step_from(last, keyframe)
+            T_W_B = self.T_W_B[last] @ step
+            self._optimiser.add_keyframe(T_W_B, step, covariance)
         self._active.append(len(self.keyframes))
-        self._covariances.append(keyframe.step_covariance)
-        self._stamps.append(keyframe.stamp)
+        self._covariances.append(covariance)
         self._embeddings.append(keyframe.embeddings)
+        self._append(keyframe, T_W_B)
+
+    def add_retired(self, keyframe: Keyframe, T_anchor_B: Pose) -> None:
+        """Append a keyframe that has retired in an earlier run, at a pose relative to its anchor.
+
+        It is not the first keyframe of its session, because first keyframes do not retire.
+        """
+        assert keyframe.anchor is not None
+        self._retired.add(keyframe.id, keyframe.anchor, T_anchor_B)
+        self._append(keyframe, self.T_W_B[keyframe.anchor] @ T_anchor_B)
+
+    def _append(self, keyframe: Keyframe, T_W_B: Pose) -> None:
+        follows = bool(self.keyframes) and keyframe.session == self.keyframes[-1].session
+        step_m = np.linalg.norm(between(self.keyframes[-1].T_O_B, keyframe.T_O_B)[:3, 3]) if follows else 0.0
+        self._path_m.append(self.path_m[-1] + step_m if follows else 0.0)
+        self._T_W_B.append(T_W_B)
+        self._stamps.append(keyframe.stamp)
         self._sessions.append(keyframe.session)
         self.keyframes.append(keyframe)
+
+    def _step_from(self, last: int, keyframe: Keyframe) -> tuple[Pose, Covariance]:
+        """Return the odometry step from the last active keyframe to a new one, and its covariance.
+
+        There are retired keyframes between both if they have retired in an earlier run.
+        """
+        first, *others = (*self.keyframes[last + 1 :], keyframe)
+        covariance, before = first.step_covariance, first
+        for after in others:
+            covariance = compose_covariance(covariance, between(before.T_O_B, after.T_O_B), after.step_covariance)
+            before = after
+        return between(self.keyframes[last].T_O_B, keyframe.T_O_B), covariance
 
     def _begin_session(self, keyframe: Keyframe) -> None:
         if self._optimiser is None:
@@ -135,8 +181,6 @@ class PoseGraph:
             self._embeddings = GrowingArray(keyframe.embeddings.shape, np.float32)
         else:
             self._optimiser.add_session(keyframe.T_O_B)
-        self._T_W_B.append(keyframe.T_O_B)
-        self._path_m.append(0.0)
         self._component_of = np.append(self._component_of, keyframe.session)
         self.session_start = keyframe.id
 
@@ -149,11 +193,14 @@ class PoseGraph:
     ) -> None:
         """Fill an empty graph with keyframes, poses, loops, and the component of every session, from an earlier graph."""
         for keyframe in keyframes:
-            self.add_keyframe(keyframe)
+            if keyframe.anchor is None:
+                self.add_keyframe(keyframe)
+            else:
+                self.add_retired(keyframe, between(T_W_B[keyframe.anchor], T_W_B[keyframe.id]))
         self._move_to(T_W_B)
         self._component_of = component_of
         self.add_loops(loops)
-        self._last_optimised = self._last_whole = _Extent(len(self.keyframes), len(self.loops))
+        self._last_optimised = self._last_whole = _Extent(len(self.keyframes), self._added)
 
     def join(self, loops: Sequence[LoopEdge], shift: Pose) -> None:
         """Join two components by loop edges that all lead from one component to the other.
@@ -177,7 +224,7 @@ class PoseGraph:
         self._optimiser.restart_at(T_W_B[self.active])
 
     def add_loops(self, loops: Sequence[LoopEdge]) -> None:
-        """Append verified loop edges; they take effect at the next optimisation, except those to retired keyframes.
+        """Append verified loop edges; they take effect at the next optimisation.
 
         Raises LexisError, and appends no edge, unless every edge leads from a keyframe of the graph to an earlier keyframe.
         """
@@ -187,9 +234,9 @@ class PoseGraph:
                 edge = f"{loop.match} -> {loop.query}"
                 raise LexisError(f"loop edge {edge} does not fit the graph; valid: 0 <= match < query < {n}")
         if loops and self._optimiser is not None:
-            self._acting.extend(acting := self._between_active(loops))
-            self._optimiser.add_loops(self._by_rows(acting))
+            self._optimiser.add_loops(self._acting(loops))
         self.loops.extend(loops)
+        self._added += len(loops)
 
     def optimise_if_due(self, final: bool = False) -> bool:
         """Optimise if there are new loop edges and enough new keyframes (setting `every`) since the last optimisation.
@@ -198,7 +245,7 @@ class PoseGraph:
         optimisation of the whole graph, keyframes that are no longer needed retire (`copies`). With `final`, new loop edges
         alone suffice, and the whole graph is optimised. Returns whether the graph was optimised.
         """
-        now = _Extent(len(self.keyframes), len(self.loops))
+        now = _Extent(len(self.keyframes), self._added)
         grown = now.keyframes - self._last_whole.keyframes >= self._config.growth * len(self.active)
         whole = final or grown
         last = self._last_whole if final else self._last_optimised
@@ -221,28 +268,42 @@ class PoseGraph:
         """
         moved = self.active[len(self.active) - len(last) :]
         self._T_W_B.replace(moved, last)
-        self._T_W_B.replace(*self._retired.following(int(moved[0]), self.T_W_B))
+        followers, T_W_B = self._retired.following(int(moved[0]), self.T_W_B)
+        if len(followers):
+            self._T_W_B.replace(followers, T_W_B)
 
     def _retire(self) -> None:
         """Let active keyframes before the last `window` ones retire if enough earlier keyframes show their places.
 
         No keyframe retires while there are several components, because poses of two components cannot be compared. The first
-        keyframe of a session stays, because loop edges from it are ignored here; therefore, the last keyframe before it
-        stays, too.
+        keyframe of a session stays, because loop edges from it are ignored; so does the last keyframe before it.
         """
         if self._config.copies is None or self.is_split:
             return
         old = self.active[: -self._config.window]
-        sessions = self._sessions.rows[old]
-        starts = np.flatnonzero(np.diff(sessions, prepend=-1))
-        rows = np.array([(loop.query, loop.match) for loop in self._by_rows(self._acting)], int).reshape(-1, 2)
-        rows = rows[(rows[:, 0] < len(old)) & ~np.isin(rows[:, 0], starts)]
-        anchor = anchors(self.T_W_B[old], self.path_m[old] + _SESSION_M * sessions, rows, self._config.copies)
+        path_m = self.path_m + _SESSION_M * self._sessions.rows
+        anchor = anchors(self.T_W_B[old], path_m[old], self._linked(path_m)[old], self._config.copies)
         leaving = np.flatnonzero(anchor != STAYS)
-        if len(leaving):
-            self._retired = self._retired.joined_by(old[leaving], old[anchor[leaving]], self.T_W_B)
-            self._leave_out(leaving)
-            self._restart()
+        if not len(leaving):
+            return
+        for id, new in self._retired.add_all(old[leaving], old[anchor[leaving]], self.T_W_B).items():
+            self.keyframes[id] = as_retired(self.keyframes[id], self.keyframes[new])
+        self.loops = thinned_loops(self.loops, self.keyframes)
+        self._leave_out(leaving)
+        self._restart()
+
+    def _linked(self, path_m: Float64[np.ndarray, "n"]) -> Bool[np.ndarray, "n"]:
+        """Return which keyframes have a loop edge to an earlier visit that fits the current poses.
+
+        The loop edges of the first keyframe of a session are ignored.
+        """
+        edges = LoopArrays.of(self.loops)
+        T_match_query = between(self.T_W_B[edges.match], self.T_W_B[edges.query])
+        linked = np.zeros(len(self.keyframes), bool)
+        fitting = fits(T_match_query, edges.T_match_query, path_m[edges.query] - path_m[edges.match])
+        linked[edges.query[fitting]] = True
+        linked[np.flatnonzero(np.diff(self._sessions.rows, prepend=-1))] = False
+        return linked
 
     def _leave_out(self, rows: Int[np.ndarray, "k"]) -> None:
         """Remove rows of `active`. The odometry steps before and after a removed keyframe become one step.
@@ -254,9 +315,11 @@ class PoseGraph:
             self._covariances[row + 1] = compose_covariance(self._covariances[row], step, self._covariances[row + 1])
         kept = np.delete(np.arange(len(self.active)), rows)
         self._covariances = [self._covariances[row] for row in kept.tolist()]
-        ids, self._active = self.active[kept], GrowingArray((), np.int64)
-        for id in ids.tolist():
+        ids, embeddings = self.active[kept], self.embeddings[kept]
+        self._active, self._embeddings = GrowingArray((), np.int64), GrowingArray(embeddings.shape[1:], np.float32)
+        for id, embedding in zip(ids.tolist(), embeddings, strict=True):
             self._active.append(id)
+            self._embeddings.append(embedding)
 
     def _restart(self) -> None:
         """Begin a new optimiser with the active keyframes at their current poses and the loop edges between them."""
@@ -268,16 +331,20 @@ class PoseGraph:
                 self._optimiser.add_session(self.T_W_B[id])
             else:
                 self._optimiser.add_keyframe(self.T_W_B[id], step, covariance)
-        self._acting = self._between_active(self._acting)
-        self._optimiser.add_loops(self._by_rows(self._acting))
+        self._optimiser.add_loops(self._acting(self.loops))
 
-    def _between_active(self, loops: Sequence[LoopEdge]) -> list[LoopEdge]:
-        """Return the loop edges both of whose keyframes are active."""
-        ids = np.array([(loop.query, loop.match) for loop in loops], int).reshape(-1, 2)
-        rows = np.flatnonzero(np.isin(ids, self.active).all(axis=1))
-        return [loops[row] for row in rows.tolist()]
+    def _acting(self, loops: Sequence[LoopEdge]) -> list[LoopEdge]:
+        """Return the loop edges from active keyframes, with rows of `active` in place of ids, as the optimiser needs them.
 
-    def _by_rows(self, loops: Sequence[LoopEdge]) -> list[LoopEdge]:
-        """Return the loop edges with rows of `active` in place of ids, as the optimiser numbers keyframes."""
-        rows = np.searchsorted(self.active, [(loop.query, loop.match) for loop in loops]).reshape(-1, 2).tolist()
-        return [replace(loop, query=query, match=match) for loop, (query, match) in zip(loops, rows, strict=True)]
+        An edge to a keyframe that has retired becomes an edge to its anchor.
+        """
+        held = [self._to_anchor(loop) for loop in loops if self.keyframes[loop.query].anchor is None]
+        rows = np.searchsorted(self.active, [(loop.query, loop.match) for loop in held]).reshape(-1, 2).tolist()
+        return [replace(loop, query=query, match=match) for loop, (query, match) in zip(held, rows, strict=True)]
+
+    def _to_anchor(self, loop: LoopEdge) -> LoopEdge:
+        anchor = self.keyframes[loop.match].anchor
+        if anchor is None:
+            return loop
+        T_anchor_match = between(self.T_W_B[anchor], self.T_W_B[loop.match])
+        return replace(loop, match=anchor, T_match_query=T_anchor_match @ loop.T_match_query)

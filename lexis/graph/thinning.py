@@ -4,17 +4,29 @@ A robot that works in one building for days passes the same places again and aga
 per keyframe would grow with the hours; with it, they grow with the area, as in the reduced pose graph of Johannsson et al.
 ("Temporally scalable visual SLAM using a reduced pose graph", ICRA 2013). A keyframe that retires stays in the map, at a
 fixed pose relative to one of the keyframes that show its place: its anchor.
+
+Memory grows with the area, too, because a keyframe that retires gives up what is large:
+
+- its features and landmarks, because it is no loop candidate any more. It takes the embeddings of its anchor;
+- the loop edges, loop candidates and verdicts that it got as a new keyframe. Of the loop edges between two sessions, the
+  first one stays, because it tells that both sessions share a frame.
+
+It keeps its odometry, its pose and its stamp. Its label follows from the images of the keyframes that see its place, and
+from those of its anchor.
 """
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int
 from scipy.spatial import cKDTree
 
+from lexis.maths.growing_array import GrowingArray
 from lexis.maths.se3 import between, rotation_angle
 from lexis.maths.ties import reaches, rounded
-from lexis.types import Poses
+from lexis.types import CameraView, Features, Keyframe, Landmarks, LoopEdge, Pose, Poses
 
 STAYS = -1
 """Value in place of an anchor, for a keyframe that stays in the optimisation."""
@@ -25,30 +37,60 @@ PLACE_RAD = 0.5
 VISIT_M = 10.0
 """Least odometry path between two visits of a place [m]. Keyframes that are closer on the path belong to one visit; they are
 needed although they show the same place."""
+HELD_M = 5.0
+"""Largest odometry path between two nodes with loops on which the drift of the odometry is negligible [m]."""
+FIT_M, FIT_RAD = 0.3, 0.1
+"""Largest difference between the relative pose that a loop edge measured and the current poses, for an edge that fits."""
+_NO_LANDMARKS = Landmarks(np.zeros((0, 3)), np.zeros(0, int))
 
-Pairs = Int[np.ndarray, "m 2"]
 Ids = Int[np.ndarray, "k"]
 
 
-@dataclass(frozen=True, eq=False)
 class Retired:
     """Keyframes that have retired from the optimisation, and their poses relative to their anchors."""
 
-    ids: Int[np.ndarray, "r"] = field(default_factory=lambda: np.zeros(0, int))
-    anchors: Int[np.ndarray, "r"] = field(default_factory=lambda: np.zeros(0, int))
-    """Ids of the keyframes to which the retired keyframes are anchored. No anchor has retired itself."""
-    T_anchor_B: Poses = field(default_factory=lambda: np.zeros((0, 4, 4)))
+    def __init__(self) -> None:
+        """Begin without retired keyframes."""
+        self._ids, self._anchors = GrowingArray((), np.int64), GrowingArray((), np.int64)
+        self._T_anchor_B = GrowingArray((4, 4))
 
-    def joined_by(self, ids: Ids, anchors: Ids, T_W_B: Poses) -> "Retired":
-        """Return these retired keyframes together with the keyframes `ids`, which retire now, and their `anchors`.
+    @property
+    def ids(self) -> Ids:
+        """Ids of the retired keyframes, in the order in which they retired."""
+        return self._ids.rows
 
-        A keyframe that was anchored to one of `ids` is now anchored to the anchor of the latter. `T_W_B` are the current
-        poses of all keyframes.
+    @property
+    def anchors(self) -> Ids:
+        """Ids of the keyframes to which the retired keyframes are anchored. No anchor has retired itself."""
+        return self._anchors.rows
+
+    @property
+    def T_anchor_B(self) -> Poses:
+        """Poses of the retired keyframes relative to their anchors."""
+        return self._T_anchor_B.rows
+
+    def add(self, id: int, anchor: int, T_anchor_B: Pose) -> None:
+        """Add a keyframe that retires, at a pose relative to its anchor."""
+        self._ids.append(id)
+        self._anchors.append(anchor)
+        self._T_anchor_B.append(T_anchor_B)
+
+    def add_all(self, ids: Ids, anchors: Ids, T_W_B: Poses) -> dict[int, int]:
+        """Add the keyframes `ids`, which retire now, and their `anchors`.
+
+        A keyframe that was anchored to one of `ids` is now anchored to the anchor of the latter. Returns the new anchors by
+        the ids of their keyframes. `T_W_B` are the current poses of all keyframes.
         """
         successor = dict(zip(ids.tolist(), anchors.tolist(), strict=True))
-        kept = np.array([successor.get(anchor, anchor) for anchor in self.anchors.tolist()], int)
-        all_ids, all_anchors = np.concatenate([self.ids, ids]), np.concatenate([kept, anchors])
-        return Retired(all_ids, all_anchors, between(T_W_B[all_anchors], T_W_B[all_ids]))
+        rows = np.flatnonzero(np.isin(self.anchors, ids))
+        if len(rows):
+            followed = np.array([successor[anchor] for anchor in self.anchors[rows].tolist()], int)
+            self._anchors.replace(rows, followed)
+            self._T_anchor_B.replace(rows, between(T_W_B[followed], T_W_B[self.ids[rows]]))
+        moved = dict(zip(self.ids[rows].tolist(), self.anchors[rows].tolist(), strict=True))
+        for id, anchor in successor.items():
+            self.add(id, anchor, between(T_W_B[anchor], T_W_B[id]))
+        return moved | successor
 
     def following(self, first: int, T_W_B: Poses) -> tuple[Ids, Poses]:
         """Return the ids of the retired keyframes whose anchors have ids from `first` on, and their poses.
@@ -59,32 +101,79 @@ class Retired:
         return self.ids[moved], T_W_B[self.anchors[moved]] @ self.T_anchor_B[moved]
 
 
-def anchors(T_W_B: Poses, path_m: Float64[np.ndarray, "n"], loops: Pairs, copies: int) -> Int[np.ndarray, "n"]:
+def as_retired(keyframe: Keyframe, anchor: Keyframe) -> Keyframe:
+    """Return a keyframe as it is once it has retired: without features and landmarks, and with its anchor's embeddings."""
+    features = _no_features(keyframe.features.descriptors.shape[1])
+    others = tuple(CameraView(view.embedding, features, _NO_LANDMARKS) for view in anchor.others)
+    return replace(
+        keyframe, anchor=anchor.id, embedding=anchor.embedding, features=features, landmarks=_NO_LANDMARKS, others=others
+    )
+
+
+@cache
+def _no_features(descriptor_bytes: int) -> Features:
+    return Features(np.zeros((0, 2), np.float32), np.zeros((0, descriptor_bytes), np.uint8))
+
+
+def thinned_loops(loops: Sequence[LoopEdge], keyframes: Sequence[Keyframe]) -> list[LoopEdge]:
+    """Return the loop edges without those from retired keyframes; the first edge between two sessions stays."""
+    first: dict[tuple[int, int], LoopEdge] = {}
+    for loop in loops:
+        first.setdefault((keyframes[loop.query].session, keyframes[loop.match].session), loop)
+    joining = {id(loop) for (query, match), loop in first.items() if query != match}
+    return [loop for loop in loops if keyframes[loop.query].anchor is None or id(loop) in joining]
+
+
+def anchors(
+    T_W_B: Poses, path_m: Float64[np.ndarray, "n"], linked: Bool[np.ndarray, "n"], copies: int
+) -> Int[np.ndarray, "n"]:
     """Return for each node of a graph the node that it is anchored to if it retires, or `STAYS` if it does not retire.
 
-    1. A node is redundant if at least `copies` nodes of earlier visits show its place and stay, and a loop edge connects it
-       to an earlier node that shows its place. Without a loop, a node may only seem to be at the place, because of drift.
-    2. A redundant node retires if its neighbours on the path are redundant, too. The ends of a redundant stretch stay,
-       because their loops hold the parts of the walk at its ends.
-    3. The anchor of a node is the nearest node that shows the same place and stays.
+    1. A node is redundant if at least `copies` nodes of earlier visits show its place and stay.
+    2. The part of the walk between two linked nodes is redundant if all nodes in it are, and if it is at most `HELD_M` long
+       or has no nodes. Without loops nearby, nodes may only seem to be at these places, because of drift.
+    3. All nodes in a redundant part retire, and a linked node retires if it is redundant and lies between two redundant
+       parts. The linked nodes at the ends of other parts stay, because their loops hold these parts.
+    4. The anchor of a node is the nearest node that shows the same place and stays.
 
     Args:
         T_W_B: poses of the nodes, in the order of the walk.
         path_m: length of the odometry path from the first keyframe to each node [m].
-        loops: pairs of the later and the earlier node of each loop edge.
+        linked: whether a loop edge that fits the poses connects the node to an earlier keyframe.
         copies: least number of nodes that have to show the place.
     """
     n = len(T_W_B)
     later, earlier, distance = _same_place(T_W_B, path_m)
-    linked = np.bincount(later[np.isin(later * n + earlier, loops @ [n, 1])], minlength=n) > 0
     first = np.searchsorted(later, np.arange(n + 1))
     redundant, retires = np.zeros(n, bool), np.zeros(n, bool)
-    for node in np.flatnonzero(linked & (np.diff(first) >= copies)).tolist():
-        copies_that_stay = ~retires[earlier[first[node] : first[node + 1]]]
-        redundant[node] = copies_that_stay.sum() >= copies
-        if node >= 2 and redundant[node - 2 : node + 1].all():
-            retires[node - 1] = True
+    end, inside = (
+        None,
+        False,
+    )  # the linked node at which the current part begins, and whether the part before it is redundant
+    for node in range(n):
+        redundant[node] = (~retires[earlier[first[node] : first[node + 1]]]).sum() >= copies
+        if linked[node]:
+            joined = end is not None and (end == node - 1 or path_m[node] - path_m[end] <= HELD_M)
+            if end is not None and joined:
+                retires[end + 1 : node] = True
+                retires[end] = inside and redundant[end]
+            end, inside = node, joined
+        elif not redundant[node]:
+            end = None
     return _nearest_staying(retires, later, earlier, distance)
+
+
+def fits(T_match_query: Poses, measured: Poses, path_m: Float64[np.ndarray, "n"]) -> Bool[np.ndarray, "n"]:
+    """Return which loop edges connect two visits and fit the current poses.
+
+    Args:
+        T_match_query: current relative poses of the keyframes that the edges connect.
+        measured: relative poses that the edges measured.
+        path_m: length of the odometry path between the two keyframes of each edge [m].
+    """
+    error = between(T_match_query, measured)
+    near = rounded(np.linalg.norm(error[:, :3, 3], axis=1)) <= FIT_M
+    return np.asarray(near & (rounded(rotation_angle(error)) <= FIT_RAD) & reaches(path_m, VISIT_M))
 
 
 def _same_place(

@@ -1,7 +1,8 @@
 """Conversion between a map and the flat arrays of `arrays.npz`.
 
 Data of which keyframes or queries have different numbers, such as key points, are concatenated. A further array then holds
-these numbers, the counts. In `LAYOUT`, dimensions of the same name have the same size.
+these numbers, the counts. In `LAYOUT`, dimensions of the same name have the same size. Keyframes that have retired have no
+row in `embedding`, because they share the embeddings of their anchors.
 """
 
 from collections.abc import Iterable
@@ -24,7 +25,8 @@ LAYOUT: Layout = {
     "T_O_B": ("f8", ("keyframes", 4, 4)),
     "T_W_B": ("f8", ("keyframes", 4, 4)),
     "step_covariance": ("f8", ("keyframes", 6, 6)),
-    "embedding": ("f4", ("keyframes", "d")),
+    "anchor": ("i8", ("keyframes",)),
+    "embedding": ("f4", ("active", "d")),
     "similarities": ("f8", ("keyframes", "room_names")),
     "baseline_labels": ("i8", ("keyframes",)),
     "labels": ("i8", ("keyframes",)),
@@ -62,6 +64,8 @@ _COUNTED = {
 }
 """For each array of counts, named without the ending `_count`, the array whose rows are counted: `feature_count` counts the
 rows of `keypoints`."""
+_NO_ANCHOR = -1
+"""Anchor in the arrays of a keyframe that has not retired."""
 _UNKNOWN = -1.0
 """Value in the arrays for a figure of a verdict that was not determined."""
 _Number = TypeVar("_Number", int, float)
@@ -79,7 +83,8 @@ def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
         "T_O_B": [k.T_O_B for k in keyframes],
         "T_W_B": map.T_W_B,
         "step_covariance": [k.step_covariance for k in keyframes],
-        "embedding": [k.embedding for k in keyframes],
+        "anchor": [_NO_ANCHOR if k.anchor is None else k.anchor for k in keyframes],
+        "embedding": [k.embedding for k in keyframes if k.anchor is None],
         "similarities": map.similarities,
         "baseline_labels": map.baseline_labels,
         "labels": map.labels,
@@ -115,7 +120,8 @@ def unpack_keyframes(arrays: Arrays) -> tuple[Keyframe, ...]:
     descriptors = _split(arrays["descriptors"], arrays["feature_count"])
     points = _split(arrays["landmark_points"], arrays["landmark_count"])
     feature_ids = _split(arrays["landmark_feature"], arrays["landmark_count"])
-    others = unpack_others(arrays)
+    row_of = embedding_rows(arrays["anchor"])
+    others = unpack_others(arrays, row_of)
     return tuple(
         Keyframe(
             id=i,
@@ -123,14 +129,22 @@ def unpack_keyframes(arrays: Arrays) -> tuple[Keyframe, ...]:
             stamp=float(arrays["stamp"][i]),
             T_O_B=arrays["T_O_B"][i],
             step_covariance=arrays["step_covariance"][i],
-            embedding=arrays["embedding"][i],
+            embedding=arrays["embedding"][row_of[i]],
             features=Features(keypoints[i], descriptors[i]),
             landmarks=Landmarks(points[i], feature_ids[i]),
             session=int(arrays["session"][i]),
             others=others[i],
+            anchor=None if arrays["anchor"][i] == _NO_ANCHOR else int(arrays["anchor"][i]),
         )
         for i in range(len(arrays["stamp"]))
     )
+
+
+def embedding_rows(anchors: Int[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
+    """Return the row of `embedding` for each keyframe: that of the keyframe itself or, if it has retired, of its anchor."""
+    active = anchors == _NO_ANCHOR
+    own = np.cumsum(active) - 1
+    return np.asarray(np.where(active, own, own[anchors]))
 
 
 def unpack_loops(arrays: Arrays) -> tuple[LoopEdge, ...]:
@@ -168,6 +182,7 @@ def check(arrays: Arrays) -> None:
         if array.dtype.kind == "f" and not np.isfinite(array).all():
             raise MapError(f"array {name} has values that are not finite")
     _check_references(arrays)
+    _check_anchors(arrays)
     for name, counted in _COUNTED.items():
         if counted in arrays:
             _check_counts(arrays, name)
@@ -215,6 +230,23 @@ def _check_references(arrays: Arrays) -> None:
     if (later := np.flatnonzero(match >= query)).size:
         i = later[0]
         raise MapError(f"loop {i} leads from keyframe {query[i]} to {match[i]}, which is not earlier; valid: an earlier one")
+
+
+def _check_anchors(arrays: Arrays) -> None:
+    """Raise MapError unless each anchor is an earlier keyframe that has not retired.
+
+    The first keyframe of a session does not retire. The number of embeddings has to be that of the active keyframes.
+    """
+    anchors = arrays["anchor"]
+    active = anchors == _NO_ANCHOR
+    retired = np.flatnonzero(~active)
+    if ((anchors[retired] < 0) | (anchors[retired] >= retired)).any() or not active[anchors[retired]].all():
+        raise MapError("array anchor refers to a keyframe that is not earlier, or has retired itself; valid: an active one")
+    if np.diff(arrays["session"], prepend=-1)[retired].any():
+        raise MapError("array anchor has an anchor for the first keyframe of a session; valid: -1")
+    for name in ("embedding", "other_embedding"):
+        if name in arrays and len(arrays[name]) != active.sum():
+            raise MapError(f"array {name} has {len(arrays[name])} rows; valid: {active.sum()}, one for each active keyframe")
 
 
 def _check_landmarks(arrays: Arrays, prefix: str) -> None:

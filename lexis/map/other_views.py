@@ -7,13 +7,13 @@ order of the keyframes, and for each keyframe in the order of the cameras.
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Shaped
+from jaxtyping import Int, Shaped
 
 from lexis.files.arrays import Arrays, Layout
 from lexis.types import CameraView, Features, Keyframe, Landmarks
 
 LAYOUT: Layout = {
-    "other_embedding": ("f4", ("keyframes", "others", "d")),
+    "other_embedding": ("f4", ("active", "others", "d")),
     "other_feature_count": ("i8", ("keyframes", "others")),
     "other_keypoints": ("f4", ("other_features", 2)),
     "other_descriptors": ("u1", ("other_features", "other_bytes")),
@@ -32,7 +32,7 @@ def pack_others(keyframes: Sequence[Keyframe], features: bool) -> dict[str, Shap
     seen = views if features else []
     per_view = len(keyframes), len(keyframes[0].others)
     columns = {
-        "other_embedding": np.reshape([view.embedding for view in views], (*per_view, -1)),
+        "other_embedding": np.array([[view.embedding for view in k.others] for k in keyframes if k.anchor is None]),
         "other_feature_count": np.reshape([len(view.features.keypoints) * features for view in views], per_view),
         "other_keypoints": np.concatenate([np.zeros((0, 2)), *(view.features.keypoints for view in seen)]),
         "other_descriptors": _joined([view.features.descriptors for view in seen]),
@@ -43,8 +43,11 @@ def pack_others(keyframes: Sequence[Keyframe], features: bool) -> dict[str, Shap
     return {name: np.asarray(column, LAYOUT[name][0]) for name, column in columns.items()}
 
 
-def unpack_others(arrays: Arrays) -> list[tuple[CameraView, ...]]:
-    """Convert the arrays back to the views of further cameras, a tuple for each keyframe. The arrays must be checked."""
+def unpack_others(arrays: Arrays, row_of: Int[np.ndarray, "n"]) -> list[tuple[CameraView, ...]]:
+    """Convert the arrays back to the views of further cameras, a tuple for each keyframe. The arrays must be checked.
+
+    `row_of` holds the row of every keyframe in `other_embedding`.
+    """
     count = len(arrays["stamp"])
     if "other_embedding" not in arrays:
         return [()] * count
@@ -52,7 +55,7 @@ def unpack_others(arrays: Arrays) -> list[tuple[CameraView, ...]]:
     features = np.cumsum(arrays["other_feature_count"])[:-1]
     landmarks = np.cumsum(arrays["other_landmark_count"])[:-1]
     columns = (
-        np.concatenate(embeddings),
+        [embedding for row in row_of.tolist() for embedding in embeddings[row]],
         *(np.split(arrays[f"other_{name}"], features) for name in ("keypoints", "descriptors")),
         *(np.split(arrays[f"other_landmark_{name}"], landmarks) for name in ("points", "feature")),
     )

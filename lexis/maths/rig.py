@@ -18,6 +18,8 @@ def camera_angles(T_m_q: Transforms, rotations: Rotations) -> Float64[np.ndarray
         T_m_q: relative poses of the body.
         rotations: rotations of the cameras on the body, from C to B.
     """
+    if len(rotations) == 1:
+        return np.asarray(rotation_angle(T_m_q)[..., None, None])
     turned = np.einsum("jba,...bc,icd->...jiad", rotations, T_m_q[..., :3, :3], rotations)
     angles = rotation_angle(turned)
     same = np.arange(len(rotations))

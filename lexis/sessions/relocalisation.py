@@ -26,8 +26,9 @@ _ANY_M, _ANY_RAD = 1e9, 4.0
 
 
 def candidates_elsewhere(query: Keyframe, graph: PoseGraph, config: SessionConfig) -> tuple[int, ...]:
-    """Return the ids of the keyframes most similar to the query among those of other components, best first."""
-    elsewhere = np.flatnonzero(graph.components != graph.components[query.id])
+    """Return the ids of the active keyframes most similar to the query among those of other components, best first."""
+    components = graph.components
+    elsewhere = graph.active[components[graph.active] != components[query.id]]
     elsewhere = elsewhere[elsewhere < query.id]
     return most_similar_keyframes(query, elsewhere, graph, config.candidates)
 

@@ -40,7 +40,7 @@ class VisibleSpace:
     places: Float64[np.ndarray, "k 3"]
     """Positions in the frame of the camera [m]."""
     weights: Float64[np.ndarray, "k"]
-    """Share of the visible space that each place stands for; the shares add up to 1."""
+    """Share of the visible space that each place stands for; the shares add up to 1, unless there are no places."""
 
 
 def spaces_in_view(keyframe: Keyframe, camera: Camera, config: SightConfig) -> tuple[VisibleSpace, ...]:
@@ -52,7 +52,7 @@ def space_in_view(keyframe: Keyframe, T_B_C: Pose, config: SightConfig, camera: 
     """Sample the free space between a camera of a keyframe and the landmarks that this camera saw.
 
     Landmarks farther away than `config.range_m` are left out. Without other landmarks, only the place of the camera is known
-    to be free.
+    to be free. For a keyframe that has retired, the result has no places: its space is left to the keyframes that show it.
 
     Args:
         keyframe: its landmarks are used, and the direction of gravity in its odometry pose.
@@ -60,6 +60,8 @@ def space_in_view(keyframe: Keyframe, T_B_C: Pose, config: SightConfig, camera: 
         config: the range.
         camera: number of the camera in the rig, from 0.
     """
+    if keyframe.anchor is not None:
+        return VisibleSpace(np.zeros((0, 3)), np.zeros(0))
     rays = transform(inverse(T_B_C), keyframe.views[camera].landmarks.points)
     rays = rays[rounded(np.linalg.norm(rays, axis=1)) <= config.range_m]
     if not len(rays):

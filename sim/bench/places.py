@@ -94,7 +94,10 @@ class _Listener:
     ) -> tuple[int, ...]:
         old = old_enough(query.id, graph.stamps, graph.path_m, config)
         T_old_query = between(graph.T_W_B[old], graph.T_W_B[query.id])
-        similarities = graph.embeddings[old, 0].astype(np.float64) @ query.embedding
+        embeddings = np.array([graph.keyframes[id].embedding for id in np.flatnonzero(old).tolist()]).reshape(
+            -1, query.embedding.size
+        )
+        similarities = embeddings.astype(np.float64) @ query.embedding
         self.seen.append((similarities, np.linalg.norm(T_old_query[:, :3, 3], axis=1), rotation_angle(T_old_query)))
         self.eligible.append(old)
         for name, settings in METHODS.items():

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from lexis.graph.thinning import as_retired
 from lexis.types import (
     Camera,
     CameraView,
@@ -105,6 +106,13 @@ def corridor_with_offices(rng, **changes):
     labels = np.repeat([0, 1, 0, 1], [10, 10, 10, 10])
     members = [("corridor", [*range(10), *range(20, 30)]), ("office", range(10, 20)), ("office", range(30, 40))]
     return build_map(positions, labels, members, ("corridor", "office", "kitchen"), rng, **changes)
+
+
+def with_retired(lexis_map, anchors):
+    """The map with some keyframes that have retired; `anchors` holds the ids of their anchors by their own ids."""
+    keyframes = lexis_map.keyframes
+    thinned = tuple(as_retired(k, keyframes[anchors[k.id]]) if k.id in anchors else k for k in keyframes)
+    return replace(lexis_map, keyframes=thinned)
 
 
 def with_rear_camera(lexis_map, rng):

@@ -152,6 +152,8 @@ def _agents(map: LexisMap) -> Iterator[_Json]:
             "T_O_B": keyframe.T_O_B.tolist(),
             "step_covariance": keyframe.step_covariance.tolist(),
         }
+        if keyframe.anchor is not None:
+            own["anchor"] = keyframe.anchor
         yield _node(AGENTS.node(i), AGENTS.key, AGENT, map.T_W_B[i, :3, 3], more, own)
 
 

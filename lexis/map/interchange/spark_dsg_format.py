@@ -108,6 +108,8 @@ class AgentData(BaseModel):
     stamp: float
     T_O_B: Matrix4
     step_covariance: Matrix6
+    anchor: Id | None = None
+    """Number of the keyframe that shows the place of a keyframe that has retired. Files state no other keyframe's anchor."""
 
 
 class PlaceData(BaseModel):

@@ -127,6 +127,7 @@ def _keyframe(i: int, agent: AgentAttributes, place: PlaceAttributes) -> Keyfram
         landmarks=first.landmarks,
         session=own.session,
         others=tuple(others),
+        anchor=own.anchor,
     )
 
 

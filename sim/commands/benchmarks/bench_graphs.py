@@ -69,16 +69,16 @@ def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _scale(arguments: argparse.Namespace) -> Iterator[Table]:
-    from sim.bench.scale import bytes_per_keyframe, measure_scale
+    from sim.bench.scale import LAP_M, map_bytes, measure_scale
 
-    portions, finished = measure_scale(arguments.rooms, arguments.length, arguments.seed)
-    kilobytes = bytes_per_keyframe(finished) / 1e3
-    title = (
-        f"{arguments.length:g} m through {arguments.rooms} rooms: {len(finished.loops)} loops, {kilobytes:.1f} kB a keyframe"
-    )
-    table = Table("keyframes", "ms per keyframe", title=title)
+    portions, finished = measure_scale(arguments.rooms, arguments.length, arguments.seed, arguments.laps)
+    way = f"{arguments.laps} laps of {LAP_M:g} m" if arguments.laps else f"{arguments.length:g} m"
+    kilobytes = map_bytes(finished) / len(finished.keyframes) / 1e3
+    title = f"{way} through {arguments.rooms} rooms: {len(finished.loops)} loops, {kilobytes:.1f} kB a keyframe"
+    table = Table("keyframes", "ms per keyframe", "not retired", "map [MB]", title=title)
     for portion in portions:
-        table.add_row(f"{portion.first} to {portion.last}", f"{portion.keyframe_ms:.2f}")
+        sizes = f"{portion.active}", f"{portion.map_bytes / 1e6:.2f}"
+        table.add_row(f"{portion.first} to {portion.last}", f"{portion.keyframe_ms:.2f}", *sizes)
     yield table
 
 
@@ -155,6 +155,7 @@ BENCHMARKS = (
         (
             argument("--rooms", type=positive, default=10, help="number of rooms of the home (default: %(default)s)"),
             argument("--length", type=float, default=1000.0, help="length of the walk in metres (default: %(default)s)"),
+            argument("--laps", type=positive, help="walk one circuit of 40 m this many times, whatever --length says"),
             SEED,
         ),
     ),

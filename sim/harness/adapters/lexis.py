@@ -103,8 +103,7 @@ class Lexis:
 
     def replay(self, map: LexisMap) -> None:
         """Add the keyframes of a map, in place of observations. This saves the encoding and the features of all images."""
-        for keyframe in map.keyframes:
-            self._running.replay(keyframe)
+        self._running.replay(map)
 
     def finish(self) -> Estimate:
         """Complete the map, and return its contents as the estimate that the harness compares with the truth."""

@@ -7,7 +7,7 @@ import pickle
 
 import numpy as np
 import pytest
-from helpers.map_builder import corridor_with_offices, with_rear_camera
+from helpers.map_builder import corridor_with_offices, with_rear_camera, with_retired
 from helpers.same_map import assert_same
 
 from lexis.errors import LexisError, MapError
@@ -46,6 +46,46 @@ def test_the_views_of_further_cameras_are_kept(of_a_rig, tmp_path):
     for loaded, saved in zip(load_map(tmp_path / "bare").keyframes, of_a_rig.keyframes, strict=True):
         np.testing.assert_array_equal(loaded.embeddings, saved.embeddings)
         assert len(loaded.points) == len(loaded.others[0].features.keypoints) == 0
+
+
+RETIRED = {12: 3, 13: 3, 20: 8, 39: 15}
+
+
+@pytest.mark.parametrize("rig", [False, True])
+def test_keyframes_that_have_retired_take_no_embeddings_of_their_own(lexis_map, of_a_rig, tmp_path, rig):
+    thinned = with_retired(of_a_rig if rig else lexis_map, RETIRED)
+    save_map(thinned, tmp_path / "map")
+    loaded = load_map(tmp_path / "map")
+    assert_same(loaded, thinned)
+    for id, anchor in RETIRED.items():
+        pairs = zip(loaded.keyframes[id].views, loaded.keyframes[anchor].views, strict=True)
+        assert all(np.shares_memory(own.embedding, other.embedding) for own, other in pairs)
+    with np.load(tmp_path / "map" / "arrays.npz") as arrays:
+        assert len(arrays["embedding"]) == 40 - len(RETIRED)
+
+
+@pytest.mark.parametrize(
+    ("anchors", "says"),
+    [({0: 5}, "not earlier"), ({9: 9}, "not earlier"), ({9: -2}, "not earlier"), ({9: 4, 4: 2}, "retired itself")],
+)
+def test_anchors_that_are_not_active_or_not_earlier_are_refused(lexis_map, tmp_path, anchors, says):
+    save_map(lexis_map, tmp_path / "map")
+    column = np.full(40, -1)
+    column[list(anchors)] = list(anchors.values())
+    rewritten(tmp_path / "map", anchor=column)
+    with pytest.raises(MapError, match=says):
+        load_map(tmp_path / "map")
+
+
+def test_embeddings_are_those_of_active_keyframes_and_sessions_begin_with_one(lexis_map, tmp_path):
+    save_map(with_retired(lexis_map, RETIRED), tmp_path / "map")
+    rewritten(tmp_path / "map", anchor=np.full(40, -1))
+    with pytest.raises(MapError, match="embedding has 36 rows; valid: 40"):
+        load_map(tmp_path / "map")
+    save_map(with_retired(lexis_map, RETIRED), tmp_path / "map")
+    rewritten(tmp_path / "map", session=np.repeat([0, 1], 20))
+    with pytest.raises(MapError, match="first keyframe of a session"):
+        load_map(tmp_path / "map")
 
 
 def test_a_map_of_one_camera_has_nothing_of_others(lexis_map, tmp_path):

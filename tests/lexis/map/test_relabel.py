@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.map_builder import ENCODER, corridor_with_offices
+from helpers.map_builder import ENCODER, corridor_with_offices, with_retired
 from helpers.reading_encoder import ReadingEncoder
 from helpers.same_map import assert_same
 
@@ -31,6 +31,12 @@ def lexis_map(rng, encoder):
 
 def test_its_own_names_give_the_same_map(lexis_map, encoder):
     assert_same(relabel(lexis_map, NAMES, encoder), lexis_map)
+
+
+def test_the_anchor_s_image_stands_for_that_of_a_retired_keyframe(lexis_map, encoder):
+    thinned = relabel(with_retired(lexis_map, {12: 3, 13: 3}), NAMES, encoder)
+    np.testing.assert_array_equal(thinned.similarities[[12, 13]], thinned.similarities[[3, 3]])
+    assert_same(relabel(thinned, NAMES, encoder), thinned)
 
 
 def test_what_the_map_meant_before_plays_no_part(lexis_map, encoder):

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import spark_dsg
-from helpers.map_builder import corridor_with_offices, with_rear_camera
+from helpers.map_builder import corridor_with_offices, with_rear_camera, with_retired
 from helpers.same_map import assert_same
 
 from lexis.cli import main
@@ -50,6 +50,12 @@ def assert_equal_but_rotations(a, b):
 
 def test_reading_gives_back_all_but_key_points_and_landmarks(lexis_map, saved, tmp_path):
     assert_equal_but_rotations(read_spark_dsg(saved), without_features(lexis_map, tmp_path / "map"))
+
+
+def test_retired_keyframes_stay_retired(lexis_map, tmp_path):
+    thinned = with_retired(lexis_map, {12: 3, 39: 15})
+    write_spark_dsg(thinned, tmp_path / "graph.json")
+    assert_equal_but_rotations(read_spark_dsg(tmp_path / "graph.json"), without_features(thinned, tmp_path / "map"))
 
 
 def test_the_views_of_further_cameras_are_kept(lexis_map, tmp_path, rng):
