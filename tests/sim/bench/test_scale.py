@@ -1,17 +1,130 @@
-"""The benchmark of growth times every keyframe once and knows the size of the map."""
+"""The benchmark of growth: what it measures, and that a map grows with the area and not with the number of laps."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+import pytest
+from helpers.same_map import assert_same
 
+from lexis.config import Config, PoseGraphConfig
 from lexis.map.arrays import pack
-from sim.bench.scale import bytes_per_keyframe, measure_scale
+from lexis.map.folder import load_map, save_map
+from lexis.map.relabelling import relabel
+from lexis.merging import merge
+from lexis.planning import plan
+from lexis.slam import Slam
+from sim.bench.scale import LAP_M, map_bytes, measure_scale
+from sim.feature_sensor.oracle import Oracle
+from sim.harness import Scenario, run
+from sim.harness.adapters import Lexis
+from worlds.presets import sample_house
+
+RETIRED_BYTES = 750
+"""Upper bound for the size of a retired keyframe in a map."""
 
 
 def test_portions_cover_the_walk_and_the_size_is_that_of_the_map():
     portions, finished = measure_scale(rooms=3, length_m=30.0, seed=302)
-    assert portions[0].first == 0 and portions[-1].last == len(finished.keyframes) - 1
-    assert all(before.last == after.first for before, after in pairwise(portions))
+    assert portions[0].first == 0 and len(finished.keyframes) - 3 <= portions[-1].last < len(finished.keyframes)
+    assert all(before.last + 1 == after.first for before, after in pairwise(portions))
     assert all(portion.keyframe_ms > 0 for portion in portions)
     stored = sum(np.asarray(array).nbytes for array in pack(finished, features=True).values())
-    assert bytes_per_keyframe(finished) * len(finished.keyframes) == stored
+    assert map_bytes(finished) == stored and 0.8 * stored < portions[-1].map_bytes < stored
+    assert portions[-1].active == portions[-1].last + 1
+
+
+def test_laps_repeat_one_circuit():
+    _, finished = measure_scale(rooms=3, length_m=1.0, seed=302, laps=2)
+    steps = np.linalg.norm(np.diff(finished.T_W_B[:, :3, 3], axis=0), axis=1)
+    assert abs(steps.sum() - 2 * LAP_M) < 0.1 * 2 * LAP_M
+
+
+@pytest.fixture(scope="module")
+def walked():
+    """Ten laps through a small house, by a LEXIS whose keyframes retire, and by one whose keyframes do not."""
+    house = sample_house("home", 302, rooms=4)
+    scenario = Scenario(
+        house=house,
+        seed=302,
+        fidelity="features",
+        encoder="oracle",
+        frame_rate_hz=2.0,
+        tour_kind="loop",
+        length_m=10 * LAP_M,
+    )
+    whole = Config(pose_graph=PoseGraphConfig(copies=None))
+    slams = [Lexis("oracle"), Lexis("oracle", whole)]
+    return [(run(scenario, slam), slam) for slam in slams]
+
+
+@pytest.fixture(scope="module")
+def thinned(walked):
+    return walked[0][1].map
+
+
+def retired(lexis_map):
+    return [keyframe for keyframe in lexis_map.keyframes if keyframe.anchor is not None]
+
+
+def active(lexis_map):
+    return [keyframe for keyframe in lexis_map.keyframes if keyframe.anchor is None]
+
+
+def test_many_keyframes_retire_and_the_map_is_nearly_the_same(walked):
+    (finished, thin), (_, whole) = walked
+    assert len(retired(thin.map)) > 0.5 * len(thin.map.keyframes) and not retired(whole.map)
+    apart = np.linalg.norm(thin.map.T_W_B[:, :3, 3] - whole.map.T_W_B[:, :3, 3], axis=1)
+    drift = np.linalg.norm(finished.odometry_poses[:, :3, 3] - whole.map.T_W_B[:, :3, 3], axis=1)
+    assert apart.max() < 0.15 < 0.2 * drift.max()
+    assert (thin.map.labels == whole.map.labels).mean() > 0.95
+    assert (thin.map.floors == whole.map.floors).all()
+
+
+def test_landmarks_loops_candidates_and_spaces_are_those_of_active_keyframes(walked):
+    _, slam = walked[0]
+    kept = {keyframe.id for keyframe in active(slam.map)}
+    assert {keyframe.id for keyframe in slam.map.keyframes if len(keyframe.points)} <= kept
+    assert {loop.query for loop in slam.map.loops} | {query for query, _ in slam.map.candidates} <= kept
+    assert {verdict.query for verdict in slam.map.verdicts} <= kept
+    spaces = slam._running._spaces
+    assert [id for id, views in enumerate(spaces) if sum(len(view.weights) for view in views)] == sorted(kept)
+
+
+def test_a_retired_keyframe_takes_few_bytes(walked):
+    thin, whole = (slam.map for _, slam in walked)
+    of_active = map_bytes(whole) / len(whole.keyframes)
+    assert map_bytes(thin) < 1.1 * of_active * len(active(thin)) + RETIRED_BYTES * len(retired(thin))
+    assert RETIRED_BYTES < 0.25 * of_active
+
+
+def test_the_thinned_map_is_saved_and_loaded_relabelled_and_planned_in(thinned, tmp_path):
+    save_map(thinned, tmp_path / "map")
+    loaded = load_map(tmp_path / "map")
+    assert_same(replace(loaded, stage_seconds={}), replace(thinned, stage_seconds={}))
+    again = relabel(loaded, loaded.room_names, Oracle())
+    np.testing.assert_array_equal(again.labels, thinned.labels)
+    np.testing.assert_allclose(again.similarities, thinned.similarities, atol=1e-12)
+    first, last = thinned.rooms[0], thinned.rooms[-1]
+    assert plan(loaded, first.label, last.label).length_m == plan(thinned, first.label, last.label).length_m
+
+
+def test_a_session_that_continues_the_map_begins_with_the_same_map(thinned):
+    continued = Slam(thinned.camera, Oracle(), thinned.room_names, map=thinned).snapshot()
+    for name in ("keyframes", "rooms", "labels", "floors", "loops", "candidates", "verdicts"):
+        assert_same(getattr(continued, name), getattr(thinned, name))
+    np.testing.assert_allclose(continued.T_W_B, thinned.T_W_B, atol=1e-9)
+
+
+def test_keyframes_of_a_merged_map_stay_retired(thinned):
+    merged, count = merge(thinned, thinned, Oracle()), len(thinned.keyframes)
+    for own, before in zip(merged.keyframes[count:], thinned.keyframes, strict=True):
+        assert own.anchor == (None if before.anchor is None else before.anchor + count)
+    ids = [keyframe.id for keyframe in retired(thinned)]
+    anchors = [keyframe.anchor for keyframe in retired(thinned)]
+    for shift in (0, count):
+        relative = [
+            np.linalg.inv(T[np.add(anchors, first)]) @ T[np.add(ids, first)]
+            for T, first in ((merged.T_W_B, shift), (thinned.T_W_B, 0))
+        ]
+        np.testing.assert_allclose(*relative, atol=1e-9)
