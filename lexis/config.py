@@ -225,8 +225,9 @@ class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
     graph."""
     copies: Annotated[int, Ge(1)] | None = 3
     """A keyframe may retire from the optimisation if this many keyframes of earlier visits show its place, within 1 m and
-    0.5 rad. Its pose relative to one of these keyframes is then fixed, and it is no loop candidate any more. The graph thus
-    grows with the area that is walked and not with the time. None: no keyframe retires. See `lexis.graph.thinning`."""
+    0.5 rad. Its pose relative to one of these keyframes is then fixed, it is no loop candidate any more, and it gives up its
+    features, landmarks and loop edges. The graph and the map thus grow with the area that is walked, and hardly with the
+    time. None: no keyframe retires. See `lexis.graph.thinning`."""
     min_rotation_sigma_rad: Annotated[float, Gt(0)] = 1e-4
     """Error that is added in quadrature to the standard deviation of an odometry step's rotation, because the odometry
     may state a deviation of 0 [rad]."""

@@ -155,9 +155,11 @@ class PoseGraph:
         self._append(keyframe, self.T_W_B[keyframe.anchor] @ T_anchor_B)
 
     def _append(self, keyframe: Keyframe, T_W_B: Pose) -> None:
-        follows = bool(self.keyframes) and keyframe.session == self.keyframes[-1].session
-        step_m = np.linalg.norm(between(self.keyframes[-1].T_O_B, keyframe.T_O_B)[:3, 3]) if follows else 0.0
-        self._path_m.append(self.path_m[-1] + step_m if follows else 0.0)
+        path_m = 0.0
+        if self.keyframes and keyframe.session == self.keyframes[-1].session:
+            step = between(self.keyframes[-1].T_O_B, keyframe.T_O_B)
+            path_m = self.path_m[-1] + np.linalg.norm(step[:3, 3])
+        self._path_m.append(path_m)
         self._T_W_B.append(T_W_B)
         self._stamps.append(keyframe.stamp)
         self._sessions.append(keyframe.session)

@@ -19,6 +19,8 @@ from lexis.types import LexisMap
 def relabel(map: LexisMap, room_names: Sequence[str], encoder: Encoder, config: Config | None = None) -> LexisMap:
     """Derive labels, rooms and floors for other room names; poses, loops and candidates stay as they are.
 
+    For a keyframe that has retired, the image of its anchor counts in place of its own.
+
     Args:
         map: the map to relabel; its old room names are ignored.
         room_names: the new room names.

@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 from helpers.box_room import FRONT_REAR
 
-from lexis.config import PlaceRecognitionConfig, PoseGraphConfig
+from lexis.config import PlaceRecognitionConfig, PoseGraphConfig, SessionConfig
 from lexis.graph.pose_graph import PoseGraph
+from lexis.graph.thinning import as_retired
 from lexis.maths import se3
 from lexis.place_recognition import propose, revisit_log_odds
+from lexis.sessions.relocalisation import candidates_elsewhere
 from lexis.types import CameraView, Features, Keyframe, Landmarks, RoomInstance
 
 NOTHING = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
@@ -154,3 +156,20 @@ def test_a_rear_camera_recognises_the_way_back(method, rng):
     for query in range(15, 20):
         assert propose(graph.keyframes[query], "", [], graph, config) == (19 - query,)
         assert method == "similarity" or propose(alone.keyframes[query], "", [], alone, config) == ()
+
+
+def test_retired_keyframes_are_no_candidates_in_their_own_session_and_in_others():
+    graph = PoseGraph(PoseGraphConfig())
+    for i in range(20):
+        one = keyframe(i, float(i), np.ones(8))
+        if i in (3, 5):
+            graph.add_retired(as_retired(one, graph.keyframes[2]), se3.between(graph.keyframes[2].T_O_B, one.T_O_B))
+        else:
+            graph.add_keyframe(one)
+    everything = [room(0, "office", range(20), graph)]
+    for method in ("probability", "similarity", "room"):
+        config = replace(CONFIG, method=method, candidates=20)
+        assert set(propose(graph.keyframes[19], "office", everything, graph, config)) == set(range(10)) - {3, 5}
+    graph.add_keyframe(replace(keyframe(20, 0.0, np.ones(8)), session=1))
+    elsewhere = candidates_elsewhere(graph.keyframes[20], graph, SessionConfig(candidates=20))
+    assert set(elsewhere) == set(range(20)) - {3, 5}

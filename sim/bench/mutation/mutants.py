@@ -100,14 +100,14 @@ _GRAPH = (
     Mutant(
         "odometry is added in the world frame",
         "graph/pose_graph.py",
-        "self._T_W_B.append(self.T_W_B[-1] @ step)",
-        "self._T_W_B.append(step @ self.T_W_B[-1])",
+        "T_W_B = self.T_W_B[last] @ step",
+        "T_W_B = step @ self.T_W_B[last]",
     ),
     Mutant(
         "new keyframes start at the odometry pose, not at the corrected one",
         "graph/pose_graph.py",
-        "self._T_W_B.append(self.T_W_B[-1] @ step)",
-        "self._T_W_B.append(keyframe.T_O_B)",
+        "T_W_B = self.T_W_B[last] @ step",
+        "T_W_B = keyframe.T_O_B",
     ),
     Mutant(
         "the graph is never optimised",
