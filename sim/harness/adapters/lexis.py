@@ -102,7 +102,10 @@ class Lexis:
         return mine == others and self.encoder.fingerprint == other.encoder.fingerprint
 
     def replay(self, map: LexisMap) -> None:
-        """Add the keyframes of a map, in place of observations. This saves the encoding and the features of all images."""
+        """Add the keyframes of a map, in place of observations. This saves the encoding and the features of all images.
+
+        Keyframes that have retired stay retired. After a walk on which many do, the map may differ a little from that of a run.
+        """
         self._running.replay(map)
 
     def finish(self) -> Estimate:
