@@ -111,6 +111,9 @@ class SightConfig(Settings, place="sight", error=ConfigError):
     own_weight: Annotated[float, Ge(0)] = 0.6
     """Additional weight of a keyframe's own image in the label of the keyframe. Each image, the own one included, already
     has as weight the share of its visible space that lies near the keyframe."""
+    independence: Annotated[float, Interval(gt=0, le=1)] = 0.3
+    """Share of the summed evidence that counts in the probabilities of labels. It is less than 1, because images of one
+    place resemble each other: what misleads one of them misleads others. It does not change the labels."""
     neighbour_weight: Annotated[float, Ge(0)] = 4.0
     """Weight of the label probabilities of the keyframes that see a keyframe's place, relative to the evidence of the
     images."""

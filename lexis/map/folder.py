@@ -47,7 +47,7 @@ class _Encoder(BaseModel):
 class _Map(BaseModel):
     model_config = _STRICT
 
-    schema_version: Literal[4] = Field(alias="schema")
+    schema_version: Literal[5] = Field(alias="schema")
     camera: CameraData
     other_cameras: tuple[CameraData, ...] = Field((), max_length=MAX_CAMERAS - 1)
     """The further cameras of a rig. Files of a single camera do not state them."""
@@ -64,7 +64,7 @@ def save_map(map: LexisMap, directory: Path, features: bool = True) -> None:
     with it. Raises LexisError if the folder cannot be written, or holds something that is no map.
     """
     header = _Map(
-        schema=4,
+        schema=5,
         camera=CameraData.of(map.camera),
         other_cameras=tuple(CameraData.of(other) for other in map.camera.others),
         encoder=_Encoder(name=map.encoder.name, fingerprint=map.encoder.fingerprint),
@@ -102,6 +102,7 @@ def load_map(directory: Path) -> LexisMap:
         similarities=arrays["similarities"],
         baseline_labels=arrays["baseline_labels"],
         labels=arrays["labels"],
+        probabilities=arrays["probabilities"],
         floors=arrays["floors"],
         rooms=_rooms(directory, header, arrays),
         loops=unpack_loops(arrays),

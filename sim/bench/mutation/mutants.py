@@ -349,7 +349,7 @@ _LABELS = (
     Mutant(
         "labels of single images are not refined by their neighbours",
         "room_labels.py",
-        "refined[level] = refine(rooms_only[level], level)",
+        "refined[level], probabilities[level] = refine(rooms_only[level], level)",
         "refined[level] = rooms_only[level].argmax(axis=1)",
     ),
     Mutant(
