@@ -24,7 +24,7 @@ INSIDE_M = 1.0
 """Least distance of a keyframe that is surely inside its room from the nearest keyframe with another label [m]."""
 AROUND_M = 1.25
 """The probabilities of labels are averaged over the keyframes within this distance [m]."""
-AGREEING = 0.8
+AGREEING = 0.85
 """Least mean probability of the room's label around a keyframe that is surely inside the room."""
 CLEAR = 0.3
 """Least evidence at a keyframe that is surely inside its room, as a share of the largest evidence of rooms of its label."""
