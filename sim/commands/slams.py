@@ -32,7 +32,9 @@ def add_slam(parser: argparse.ArgumentParser) -> None:
     slam.add_argument("--slam", metavar="MODULE:CLASS", help=SLAM_HELP)
     slam.add_argument("--command", dest="program", metavar='"PROGRAM {dataset} {out}"', help=COMMAND_HELP)
     parser.add_argument("--format", choices=FORMATS, help="format of the recording for --command (default: euroc)")
-    parser.add_argument("--images", choices=("png", "jpg", "raw"), help="images for --command; raw in bags (default: png)")
+    parser.add_argument(
+        "--image-format", choices=("png", "jpg", "raw"), help="of the recording for --command; raw in bags (default: png)"
+    )
     parser.add_argument(
         "--timeout", type=number(0.1, 1e6), metavar="S", help="seconds after which --command is stopped (default: 600)"
     )
@@ -89,9 +91,9 @@ def replay_of(arguments: argparse.Namespace) -> "Replay":
 
 def refuse_program_options(arguments: argparse.Namespace) -> None:
     """Raise `SimError` if an option for programs is given without a program."""
-    for option in ("format", "images", "timeout", "memory"):
+    for option in ("format", "image_format", "timeout", "memory"):
         if getattr(arguments, option) is not None:
-            raise SimError(f"--{option} is for programs; valid: with --command")
+            raise SimError(f"--{option.replace('_', '-')} is for programs; valid: with --command")
 
 
 def program_of(arguments: argparse.Namespace) -> "Program":
@@ -106,7 +108,7 @@ def _settings(arguments: argparse.Namespace) -> tuple[str, float, float, str]:
     from sim.programs.command import MEMORY_MB, TIMEOUT_S
 
     limits = arguments.timeout or TIMEOUT_S, arguments.memory or MEMORY_MB
-    return arguments.format or "euroc", *limits, arguments.images or "png"
+    return arguments.format or "euroc", *limits, arguments.image_format or "png"
 
 
 @dataclass(frozen=True)
