@@ -65,7 +65,7 @@ class Program:
 
     def __call__(self, scenario: Scenario, progress: Progress | None = None) -> Run:
         """Run the program on a scenario."""
-        return run_command(scenario, **vars(self), progress=progress)
+        return run_command(scenario, self.command, self.format, self.timeout_s, self.memory_mb, self.images, progress)
 
 
 def run_command(
