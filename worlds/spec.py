@@ -72,6 +72,7 @@ class RoomSpec(_Data):
         default=None,
         description="seed of the room's furniture and finishes, the same for twin rooms; absent: from the house's seed",
     )
+    lift: bool = Field(default=False, description="for stairs: whether they are a lift instead, with one opening per storey")
 
     @field_validator("label")
     @classmethod

@@ -18,16 +18,18 @@ The head room between flights is checked last, when all flights are known.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float64
 
 from worlds.errors import HouseError
 from worlds.parts import Part
-from worlds.spec import HouseSpec, OpeningSpec
+from worlds.spec import HouseSpec, OpeningSpec, RoomSpec
 from worlds.stairs.cells import CellFrame, cell_frame, cell_on, flight_places, is_same_cell, opening_that_leads
 from worlds.stairs.flights import MIN_WIDTH_M, Point, StairsKind, StairsLayout, cell_needed, fit_stairs
 from worlds.stairs.geometry import floor_beside_flight, rail_parts, slab_parts
+from worlds.stairs.lifts import check_lifts, lift_line
 
 APPROACH_M = 0.4
 """Distance from the room of the stairs at which the walking line begins and ends, outside of the room [m]."""
@@ -46,9 +48,9 @@ class Stairs:
     """Id of the stairs' room on the lower storey."""
     storey: int
     """Index of the lower storey."""
-    kind: StairsKind
+    kind: StairsKind | Literal["lift"]
     treads: tuple[Part, ...]
-    """Steps and landings, from the lowest to the highest."""
+    """Steps and landings, from the lowest to the highest; a lift has none, nor has it floors and a railing."""
     floors: tuple[Part, ...]
     """Pieces of level floor in the stairs' room. One piece lies after the last riser. Another lies before the first riser,
     except in the lowest stairs of a staircase, where the storey's own floor is. Where the opening at one of these two places
@@ -56,7 +58,8 @@ class Stairs:
     railing: tuple[Part, ...]
     walking_line: Float64[np.ndarray, "k 3"]
     """Path in W up the stairs [m], from the room in front of them on the lower storey to the room in front of them on the
-    upper storey. The path is straight along every flight, and passes the middle of each tread at the tread's height."""
+    upper storey. The path is straight along every flight, and passes the middle of each tread at the tread's height. In a
+    lift it rises vertically."""
 
     @property
     def parts(self) -> tuple[Part, ...]:
@@ -71,9 +74,24 @@ def build_stairs(spec: HouseSpec, floors_m: Sequence[float]) -> tuple[Stairs, ..
     openings, if a room of stairs is too small, or if there is too little head room. The message names the stairs and what
     they need.
     """
-    stairs = tuple(_Site.of(spec, floors_m, level, place).stairs() for level, place in flight_places(spec))
-    _check_head_room(stairs)
+    check_lifts(spec)
+    stairs = tuple(_stairs(spec, floors_m, level, place) for level, place in flight_places(spec))
+    _check_head_room([flight for flight in stairs if flight.kind != "lift"])
     return stairs
+
+
+def _stairs(spec: HouseSpec, floors_m: Sequence[float], level: int, place: int) -> Stairs:
+    """Build the flight or the lift up from storeys[`level`], in the room with the index `place` on that storey."""
+    room = spec.storeys[level].rooms[place]
+    if not room.lift:
+        return _Site.of(spec, floors_m, level, place).stairs()
+    line = lift_line(spec, level, (room, _above(spec, level, room)), (floors_m[level], floors_m[level + 1]), APPROACH_M)
+    return Stairs(room.id, level, "lift", treads=(), floors=(), railing=(), walking_line=line)
+
+
+def _above(spec: HouseSpec, level: int, room: RoomSpec) -> RoomSpec:
+    """Return the cell (room of stairs) of the same staircase on the storey above storeys[`level`]."""
+    return next(other for other in spec.storeys[level + 1].rooms if is_same_cell(room, other))
 
 
 @dataclass(frozen=True)
@@ -100,7 +118,7 @@ class _Site:
     def of(spec: HouseSpec, floors_m: Sequence[float], level: int, place: int) -> "_Site":
         """Return the place for the flight up from storeys[`level`], in the room with the index `place` on that storey."""
         lower, upper, room = spec.storeys[level], spec.storeys[level + 1], spec.storeys[level].rooms[place]
-        above = next(other for other in upper.rooms if is_same_cell(room, other))
+        above = _above(spec, level, room)
         foot, head = opening_that_leads(spec, level, room, "up"), opening_that_leads(spec, level + 1, above, "down")
         return _Site(
             room.id,

@@ -85,7 +85,7 @@ def opening_that_leads(spec: HouseSpec, level: int, room: RoomSpec, leads: Leads
     Raises `HouseError` unless exactly one opening leads to that flight; if flights go up and down from the room, but an
     opening does not say to which flight it leads; and if an opening leads in a direction in which no flight goes.
     """
-    openings = _openings_of(spec.storeys[level], room)
+    openings = openings_of(spec.storeys[level], room)
     found = [opening for place, opening in openings if _leads(spec, level, room, place) == leads]
     if len(found) == 1:
         return found[0]
@@ -96,7 +96,7 @@ def opening_that_leads(spec: HouseSpec, level: int, room: RoomSpec, leads: Leads
     )
 
 
-def _openings_of(storey: StoreySpec, room: RoomSpec) -> Iterator[tuple[int, OpeningSpec]]:
+def openings_of(storey: StoreySpec, room: RoomSpec) -> Iterator[tuple[int, OpeningSpec]]:
     """Yield the openings of a room that one can walk through, with their indices."""
     for i, opening in enumerate(storey.openings):
         if room.id in opening.rooms and opening.kind in PASSABLE:
@@ -159,10 +159,10 @@ def cell_frame(level: int, room: RoomSpec, foot: OpeningSpec, head: OpeningSpec)
     in no side of the cell, or if both openings are in the same half of one side.
     """
     x0, y0, x1, y1 = bounds(room)
-    u, from_head = _inward(level, room, foot), _inward(level + 1, room, head)
+    u, from_head = inward(level, room, foot), inward(level + 1, room, head)
     v = (-u[1], u[0])
     facing, turning = _dot(u, from_head), _dot(v, from_head)
-    (fx, fy), (hx, hy) = _middle(foot), _middle(head)
+    (fx, fy), (hx, hy) = middle(foot), middle(head)
     apart = _dot(v, (hx - fx, hy - fy))
     if facing > 0 and abs(apart) < _SAME_HALF_M:
         raise HouseError(
@@ -181,15 +181,16 @@ def _dot(a: tuple[float, float], b: tuple[float, float]) -> float:
     return a[0] * b[0] + a[1] * b[1]
 
 
-def _middle(opening: OpeningSpec) -> tuple[float, float]:
+def middle(opening: OpeningSpec) -> tuple[float, float]:
+    """Return the middle (x, y) of an opening in W [m]."""
     (xa, ya), (xb, yb) = opening.start_m, opening.end_m
     return (xa + xb) / 2, (ya + yb) / 2
 
 
-def _inward(level: int, room: RoomSpec, opening: OpeningSpec) -> tuple[float, float]:
+def inward(level: int, room: RoomSpec, opening: OpeningSpec) -> tuple[float, float]:
     """Return the unit vector into a cell from the side with the opening. Raises `HouseError` if it is in no side."""
     x0, y0, x1, y1 = bounds(room)
-    x, y = _middle(opening)
+    x, y = middle(opening)
     gaps = (abs(x - x0), abs(x1 - x), abs(y - y0), abs(y1 - y))
     if min(gaps) > _TOLERANCE_M:
         raise HouseError(
