@@ -158,7 +158,6 @@ def cell_frame(level: int, room: RoomSpec, foot: OpeningSpec, head: OpeningSpec)
     `foot` is the opening on storeys[`level`], `head` the opening on the storey above. Raises `HouseError` if an opening is
     in no side of the cell, or if both openings are in the same half of one side.
     """
-    x0, y0, x1, y1 = bounds(room)
     u, from_head = inward(level, room, foot), inward(level + 1, room, head)
     v = (-u[1], u[0])
     facing, turning = _dot(u, from_head), _dot(v, from_head)
@@ -172,6 +171,12 @@ def cell_frame(level: int, room: RoomSpec, foot: OpeningSpec, head: OpeningSpec)
     kind: StairsKind = "U" if facing > 0 else "straight" if facing < 0 else "L"
     if (apart if kind == "U" else -turning) < 0:
         v = (-v[0], -v[1])
+    return frame_along(kind, room, u, v)
+
+
+def frame_along(kind: StairsKind, room: RoomSpec, u: tuple[float, float], v: tuple[float, float]) -> CellFrame:
+    """Return the coordinate frame of a cell with the unit vectors u and v, which point along its sides."""
+    x0, y0, x1, y1 = bounds(room)
     length, width = (x1 - x0, y1 - y0) if u[0] else (y1 - y0, x1 - x0)
     corner = (x0 if u[0] + v[0] > 0 else x1, y0 if u[1] + v[1] > 0 else y1)
     return CellFrame(kind, corner, u, v, length, width)

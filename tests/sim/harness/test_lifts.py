@@ -32,7 +32,7 @@ class NoImagesInALift(StreamFault):
 @pytest.fixture(scope="module", params=[(), (NoImagesInALift(),)], ids=["images", "no images"])
 def finished(request):
     rooms = ("kitchen", "living room", "bedroom", "office", "bathroom")
-    house = variant(sample_from_rooms(rooms, 103, storeys=2, clutter=0.5), lifts=True)
+    house = variant(sample_from_rooms(rooms, 103, storeys=2, clutter=0.5), climb="lift")
     return run(replace(Scenario(seed=103, fidelity="features", frame_rate_hz=5.0, house=house), faults=request.param))
 
 

@@ -178,7 +178,7 @@ def test_bad_waypoints_and_starts_are_named():
 
 @pytest.mark.parametrize("down", [False, True], ids=["up", "down"])
 def test_a_robot_rides_a_lift_to_the_other_storey(down):
-    house = build_house(variant(sample_house("home", 100, clutter=0.0), lifts=True))
+    house = build_house(variant(sample_house("home", 100, clutter=0.0), climb="lift"))
     line = house.stairs[0].walking_line[:: -1 if down else 1]
     result = go(house, *line)
     assert result.touched == () and house.room_by_id[result.room].storey == (0 if down else 1)

@@ -11,7 +11,7 @@ from worlds.labels import STAIRS
 from worlds.presets import sample_house
 from worlds.spec import PASSABLE
 from worlds.stairs.build import APPROACH_M, build_stairs
-from worlds.stairs.lifts import MIN_SHAFT_M
+from worlds.stairs.shafts import MIN_SHAFT_M
 from worlds.validation import validate
 from worlds.variant import variant
 from worlds.walkable import Walkable
@@ -20,7 +20,7 @@ HOUSES = [("home", 100), ("home", 104), ("ori", 100), ("uh2-apt", 100)]
 
 
 def with_lifts(preset, seed):
-    return variant(sample_house(preset, seed, clutter=0.2), lifts=True)
+    return variant(sample_house(preset, seed, clutter=0.2), climb="lift")
 
 
 @pytest.fixture(scope="module", params=HOUSES, ids=str)
@@ -78,12 +78,18 @@ def test_a_tour_of_all_rooms_rides_the_lifts_standing_and_turns_to_the_exit_mean
     assert np.abs(off[near]).max() < 1.0
 
 
+def test_a_storey_more_is_reached_by_the_lift():
+    house = build_house(variant(with_lifts("home", 100), add_storey=True))
+    validate(house)
+    assert [flight.kind for flight in house.stairs] == ["lift", "lift"] and len(house.storeys) == 3
+
+
 def test_a_lift_is_refused_with_what_is_wrong():
     spec = with_lifts("home", 100)
     small = {"polygon_m": ((0.0, 0.0), (0.9, 0.0), (0.9, 2.0), (0.0, 2.0))}
     for wrong, message in [
-        (changed(spec, 1, {"lift": False}), "one is a lift, the other stairs"),
-        (changed(spec, 1, {"label": "storage room"}), "is a lift; valid: lifts with the label 'stairs'"),
+        (changed(spec, 1, {"climb": "spiral"}), "has the climb 'lift'"),
+        (changed(spec, 1, {"label": "storage room"}), "has a lift; valid: in rooms of stairs"),
         (changed(spec, 1, None), r"has 0 openings on storeys\[1\]; valid: one"),
         (changed(changed(spec, 0, small), 1, small), rf"is 0.90 x 2.00 m; valid: at least {MIN_SHAFT_M}"),
     ]:

@@ -1,7 +1,7 @@
-"""Lifts: a platform that fills its cell (the room of the lift) and rises straight up, from one door to the door above.
+"""Shafts, which are cells (rooms of stairs) with a lift or with spiral stairs: their doors, and the way through a lift.
 
-A lift takes the place of a flight of stairs, and its cells are rooms of stairs. Each cell has one door, for the ride up and
-for the ride down. The platform is wherever the walker is, and is not drawn: on a picture, a lift is an empty shaft.
+A shaft has one door on each storey, for the way up and for the way down. The platform of a lift fills the cell. It is
+wherever the walker is, and is not drawn: on a picture, a lift is an empty shaft.
 """
 
 from itertools import pairwise
@@ -18,13 +18,13 @@ from worlds.stairs.cells import bounds, cell_on, inward, middle, openings_of
 MIN_SHAFT_M = 1.0
 """Least length and width of the shaft of a lift, between the centre lines of its walls [m]."""
 MIN_DOOR_M, MIN_DOOR_HEIGHT_M = 0.6, 1.95
-"""Least width and height of the door of a lift [m]."""
+"""Least width and height of the door of a shaft [m]."""
 _INSIDE_M = 0.8
 """Distance from the lower door at which the walker stands during the ride, if the shaft is deep enough [m]."""
 
 
-class _Door(NamedTuple):
-    """The door of a lift on one storey, on the floor."""
+class Door(NamedTuple):
+    """The door of a shaft on one storey, on the floor."""
 
     middle: Float64[np.ndarray, "3"]
     """Middle of the door in W [m]."""
@@ -57,7 +57,7 @@ def lift_line(
             f"lift {cells[0].id!r}: its shaft is {x1 - x0:.2f} x {y1 - y0:.2f} m; valid: at least {MIN_SHAFT_M} x "
             f"{MIN_SHAFT_M} m, between the walls' centre lines"
         )
-    foot, head = (_door(spec, level + k, cells[k], floors_m[k]) for k in (0, 1))
+    foot, head = (door(spec, level + k, cells[k], floors_m[k]) for k in (0, 1))
     stand = foot.at(min(_INSIDE_M, abs(float(foot.inward @ [x1 - x0, y1 - y0, 0.0])) / 2))
     below_exit = head.at(float((stand - head.middle) @ head.inward))
     ride = [stand, stand + [0.0, 0.0, floors_m[1] - floors_m[0]]]
@@ -65,26 +65,30 @@ def lift_line(
     return np.array([line[0], *(b for a, b in pairwise(line) if (a != b).any())])
 
 
-def check_lifts(spec: HouseSpec) -> None:
-    """Raise `HouseError` for a lift without the label of stairs, and for one that continues as stairs on another storey."""
+def check_shafts(spec: HouseSpec) -> None:
+    """Raise `HouseError` for a shaft without the label of stairs, or with another way to climb on another storey."""
     for level, storey in enumerate(spec.storeys):
         for room in storey.rooms:
-            if room.lift and room.label != STAIRS:
-                raise HouseError(f"room {room.id!r} ({room.label}) is a lift; valid: lifts with the label {STAIRS!r}")
+            if room.climb != "flights" and room.label != STAIRS:
+                raise HouseError(f"room {room.id!r} ({room.label}) has a {room.climb}; valid: in rooms of {STAIRS}")
             above = cell_on(spec, level + 1, room)
-            if above is not None and above.lift != room.lift:
-                raise HouseError(f"{room.id!r} and {above.id!r} above: one is a lift, the other stairs; valid: both lifts")
+            if above is not None and above.climb != room.climb:
+                raise HouseError(
+                    f"{room.id!r} has the climb {room.climb!r}, and {above.id!r} above it {above.climb!r}; valid: the same"
+                )
 
 
-def _door(spec: HouseSpec, level: int, cell: RoomSpec, floor_m: float) -> _Door:
-    """Return the door of a lift on `storeys[level]`. Raises `HouseError` unless there is exactly one, and it is walkable."""
+def door(spec: HouseSpec, level: int, cell: RoomSpec, floor_m: float) -> Door:
+    """Return the door of a shaft on `storeys[level]`. Raises `HouseError` unless there is one, and it is walkable."""
     doors = [opening for _, opening in openings_of(spec.storeys[level], cell)]
     if len(doors) != 1:
-        raise HouseError(f"lift {cell.id!r} has {len(doors)} openings on storeys[{level}]; valid: one on every storey")
+        raise HouseError(
+            f"{cell.climb} {cell.id!r} has {len(doors)} openings on storeys[{level}]; valid: one on every storey"
+        )
     height = doors[0].gap_m(spec.storeys[level].height_m)[1]
     if doors[0].width_m < MIN_DOOR_M - 1e-6 or height < MIN_DOOR_HEIGHT_M - 1e-6:
         raise HouseError(
-            f"lift {cell.id!r}: its opening on storeys[{level}] is {doors[0].width_m:.2f} m wide and {height:.2f} m high; "
+            f"{cell.climb} {cell.id!r}: its opening on storeys[{level}] is {doors[0].width_m:.2f} x {height:.2f} m; "
             f"valid: at least {MIN_DOOR_M} x {MIN_DOOR_HEIGHT_M} m"
         )
-    return _Door(np.array([*middle(doors[0]), floor_m]), np.array([*inward(level, cell, doors[0]), 0.0]))
+    return Door(np.array([*middle(doors[0]), floor_m]), np.array([*inward(level, cell, doors[0]), 0.0]))
