@@ -17,9 +17,9 @@ STOREY_GAP_M = 1.0
 """Smallest height difference between two floors [m]."""
 MIN_KEYFRAMES = 4
 """Fewest keyframes in a level stretch that forms a floor; a shorter one may be a landing that was not labelled as stairs."""
-RAMP_SLOPE = 0.03
-"""Slope above which a change of height is a ramp and not drift. Ramps have slopes of 0.05 to 0.125, drift has 0.02."""
-RAMP_RISE_M = 0.6
+RAMP_SLOPE = 0.04
+"""Slope above which a change of height is a ramp and not drift. Ramps have slopes of 0.06 to 0.125, drift is less."""
+RAMP_RISE_M = 0.5
 """Least rise of a ramp above `RAMP_SLOPE` times its length [m]."""
 
 PerKeyframe = Float64[np.ndarray, "n"]

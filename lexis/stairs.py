@@ -14,8 +14,10 @@ FLOOR_TOLERANCE_M = 0.4
 """Smallest height difference between a half landing and the nearest floor [m]."""
 RIDE_M = 1.2
 """Smallest change of height of a ride in a lift [m]."""
-RIDE_SLOPE = 2.0
-"""Smallest ratio of climb to horizontal path in a lift. Stairs that people walk on reach 1.2."""
+RIDE_SLOPE = 1.3
+"""Smallest ratio of climb to horizontal path in a lift. Stairs that people walk on reach 1.0."""
+RIDE_END_SLOPE = 0.3
+"""Smallest ratio of climb to horizontal path in a step that is partly walked and partly ridden, at either end of a ride."""
 
 PerKeyframe = Float64[np.ndarray, "n"]
 
@@ -42,8 +44,18 @@ def lift_rides(positions: Float64[np.ndarray, "n 3"]) -> list[Stretch]:
     """
     steps = np.diff(positions, axis=0)
     direction = np.where(is_vertical(steps), np.sign(steps[:, 2]), 0.0)
-    rises = [Stretch(run.start, run.stop + 1) for run in stretches_of(direction) if direction[run.start] != 0]
-    return [rise for rise in rises if abs(positions[rise.stop - 1, 2] - positions[rise.start, 2]) >= RIDE_M]
+    rises = [run for run in stretches_of(direction) if direction[run.start] != 0]
+    return [_with_ends(run, steps) for run in rises if abs(steps[run.slice, 2].sum()) >= RIDE_M]
+
+
+def _with_ends(run: Stretch, steps: Float64[np.ndarray, "n 3"]) -> Stretch:
+    """Return the keyframes of a ride, given which of the steps between all keyframes [m] are vertical.
+
+    The step before and the step after the vertical ones belong to the ride, too, if they climb in the same direction.
+    """
+    rising = np.sign(steps[run.start, 2]) * steps[:, 2] > RIDE_END_SLOPE * np.linalg.norm(steps[:, :2], axis=1)
+    rising = np.pad(rising, 1)
+    return Stretch(run.start - int(rising[run.start]), run.stop + 1 + int(rising[run.stop + 1]))
 
 
 def is_vertical(steps: Float64[np.ndarray, "n 3"]) -> Bool[np.ndarray, "n"]:

@@ -11,7 +11,7 @@ _LEVEL_M = 0.3
 _WINDOW_M = 0.8
 """Length of route ahead in which the point nearest to the robot is searched [m]. It is short, because another part of the
 route may pass close by."""
-_RIDE_M, _RIDE_SLOPE = 1.0, 2.0
+_RIDE_M, _RIDE_SLOPE = 1.0, 1.3
 """Least climb of a ride in a lift [m], and least ratio of its climb to its horizontal path; stairs are less steep."""
 
 
