@@ -71,6 +71,21 @@ def test_only_keyframes_inside_a_moving_lift_count_as_on_stairs(height, spacing,
     assert stairs.sum() >= (leg == 1).sum() - 2 and stairs.sum() <= (leg == 1).sum()
 
 
+def test_a_ride_begins_and_ends_on_a_floor_even_if_steps_are_partly_walked():
+    """Keyframes 2 and 8 are the last and the first on a floor; from 2 to 3 and from 7 to 8, the robot walks and rides."""
+    x = [0.0, 0.5, 1.0, 1.3, 1.3, 1.3, 1.3, 1.3, 1.6, 2.1]
+    z = [0.0, 0.0, 0.0, 0.3, 0.8, 1.3, 1.8, 2.3, 2.6, 2.6]
+    positions = np.stack([x, np.zeros(10), z], axis=1)
+    assert lift_rides(positions) == [(2, 9)]
+    assert np.flatnonzero(on_stairs(positions, LabelConfig())).tolist() == [3, 4, 5, 6, 7]
+
+
+def test_a_ride_without_images_may_include_some_walking():
+    positions, _ = profile((12, 0))
+    positions[10:] += [0.6, 0.0, 2.3]
+    assert lift_rides(positions) == [(9, 11)] and not on_stairs(positions, LabelConfig()).any()
+
+
 def test_stairs_before_and_after_a_ride_stay_stairs():
     positions, leg = profile((6, 0), (4.2, 2.9), (5, 0), (0, 2.9), (5, 0), (4.2, -2.9), (6, 0))
     stairs = on_stairs(positions, LabelConfig())
