@@ -1,7 +1,8 @@
 """Room labels of keyframes (paper, Sec. III-B).
 
 1. Give every keyframe the room name whose text embedding its image resembles most.
-2. Label keyframes on stairs by their height change, because the camera may not see the stairs.
+2. Label keyframes on stairs by their height change, because the camera may not see the stairs. Keyframes in a moving lift
+   get the same label, because they are on no floor either.
 3. Replace the label of every other keyframe by the most common label among its nearest neighbours, because single images are
    ambiguous near doors and in front of bare walls.
 
