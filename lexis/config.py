@@ -72,7 +72,8 @@ class LabelConfig(Settings, place="labels", error=ConfigError):
     7 to 12), and after every optimisation. Only place recognition by room needs this; with the other methods, labels are
     refined only when a map is made."""
     stairs_name: Annotated[str, MinLen(1)] = "stairs"
-    """The room name that keyframes on stairs get. If the user's room names lack it, stairs are not detected."""
+    """The room name that keyframes on stairs and in a moving lift get. If the user's room names lack it, these keyframes are
+    labelled like all others, and get the nearest floor."""
     stairs_window_m: Annotated[float, Gt(0)] = 2.0
     """Length of the path over which the change of height is measured, centred on the keyframe [m]."""
     stairs_min_height_m: Annotated[float, Gt(0)] = 0.5
@@ -92,7 +93,7 @@ class SegmentationConfig(Settings, place="segmentation", error=ConfigError):
     """Two clusters of the same label merge if a keyframe of one is within this distance of a keyframe of the other and no
     other room lies between the two keyframes [m]. Clusters that contain consecutive keyframes merge at any distance."""
     stairs_name: Annotated[str, MinLen(1)] = "stairs"
-    """The label of stairs; keyframes with this label separate floors."""
+    """The label of stairs; keyframes with this label are on no floor and separate floors."""
 
 
 @dataclass(frozen=True)
@@ -111,6 +112,9 @@ class SightConfig(Settings, place="sight", error=ConfigError):
     own_weight: Annotated[float, Ge(0)] = 0.6
     """Additional weight of a keyframe's own image in the label of the keyframe. Each image, the own one included, already
     has as weight the share of its visible space that lies near the keyframe."""
+    independence: Annotated[float, Interval(gt=0, le=1)] = 0.3
+    """Share of the summed evidence that counts in the probabilities of labels. It is less than 1, because images of one
+    place resemble each other: what misleads one of them misleads others. It does not change the labels."""
     neighbour_weight: Annotated[float, Ge(0)] = 4.0
     """Weight of the label probabilities of the keyframes that see a keyframe's place, relative to the evidence of the
     images."""

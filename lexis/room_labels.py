@@ -1,7 +1,8 @@
 """Room labels of keyframes (paper, Sec. III-B).
 
 1. Give every keyframe the room name whose text embedding its image resembles most.
-2. Label keyframes on stairs by their height change, because the camera may not see the stairs.
+2. Label keyframes on stairs by their height change, because the camera may not see the stairs. Keyframes in a moving lift
+   get the same label, because they are on no floor either.
 3. Replace the label of every other keyframe by the most common label among its nearest neighbours, because single images are
    ambiguous near doors and in front of bare walls.
 
@@ -12,6 +13,7 @@ previous pass. Labels are thus a function of the current graph, and a wrong labe
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Float64, Int
@@ -23,7 +25,18 @@ from lexis.stairs import on_stairs
 Positions = Float64[np.ndarray, "n 3"]
 Labels = Int[np.ndarray, "n"]
 Similarities = Float64[np.ndarray, "n rooms"]
-Refinement = Callable[[Similarities, Int[np.ndarray, "n"]], Labels]
+Probabilities = Float64[np.ndarray, "n rooms"]
+
+
+class Refined(NamedTuple):
+    """Refined labels of some keyframes."""
+
+    labels: Labels
+    probabilities: Probabilities
+    """How probable every label is for each keyframe; see `LexisMap.probabilities`."""
+
+
+Refinement = Callable[[Similarities, Int[np.ndarray, "n"]], Refined]
 """A function that refines the labels of some keyframes, given the similarities of their images and their ids."""
 
 
@@ -35,6 +48,8 @@ class RoomLabels:
     """Labels before refinement: for each keyframe, the room name whose prompt is most similar to the image."""
     refined: Labels
     """Labels after refinement and detection of stairs by height; with the method "image", equal to `baseline`."""
+    probabilities: Probabilities
+    """How probable every label is for each keyframe; see `LexisMap.probabilities`."""
 
 
 def similarities(
@@ -74,21 +89,28 @@ def label_keyframes(
     similarities = rounded(similarities)
     baseline = similarities.argmax(axis=1)
     if config.method == "image":
-        return RoomLabels(baseline, baseline)
+        return RoomLabels(baseline, baseline, certain(baseline, len(room_names)))
 
-    def vote(scores: Similarities, keyframes: Int[np.ndarray, "n"]) -> Labels:
-        return propagate(scores.argmax(axis=1), scores, positions[keyframes], config.neighbours)
+    def vote(scores: Similarities, keyframes: Int[np.ndarray, "n"]) -> Refined:
+        labels = propagate(scores.argmax(axis=1), scores, positions[keyframes], config.neighbours)
+        return Refined(labels, certain(labels, len(room_names)))
 
     refine = refine or vote
     if config.stairs_name not in room_names or len(room_names) == 1:
-        return RoomLabels(baseline, refine(similarities, np.arange(len(positions))))
+        return RoomLabels(baseline, *refine(similarities, np.arange(len(positions))))
     stairs = room_names.index(config.stairs_name)
     level = np.flatnonzero(~on_stairs(positions, config))
     rooms_only = similarities.copy()
     rooms_only[:, stairs] = -np.inf
     refined = np.full(len(positions), stairs)
-    refined[level] = refine(rooms_only[level], level)
-    return RoomLabels(baseline, refined)
+    probabilities = certain(refined, len(room_names))
+    refined[level], probabilities[level] = refine(rooms_only[level], level)
+    return RoomLabels(baseline, refined, probabilities)
+
+
+def certain(labels: Labels, rooms: int) -> Probabilities:
+    """Return probabilities of 1 for the given labels, where a method does not say how sure it is."""
+    return np.asarray(np.eye(rooms)[labels])
 
 
 def propagate(labels: Labels, similarities: Similarities, positions: Positions, neighbours: int) -> Labels:

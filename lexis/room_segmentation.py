@@ -30,7 +30,7 @@ class Segmentation:
     rooms: tuple[RoomInstance, ...]
     """Room instances, ordered by their first keyframe; `rooms[i].id == i`."""
     floors: PerKeyframe
-    """Floor number of every keyframe: 0 for the lowest floor, -1 on stairs."""
+    """Floor number of every keyframe: 0 for the lowest floor, -1 on stairs and in a moving lift."""
     labels: PerKeyframe
     """Label of every keyframe, as an index into the room names; all keyframes of a room have one label."""
 
@@ -44,7 +44,7 @@ def segment(
 ) -> Segmentation:
     """Group labelled keyframes into room instances and floors.
 
-    1. Find the floors: the stairs divide the walk into level stretches.
+    1. Find the floors: stairs, rides in a lift and ramps divide the walk into level stretches.
     2. Cluster the keyframes in order: each joins the nearest cluster of its label and floor whose running mean is within
        `distance_m`, or starts a new cluster.
     3. Merge clusters of one label and floor, because a large room has several clusters. Two clusters merge if they contain
@@ -60,7 +60,7 @@ def segment(
         cluster: how keyframes are grouped, in place of steps 2 and 3; None: as the paper does.
     """
     stairs = np.array([name == config.stairs_name for name in room_names])[labels]
-    floors = floor_levels(stairs, positions[:, 2])
+    floors = floor_levels(stairs, positions)
     if cluster is None:
         groups = _by_distance(labels, floors, stairs, positions, config)
     else:

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float64, Int
 
 from lexis.config import Config
-from lexis.room_labels import Labels, Refinement, Similarities, label_keyframes
+from lexis.room_labels import Labels, Probabilities, Refined, Refinement, Similarities, certain, label_keyframes
 from lexis.room_segmentation import Clustering, Positions, segment
 from lexis.sight.cameras import largest
 from lexis.sight.pooled_labels import pool_labels
@@ -39,6 +39,7 @@ class Semantics:
     similarities: Float64[np.ndarray, "n rooms"]
     baseline_labels: Int[np.ndarray, "n"]
     labels: Int[np.ndarray, "n"]
+    probabilities: Probabilities
     floors: Int[np.ndarray, "n"]
     rooms: tuple[RoomInstance, ...]
 
@@ -88,6 +89,7 @@ def derive_by_component(
         views.pooled,
         np.concatenate([part.baseline_labels for part in parts])[order],
         np.concatenate([part.labels for part in parts])[order],
+        np.concatenate([part.probabilities for part in parts])[order],
         np.concatenate([part.floors for part in parts])[order],
         tuple(replace(room, id=i) for i, room in enumerate(rooms)),
     )
@@ -120,9 +122,11 @@ def derive(
         config = replace(config, sight=replace(config.sight, min_keyframes=1))
     refine, cluster = _by_sight(views, config)
     labels = label_keyframes(views.pooled, positions, room_names, config.labels, refine)
-    found = labels.refined if given is None else given
-    rooms = segment(found, positions, room_names, config.segmentation, cluster)
-    return Semantics(views.pooled, labels.baseline, rooms.labels, rooms.floors, rooms.rooms)
+    refined, probabilities = labels.refined, labels.probabilities
+    if given is not None:
+        refined, probabilities = given, certain(given, len(room_names))
+    rooms = segment(refined, positions, room_names, config.segmentation, cluster)
+    return Semantics(views.pooled, labels.baseline, rooms.labels, probabilities, rooms.floors, rooms.rooms)
 
 
 def _by_sight(views: Views, config: Config) -> tuple[Refinement | None, Clustering | None]:
@@ -134,9 +138,9 @@ def _by_sight(views: Views, config: Config) -> tuple[Refinement | None, Clusteri
         return None, None
     sees = sight_of_cameras(views.spaces, views.T_W_B, views.camera, config.sight.near_m)
 
-    def refine(scores: Similarities, keyframes: Int[np.ndarray, "n"]) -> Labels:
+    def refine(scores: Similarities, keyframes: Int[np.ndarray, "n"]) -> Refined:
         allowed = np.where(np.isneginf(scores)[:, None], -np.inf, views.similarities[keyframes])
-        return pool_labels(allowed, [seen[keyframes][:, keyframes] for seen in sees], config.sight)[0]
+        return pool_labels(allowed, [seen[keyframes][:, keyframes] for seen in sees], config.sight)
 
     def cluster(labels: Labels, floors: Labels, positions: Positions) -> tuple[Labels, Labels]:
         return cluster_by_sight(labels, floors, positions, largest(sees), config.sight)

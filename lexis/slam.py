@@ -267,6 +267,7 @@ class Slam:
             similarities=semantics.similarities,
             baseline_labels=semantics.baseline_labels,
             labels=semantics.labels,
+            probabilities=semantics.probabilities,
             floors=semantics.floors,
             rooms=semantics.rooms,
             loops=tuple(self._graph.loops),

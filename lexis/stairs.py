@@ -1,4 +1,4 @@
-"""Detection of stairs by height change, whether or not the camera sees them (paper, Sec. III-B)."""
+"""Detection of stairs and of rides in a lift by height change, whether or not the camera sees them (paper, Sec. III-B)."""
 
 import numpy as np
 from jaxtyping import Bool, Float64
@@ -12,18 +12,66 @@ FLOOR_PATH_M = 4.0
 """Least length of a level stretch of the walk that certainly lies on a floor and not on a landing [m]."""
 FLOOR_TOLERANCE_M = 0.4
 """Smallest height difference between a half landing and the nearest floor [m]."""
+RIDE_M = 1.2
+"""Smallest change of height of a ride in a lift [m]."""
+RIDE_SLOPE = 1.3
+"""Smallest ratio of climb to horizontal path in a lift. Stairs that people walk on reach 1.0."""
+RIDE_END_SLOPE = 0.3
+"""Smallest ratio of climb to horizontal path in a step that is partly walked and partly ridden, at either end of a ride."""
 
 PerKeyframe = Float64[np.ndarray, "n"]
 
 
 def on_stairs(positions: Float64[np.ndarray, "n 3"], config: LabelConfig) -> Bool[np.ndarray, "n"]:
-    """Whether each keyframe stands on stairs, including half landings between two flights.
+    """Whether each keyframe stands on stairs, including half landings between two flights, or inside a moving lift.
 
     A keyframe climbs if the height changes by at least `stairs_min_height_m` over `stairs_window_m` of path centred on it.
     Odometry drift over that path is an order of magnitude smaller. At the foot and the top of a flight, half of the window
     covers the flight. With the defaults (2 m, stairs of 30-37 degrees), the detected stairs therefore begin at the first
-    step and end at the last.
+    step and end at the last. A ride in a lift divides the path into walks, so that no window reaches across the ride.
     """
+    stairs = np.ones(len(positions), bool)
+    for walk in _walks(positions):
+        stairs[walk.slice] = _on_flights(positions[walk.slice], config)
+    return stairs
+
+
+def lift_rides(positions: Float64[np.ndarray, "n 3"]) -> list[Stretch]:
+    """Return the rides in a lift, each from the last keyframe before the climb to the first keyframe after it.
+
+    In a ride the height changes by at least `RIDE_M` with almost no horizontal path: in a single step if no images arrive
+    during the ride, otherwise in several steps in the same direction.
+    """
+    steps = np.diff(positions, axis=0)
+    direction = np.where(is_vertical(steps), np.sign(steps[:, 2]), 0.0)
+    rises = [run for run in stretches_of(direction) if direction[run.start] != 0]
+    return [_with_ends(run, steps) for run in rises if abs(steps[run.slice, 2].sum()) >= RIDE_M]
+
+
+def _with_ends(run: Stretch, steps: Float64[np.ndarray, "n 3"]) -> Stretch:
+    """Return the keyframes of a ride, given which of the steps between all keyframes [m] are vertical.
+
+    The step before and the step after the vertical ones belong to the ride, too, if they climb in the same direction.
+    """
+    rising = np.sign(steps[run.start, 2]) * steps[:, 2] > RIDE_END_SLOPE * np.linalg.norm(steps[:, :2], axis=1)
+    rising = np.pad(rising, 1)
+    return Stretch(run.start - int(rising[run.start]), run.stop + 1 + int(rising[run.stop + 1]))
+
+
+def is_vertical(steps: Float64[np.ndarray, "n 3"]) -> Bool[np.ndarray, "n"]:
+    """Whether each step [m] is too steep for stairs, so that only a lift can have carried the camera."""
+    return np.asarray(np.abs(steps[:, 2]) > RIDE_SLOPE * np.linalg.norm(steps[:, :2], axis=1))
+
+
+def _walks(positions: Float64[np.ndarray, "n 3"]) -> list[Stretch]:
+    """Return the stretches of keyframes before, between and after the rides in a lift."""
+    rides = lift_rides(positions)
+    starts = [0, *(ride.stop - 1 for ride in rides)]
+    return [Stretch(a, b) for a, b in zip(starts, [*(ride.start + 1 for ride in rides), len(positions)], strict=True)]
+
+
+def _on_flights(positions: Float64[np.ndarray, "n 3"], config: LabelConfig) -> Bool[np.ndarray, "n"]:
+    """Whether each keyframe of a walk without rides in a lift stands on stairs."""
     if len(positions) < 2:
         return np.zeros(len(positions), bool)
     path = _path(positions)

@@ -290,6 +290,10 @@ class LexisMap:
     """Labels of the keyframes before refinement: for each image, the index of the room name with the largest similarity."""
     labels: Int[np.ndarray, "n"]
     """Labels of the keyframes after refinement, as indices into `room_names`."""
+    probabilities: Float64[np.ndarray, "n rooms"]
+    """How probable it is that the room around each keyframe has each of `room_names`, from the images that show the place.
+    The probabilities are calibrated on generated houses for the label method "sight". A keyframe on a climb is on stairs
+    with probability 1, and other methods give their own label the probability 1."""
     floors: Int[np.ndarray, "n"]
     """Floor number of every keyframe: 0 for the lowest floor, -1 on stairs."""
     rooms: tuple[RoomInstance, ...]
@@ -311,6 +315,10 @@ class LexisMap:
         for room in self.rooms:
             room_of[list(room.keyframes)] = room.id
         return room_of
+
+    def probability_of(self, room: RoomInstance) -> float:
+        """Return the probability that the label of a room is right, which is the mean over its keyframes."""
+        return float(self.probabilities[list(room.keyframes), self.room_names.index(room.label)].mean())
 
     def label_of(self, keyframe: int) -> str:
         """Return the room name of a keyframe."""

@@ -45,6 +45,7 @@ MAX_STOREYS = 8
 """Largest number of storeys of a house."""
 Seed = Annotated[int, Field(ge=0, lt=2**63, description="a seed")]
 OpeningKind = Literal["door", "cased", "arch", "half wall", "counter", "open"]
+Climb = Literal["flights", "spiral", "lift"]
 PASSABLE: tuple[OpeningKind, ...] = ("door", "cased", "arch", "open")
 """Kinds of openings that a person can walk through; a half wall or a counter can only be looked over."""
 
@@ -71,6 +72,10 @@ class RoomSpec(_Data):
     seed: Seed | None = Field(
         default=None,
         description="seed of the room's furniture and finishes, the same for twin rooms; absent: from the house's seed",
+    )
+    climb: Climb = Field(
+        default="flights",
+        description="for stairs: flights of steps, a spiral, or a lift; spirals and lifts have one opening on every storey",
     )
 
     @field_validator("label")

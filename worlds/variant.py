@@ -6,8 +6,10 @@ from worlds.errors import WorldsError
 from worlds.floor_plans.symmetry import in_place
 from worlds.floor_plans.upper_storey import with_storey_on_top
 from worlds.house import House, build_house
+from worlds.labels import STAIRS
 from worlds.openings.openness import with_openness
-from worlds.spec import FurnitureSpec, HouseSpec, WindowSpec
+from worlds.spec import Climb, FurnitureSpec, HouseSpec, StoreySpec, WindowSpec
+from worlds.stairs.cells import openings_of
 
 _DIGITS = 6
 
@@ -21,6 +23,7 @@ def variant(
     rotate: int = 0,
     repaint: int | None = None,
     add_storey: bool = False,
+    climb: Climb | None = None,
 ) -> HouseSpec:
     """Return a house that differs from `spec` in the properties given as arguments, and in nothing else.
 
@@ -34,6 +37,7 @@ def variant(
         rotate: number of quarter turns, counter-clockwise.
         repaint: new `appearance.seed`; all geometry stays.
         add_storey: whether the plan of the top storey is repeated on top, with new room ids and therefore new furniture.
+        climb: what takes the place of all stairs: "lift" or "spiral". Each keeps its first opening on every storey.
 
     Room ids stay, because the random numbers of a room depend on its id. Before a house is mirrored or rotated, its windows
     and furniture are written into the spec, so that they stay at their walls. The textures of rooms are painted anew; they
@@ -48,6 +52,8 @@ def variant(
         spec = spec.model_copy(update={"clutter": clutter})
     if add_storey:
         spec = with_storey_on_top(spec)
+    if climb is not None:
+        spec = spec.model_copy(update={"storeys": tuple(_with_climb(storey, climb) for storey in spec.storeys)})
     if openness is not None:
         spec = with_openness(spec, openness)
     if mirror or rotate % 4:
@@ -73,6 +79,14 @@ def in_texture(spec: HouseSpec, texture: Literal["rich", "poor", "repeating"]) -
 def _looking(spec: HouseSpec, **appearance: str | int) -> HouseSpec:
     """Return the house with other values of the given fields of its appearance."""
     return spec.model_copy(update={"appearance": spec.appearance.model_copy(update=appearance)})
+
+
+def _with_climb(storey: StoreySpec, climb: Climb) -> StoreySpec:
+    """Return the storey with another way to climb in its rooms of stairs, of which each keeps its first opening."""
+    rooms = [room.model_copy(update={"climb": climb}) if room.label == STAIRS else room for room in storey.rooms]
+    surplus = {place for room in rooms if room.label == STAIRS for place, _ in list(openings_of(storey, room))[1:]}
+    openings = [opening for place, opening in enumerate(storey.openings) if place not in surplus]
+    return storey.model_copy(update={"rooms": tuple(rooms), "openings": tuple(openings)})
 
 
 def explicit(spec: HouseSpec) -> HouseSpec:

@@ -1,7 +1,8 @@
 """Figures that compare a run with the truth: pure functions of arrays, without the simulator.
 
 There is a module for each aspect of a run: `labels`, `rooms` (with `partitions`), `floors`, `loops` and `place_recognition`
-(with `relative`), `trajectory`, `planning`, and `coverage` of the walk by keyframes.
+(with `relative`), `trajectory`, `planning`, `coverage` of the walk by keyframes, and
+`certainty`, for whether stated probabilities are calibrated.
 """
 
 import lazy_loader

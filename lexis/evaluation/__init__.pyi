@@ -1,3 +1,6 @@
+from .certainty import Reliability as Reliability
+from .certainty import calibration_error as calibration_error
+from .certainty import reliability as reliability
 from .coverage import path_covered as path_covered
 from .floors import floor_accuracy as floor_accuracy
 from .floors import floor_count_error as floor_count_error

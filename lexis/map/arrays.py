@@ -30,6 +30,7 @@ LAYOUT: Layout = {
     "similarities": ("f8", ("keyframes", "room_names")),
     "baseline_labels": ("i8", ("keyframes",)),
     "labels": ("i8", ("keyframes",)),
+    "probabilities": ("f8", ("keyframes", "room_names")),
     "floors": ("i8", ("keyframes",)),
     "room_of": ("i8", ("keyframes",)),
     "room_mean": ("f8", ("rooms", 3)),
@@ -88,6 +89,7 @@ def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
         "similarities": map.similarities,
         "baseline_labels": map.baseline_labels,
         "labels": map.labels,
+        "probabilities": map.probabilities,
         "floors": map.floors,
         "room_of": map.room_of,
         "room_mean": [room.mean for room in map.rooms],
@@ -203,6 +205,7 @@ def _check_references(arrays: Arrays) -> None:
     bounds = {
         "labels": (0, arrays["similarities"].shape[1]),
         "baseline_labels": (0, arrays["similarities"].shape[1]),
+        "probabilities": (0.0, np.nextafter(1.0, 2.0)),
         "floors": (-1, n),
         "room_of": (-1, len(arrays["room_mean"])),
         "loop_query": (0, n),

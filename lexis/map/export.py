@@ -90,6 +90,7 @@ def summary(map: LexisMap) -> dict[str, Any]:
             "position_m": map.T_W_B[i, :3, 3].tolist(),
             "orientation_xyzw": quaternions[i].tolist(),
             "label": map.label_of(i),
+            "probability": float(map.probabilities[i, map.labels[i]]),
             "room": room_of.get(i),
             "floor": int(map.floors[i]) if map.floors[i] >= 0 else None,
         }
@@ -99,6 +100,7 @@ def summary(map: LexisMap) -> dict[str, Any]:
         {
             "name": name,
             "label": room.label,
+            "probability": map.probability_of(room),
             "floor": room.floor,
             "mean_m": room.mean.tolist(),
             "keyframes": list(room.keyframes),

@@ -102,6 +102,7 @@ def load_map(directory: Path) -> LexisMap:
         similarities=arrays["similarities"],
         baseline_labels=arrays["baseline_labels"],
         labels=arrays["labels"],
+        probabilities=arrays["probabilities"],
         floors=arrays["floors"],
         rooms=_rooms(directory, header, arrays),
         loops=unpack_loops(arrays),

@@ -21,7 +21,13 @@ def map_info(map: LexisMap) -> dict[str, Any]:
     same = np.diff([keyframe.session for keyframe in map.keyframes]) == 0
     size = map.camera.intrinsics
     rooms = [
-        {"name": name, "label": room.label, "floor": room.floor, "keyframes": len(room.keyframes)}
+        {
+            "name": name,
+            "label": room.label,
+            "probability": map.probability_of(room),
+            "floor": room.floor,
+            "keyframes": len(room.keyframes),
+        }
         for room, name in zip(map.rooms, instance_names(map.rooms), strict=True)
     ]
     return {
@@ -48,7 +54,7 @@ def info_text(info: dict[str, Any]) -> str:
     width = max([4, *(len(room["name"]) for room in info["rooms"])])
     floors = ["stairs" if room["floor"] is None else room["floor"] for room in info["rooms"]]
     rooms = [
-        f"{room['name']:{width}s}  {floor:>6}  {room['keyframes']:9d}"
+        f"{room['name']:{width}s}  {floor:>6}  {room['keyframes']:9d}  {room['probability']:8.0%}"
         for room, floor in zip(info["rooms"], floors, strict=True)
     ]
     return "\n".join([
@@ -64,7 +70,7 @@ def info_text(info: dict[str, Any]) -> str:
         f"room names  {', '.join(info['room_names'])}",
         *([f"unused      {', '.join(info['unused_room_names'])}"] if info["unused_room_names"] else []),
         "",
-        f"{'room':{width}s}  {'floor':>6s}  keyframes",
+        f"{'room':{width}s}  {'floor':>6s}  keyframes  probable",
         *rooms,
     ])  # fmt: skip
 

@@ -1,6 +1,8 @@
-"""Directions in words for a planned path: the rooms that it passes through, its turns, and its stairs."""
+"""Directions in words for a planned path: the rooms that it passes through, its turns, and its stairs and lifts."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -11,6 +13,7 @@ from lexis.maths.paths import arc_length
 from lexis.maths.stretches import stretches_of
 from lexis.planning.planner import Plan
 from lexis.room_names import instance_names
+from lexis.stairs import lift_rides
 from lexis.types import LexisMap
 
 TURN_RAD = np.radians(45.0)
@@ -23,7 +26,7 @@ heading after it."""
 SAMPLE_M = 0.1
 """Spacing of the points on the path at which turns are sought [m]."""
 MIN_CLIMB_M = 0.5
-"""Smallest height difference over stairs that counts as going up or down [m]."""
+"""Smallest height difference over stairs or in a lift that counts as going up or down [m]."""
 
 
 @dataclass(frozen=True)
@@ -37,10 +40,10 @@ class Step:
 
 
 def directions(map: LexisMap, plan: Plan) -> tuple[Step, ...]:
-    """Return the directions along the path, in order: start, rooms entered, turns, stairs and arrival."""
+    """Return the directions along the path, in order: start, rooms entered, turns, stairs and lifts, and arrival."""
     positions = map.T_W_B[list(plan.keyframes), :3, 3]
     path = arc_length(positions)
-    steps = [*_rooms(map, plan, path), *_stairs(map, plan, path), *_turns(positions, path)]
+    steps = [*_rooms(map, plan, path), *_climbs(map, plan, path), *_turns(positions, path)]
     return tuple(sorted(steps, key=lambda step: step.at_m))
 
 
@@ -94,20 +97,33 @@ def _from_start_to_goal(rooms: Int[np.ndarray, "n"], plan: Plan) -> Int[np.ndarr
     return rooms
 
 
-def _stairs(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[Step]:
-    """Return a direction for every stretch on stairs that goes up or down by at least `MIN_CLIMB_M`.
+def _climbs(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[Step]:
+    """Return a direction for every change of floor that goes up or down by at least `MIN_CLIMB_M`.
 
-    If the path continues on a floor after the stairs, the direction names the floor.
+    If the path continues on a floor after stairs or a ride in a lift, the direction names the floor.
     """
-    floors, heights = map.floors[list(plan.keyframes)], map.T_W_B[list(plan.keyframes), 2, 3]
+    floors, positions = map.floors[list(plan.keyframes)], map.T_W_B[list(plan.keyframes), :3, 3]
     steps = []
-    for run in stretches_of(np.equal(floors, NO_FLOOR)):
-        before, after = max(run.start - 1, 0), min(run.stop, len(floors) - 1)
-        climb = heights[after] - heights[before]
-        if floors[run.start] == NO_FLOOR and abs(climb) >= MIN_CLIMB_M:
+    for at, before, after in _changes_of_floor(floors):
+        climb = positions[after, 2] - positions[before, 2]
+        if abs(climb) >= MIN_CLIMB_M:
+            way = "lift" if lift_rides(positions[before : after + 1]) else "stairs"
             leads = "" if floors[after] == NO_FLOOR else f" to floor {floors[after]}"
-            steps.append(Step(float(path[run.start]), f"take the stairs {'up' if climb > 0 else 'down'}{leads}"))
+            steps.append(Step(float(path[at]), f"take the {way} {'up' if climb > 0 else 'down'}{leads}"))
     return steps
+
+
+def _changes_of_floor(floors: Int[np.ndarray, "n"]) -> Iterator[tuple[int, int, int]]:
+    """Yield where each change of floor begins, and the keyframes before and after it, as indices into the path.
+
+    A change is a stretch of keyframes between floors, or a step from one floor to another, as in a lift without images.
+    """
+    runs = stretches_of(floors)
+    for run, following in zip_longest(runs, runs[1:]):
+        if floors[run.start] == NO_FLOOR:
+            yield run.start, max(run.start - 1, 0), min(run.stop, len(floors) - 1)
+        elif following is not None and floors[following.start] != NO_FLOOR:
+            yield run.stop - 1, run.stop - 1, following.start
 
 
 def _turns(positions: Float64[np.ndarray, "n 3"], path: Float64[np.ndarray, "n"]) -> list[Step]:

@@ -45,6 +45,7 @@ def relabel(map: LexisMap, room_names: Sequence[str], encoder: Encoder, config: 
         similarities=meaning.similarities,
         baseline_labels=meaning.baseline_labels,
         labels=meaning.labels,
+        probabilities=meaning.probabilities,
         floors=meaning.floors,
         rooms=meaning.rooms,
     )

@@ -6,8 +6,8 @@ keyframe is therefore surely inside its room if three conditions hold:
 
 1. Keyframes with other labels are at least `INSIDE_M` away, because labels are uncertain at the boundary of a room, and
    because a robot whose estimate has drifted may stop a little in front of the keyframe.
-2. The images that show the places around the keyframe agree on the label: its mean probability (`lexis.sight.pooled_labels`,
-   before keyframes come to agree with their neighbours) over the keyframes within `AROUND_M` is at least `AGREEING`.
+2. The images that show the places around the keyframe agree on the label: its mean probability (`LexisMap.probabilities`)
+   over the keyframes within `AROUND_M` is at least `AGREEING`.
 3. The evidence at the keyframe (`lexis.planning.evidence`) is at least the share `CLEAR` of the evidence at the innermost
    keyframe of any room with the label.
 """
@@ -16,49 +16,31 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int
 from scipy.spatial import cKDTree
 
-from lexis.config import SightConfig
 from lexis.maths.ties import rounded
 from lexis.planning.evidence import evidence_at
-from lexis.sight.pooled_labels import pool_labels
-from lexis.sight.visible_space import sight_of_cameras, spaces_in_view
 from lexis.types import LexisMap, RoomInstance
 
 INSIDE_M = 1.0
 """Least distance of a keyframe that is surely inside its room from the nearest keyframe with another label [m]."""
 AROUND_M = 1.25
 """The probabilities of labels are averaged over the keyframes within this distance [m]."""
-AGREEING = 0.9
+AGREEING = 0.85
 """Least mean probability of the room's label around a keyframe that is surely inside the room."""
 CLEAR = 0.3
 """Least evidence at a keyframe that is surely inside its room, as a share of the largest evidence of rooms of its label."""
 
 
-def label_probabilities(map: LexisMap) -> Float64[np.ndarray, "n rooms"]:
-    """Return the probabilities of the labels of every keyframe, from the images that show the place of the keyframe.
-
-    The default settings apply, because a map does not contain the settings with which it was made. The images of a rig of
-    several cameras count with their mean similarities, because a map does not contain those of each camera.
-    """
-    config = SightConfig(passes=0)
-    spaces = [spaces_in_view(keyframe, map.camera, config) for keyframe in map.keyframes]
-    sees = sight_of_cameras(spaces, map.T_W_B, map.camera, config.near_m)
-    return pool_labels(np.repeat(map.similarities[:, None], len(sees), axis=1), sees, config)[1]
-
-
-def surely_inside(
-    map: LexisMap, room: RoomInstance, probabilities: Float64[np.ndarray, "n rooms"], clear: float
-) -> Int[np.ndarray, "k"]:
+def surely_inside(map: LexisMap, room: RoomInstance, clear: float) -> Int[np.ndarray, "k"]:
     """Return the ids of the keyframes of a room at which a robot is surely inside the room, ascending; there may be none.
 
     Args:
         map: the map.
         room: the room.
-        probabilities: the result of `label_probabilities`.
         clear: the largest evidence at the innermost keyframe of any room with the label.
     """
     own, label = np.array(room.keyframes), map.room_names.index(room.label)
     own = own[_is_deep(map, own, label)]
-    own = own[_is_agreed(map, own, probabilities[:, label])]
+    own = own[_is_agreed(map, own, map.probabilities[:, label])]
     return np.asarray(own[evidence_at(map, room.label, own) >= CLEAR * clear]) if len(own) else own
 
 

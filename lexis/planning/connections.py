@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 from lexis.config import PlannerConfig
 from lexis.keyframes import MAX_STEP_M
 from lexis.planning.shortcuts import shortcuts
+from lexis.stairs import is_vertical
 from lexis.types import LexisMap, LoopArrays
 
 MIN_LOOP_WEIGHT = 0.5
@@ -31,10 +32,15 @@ def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
 
 
 def walked_steps(map: LexisMap) -> Pairs:
-    """Return the pairs of consecutive keyframes, except at gaps in the recording."""
-    sessions = np.array([keyframe.session for keyframe in map.keyframes])
+    """Return the pairs of consecutive keyframes, except at gaps in the recording.
+
+    A vertical step of any length is a ride in a lift and no gap: the robot rode it, and can ride it again.
+    """
+    sessions, positions = np.array([keyframe.session for keyframe in map.keyframes]), map.T_W_B[:, :3, 3]
     last = np.flatnonzero(sessions[:-1] == sessions[1:])
-    return _pairs_within(np.stack([last, last + 1], axis=1), map.T_W_B[:, :3, 3], MAX_STEP_M)
+    steps = positions[last + 1] - positions[last]
+    travelled = (np.linalg.norm(steps, axis=1) <= MAX_STEP_M) | is_vertical(steps)
+    return np.stack([last[travelled], last[travelled] + 1], axis=1)
 
 
 def unwalked_steps(map: LexisMap, config: PlannerConfig) -> Pairs:

@@ -11,14 +11,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int
+from jaxtyping import Bool, Int
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from lexis.config import PlannerConfig
 from lexis.errors import PlanError
-from lexis.planning.arrivals import label_probabilities, surely_inside
+from lexis.planning.arrivals import surely_inside
 from lexis.planning.connections import Pairs, as_graph, unwalked_steps, walked_steps
 from lexis.planning.path_ends import PathEnd, clear_ends, path_end
 from lexis.planning.shortcuts import points_between
@@ -120,12 +120,8 @@ class PathPlanner:
     def _surely_inside(self, room: RoomInstance) -> Int[np.ndarray, "k"]:
         if room.id not in self._inside:
             clear = max(self._end(other).evidence for other in self._map.rooms if other.label == room.label)
-            self._inside[room.id] = surely_inside(self._map, room, self._probabilities, clear)
+            self._inside[room.id] = surely_inside(self._map, room, clear)
         return self._inside[room.id]
-
-    @cached_property
-    def _probabilities(self) -> Float64[np.ndarray, "n rooms"]:
-        return label_probabilities(self._map)
 
     @cached_property
     def _steps(self) -> tuple[Pairs, Pairs]:

@@ -3,12 +3,13 @@
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Float64, Int
+from jaxtyping import Float64
 from scipy.sparse import csr_array, diags_array
 from scipy.special import softmax
 
 from lexis.config import SightConfig
 from lexis.maths.ties import rounded
+from lexis.room_labels import Refined
 from lexis.sight.cameras import mean
 
 _BELIEF_FLOOR = 0.01
@@ -18,14 +19,15 @@ _NEVER = 1e-9
 
 def pool_labels(
     similarities: Float64[np.ndarray, "n cameras rooms"], sees: Sequence[csr_array], config: SightConfig
-) -> tuple[Int[np.ndarray, "n"], Float64[np.ndarray, "n rooms"]]:
-    """Label each keyframe by the images that show its place, and return the labels and the probabilities of all labels.
+) -> Refined:
+    """Label each keyframe by the images that show its place, and return the labels and how probable all labels are.
 
     1. Convert the similarities of each image to log probabilities, which are the evidence of the image.
     2. Sum up, for each keyframe, the evidence of all images, weighted by the share of the image's visible space that lies
        near the keyframe. The keyframe's own image counts `own_weight` in addition. The probabilities that follow from this
        sum are the keyframe's beliefs. With several cameras, the evidence is the mean over the cameras, so that cameras with
-       overlapping views do not count twice.
+       overlapping views do not count twice. The calibrated probabilities, which are returned, follow in the same way from
+       the share `independence` of the sum.
     3. Let keyframes come to agree, in a few passes of logarithmic opinion pooling. The neighbours of a keyframe are the
        other keyframes that see its place. In each pass, every keyframe adds the mean log belief of its neighbours, times
        `neighbour_weight`, to its evidence.
@@ -34,6 +36,10 @@ def pool_labels(
         similarities: cosine similarities of the images of every keyframe, one for each camera, with the room names.
         sees: for each camera, the matrix that `lexis.sight.visible_space.sight` returns.
         config: the weights, the temperature of the probabilities, and the number of passes.
+
+    Returns:
+        The label of every keyframe, and the probabilities of all labels from the images alone. A label that the neighbours
+        have changed may therefore be improbable.
     """
     images = np.log(softmax(rounded(similarities) / config.temperature, axis=2) + config.least_probability)
     evidence = mean([seen @ own + config.own_weight * own for own, seen in zip(images.swapaxes(0, 1), sees, strict=True)])
@@ -42,7 +48,7 @@ def pool_labels(
     for _ in range(config.passes):
         agreed = neighbours @ np.log(beliefs + _BELIEF_FLOOR)
         beliefs = softmax(evidence + config.neighbour_weight * agreed, axis=1)
-    return rounded(beliefs).argmax(axis=1), beliefs
+    return Refined(rounded(beliefs).argmax(axis=1), softmax(config.independence * evidence, axis=1))
 
 
 def _between_others(sees: csr_array) -> csr_array:

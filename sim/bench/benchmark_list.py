@@ -20,14 +20,34 @@ class Extent:
     """Options of the sweeps that need images."""
     encoders: str
     """Presets of the houses in which encoders are compared."""
+    drivers: str
+    """Drivers of plans, by their names in `sim.bench.planning`."""
     length: int
     """Length of the long walk [m]."""
     rooms: int
     """Number of rooms of the house of the long walk."""
 
 
-QUICK = Extent(houses=2, fidelity="features", walk=75, sweep="--length 60", encoders="home", length=1000, rooms=10)
-FULL = Extent(houses=5, fidelity="render", walk=250, sweep="", encoders="ori home", length=10000, rooms=40)
+QUICK = Extent(
+    houses=2,
+    fidelity="features",
+    walk=75,
+    sweep="--length 60",
+    encoders="home",
+    drivers="LEXIS odometry",
+    length=1000,
+    rooms=10,
+)
+FULL = Extent(
+    houses=5,
+    fidelity="render",
+    walk=250,
+    sweep="",
+    encoders="ori home",
+    drivers="truth LEXIS odometry",
+    length=10000,
+    rooms=40,
+)
 
 
 @dataclass(frozen=True)
@@ -60,7 +80,8 @@ _LIST = (
     ("kernels", "kernels --houses {houses} --seed 500 --csv {out}/kernels.csv --plot {out}/kernels.png", 30),
     ("sessions", "sessions --houses {houses} --seed 500", 25),
     ("rigs", "rigs --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/rigs.csv", 40),
-    ("planning", "planning --houses {houses} --seed 500", 200),
+    ("planning", "planning --houses {houses} --fidelity {fidelity} --drivers {drivers} --seed 500", 60),
+    ("certainty", "certainty --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 20),
     ("queries", "queries --houses {houses} --seed 500", 85),
     ("fidelity", "fidelity --houses {houses} --seed 500", 30),
 )

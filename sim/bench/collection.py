@@ -15,6 +15,8 @@ from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
+from tempfile import TemporaryFile
+from typing import BinaryIO
 
 from lexis.files.replace import replaced_file
 from sim.bench.benchmark_list import Benchmark
@@ -33,6 +35,8 @@ class Outcome:
     benchmark: Benchmark
     seconds: float | None
     """Wall time [s]; None if its file was there already."""
+    processor_s: float = 0.0
+    """Processor time of all its processes [s]."""
     error: str = ""
     """The last lines of its error output; empty if it succeeded."""
 
@@ -92,11 +96,21 @@ def _run(benchmark: Benchmark, out: Path, heading: str) -> Outcome:
     start = time.perf_counter()
     command = (sys.executable, "-m", "sim.cli", "bench", *benchmark.arguments)
     environment = {**os.environ, "PYTHONUTF8": "1"} | ({} if benchmark.is_timing else ONE_THREAD)
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, encoding="utf-8")
-    seconds = time.perf_counter() - start
-    if done.returncode:
-        said = (done.stderr or done.stdout).strip().splitlines()[-_LAST_LINES:]
-        return Outcome(benchmark, seconds, "\n".join(said) or f"exit status {done.returncode}")
+    with TemporaryFile() as printed, TemporaryFile() as errors:
+        process = subprocess.Popen(command, env=environment, stdout=printed, stderr=errors)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        tables, complaints = (_content(stream) for stream in (printed, errors))
+    seconds, processor_s = time.perf_counter() - start, usage.ru_utime + usage.ru_stime
+    if process.returncode:
+        said = (complaints or tables).strip().splitlines()[-_LAST_LINES:]
+        return Outcome(benchmark, seconds, processor_s, "\n".join(said) or f"exit status {process.returncode}")
     with replaced_file(file) as new:
-        new.write_text(f"{beginning}took {seconds:.0f} s\n\n{done.stdout}", encoding="utf-8")
-    return Outcome(benchmark, seconds)
+        took = f"took {seconds:.0f} s, {processor_s:.0f} s of processor time"
+        new.write_text(f"{beginning}{took}\n\n{tables}", encoding="utf-8")
+    return Outcome(benchmark, seconds, processor_s)
+
+
+def _content(stream: BinaryIO) -> str:
+    stream.seek(0)
+    return stream.read().decode("utf-8")

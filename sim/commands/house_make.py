@@ -57,6 +57,7 @@ def _variant(arguments: argparse.Namespace) -> int:
         rotate=arguments.rotate,
         repaint=arguments.repaint,
         add_storey=arguments.add_storey,
+        climb=arguments.climb,
     )
     changed = _with_appearance(changed, arguments)
     if changed == spec:
@@ -138,6 +139,7 @@ VARIANT = Action(
         argument("--rotate", type=int, default=0, metavar="N", help="turn the house by N quarter turns counter-clockwise"),
         argument("--repaint", type=seed, metavar="SEED", help="draw other materials and colours"),
         argument("--add-storey", action="store_true", help="repeat the plan of the top storey on top"),
+        argument("--climb", choices=("lift", "spiral"), help="put lifts or spiral stairs in place of all stairs"),
         *_APPEARANCE,
         _OUT,
     ),

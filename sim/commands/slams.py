@@ -33,6 +33,9 @@ def add_slam(parser: argparse.ArgumentParser) -> None:
     slam.add_argument("--command", dest="program", metavar='"PROGRAM {dataset} {out}"', help=COMMAND_HELP)
     parser.add_argument("--format", choices=FORMATS, help="format of the recording for --command (default: euroc)")
     parser.add_argument(
+        "--image-format", choices=("png", "jpg", "raw"), help="of the recording for --command; raw in bags (default: png)"
+    )
+    parser.add_argument(
         "--timeout", type=number(0.1, 1e6), metavar="S", help="seconds after which --command is stopped (default: 600)"
     )
     parser.add_argument(
@@ -75,7 +78,7 @@ def replay_of(arguments: argparse.Namespace) -> "Replay":
     from sim.harness.failure_folder import LEXIS_REPLAY, Replay
 
     if arguments.program is not None:
-        given = ", ".join(map(repr, (arguments.program, *_limits(arguments))))
+        given = ", ".join(map(repr, (arguments.program, *_settings(arguments))))
         return Replay(
             "from sim.programs import Program, run_command", f"run_command(scenario, {given})", f"Program({given})"
         )
@@ -88,23 +91,24 @@ def replay_of(arguments: argparse.Namespace) -> "Replay":
 
 def refuse_program_options(arguments: argparse.Namespace) -> None:
     """Raise `SimError` if an option for programs is given without a program."""
-    for option in ("format", "timeout", "memory"):
+    for option in ("format", "image_format", "timeout", "memory"):
         if getattr(arguments, option) is not None:
-            raise SimError(f"--{option} is for programs; valid: with --command")
+            raise SimError(f"--{option.replace('_', '-')} is for programs; valid: with --command")
 
 
 def program_of(arguments: argparse.Namespace) -> "Program":
     """Return the program that `--command` names, with its limits. Raises `SimError` for a command that is not valid."""
     from sim.programs.command import Program
 
-    return Program(arguments.program, *_limits(arguments))
+    return Program(arguments.program, *_settings(arguments))
 
 
-def _limits(arguments: argparse.Namespace) -> tuple[str, float, float]:
-    """Return the format of the recording, and the program's limits of time [s] and memory [MB]."""
+def _settings(arguments: argparse.Namespace) -> tuple[str, float, float, str]:
+    """Return the format of the recording, the program's limits of time [s] and memory [MB], and the kind of images."""
     from sim.programs.command import MEMORY_MB, TIMEOUT_S
 
-    return arguments.format or "euroc", arguments.timeout or TIMEOUT_S, arguments.memory or MEMORY_MB
+    limits = arguments.timeout or TIMEOUT_S, arguments.memory or MEMORY_MB
+    return arguments.format or "euroc", *limits, arguments.image_format or "png"
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from sim.harness.runner import run
 from sim.harness.scenario import Scenario
 from worlds.errors import WorldsError
 from worlds.spec import HouseSpec
+from worlds.validation import built_and_checked
 from worlds.variant import in_light, variant
 
 SMALL_M = 0.5
@@ -190,8 +191,13 @@ def without_clutter(spec: HouseSpec) -> HouseSpec:
 
 
 def _closed(spec: HouseSpec) -> HouseSpec | None:
-    """Return the house with openness 0: doors replace all wider openings. None if the walls are too short for doors."""
+    """Return the house with openness 0: doors replace all wider openings.
+
+    None if the walls are too short for doors, or if a door would open into listed furniture.
+    """
     try:
-        return variant(spec, openness=0.0)
+        closed = variant(spec, openness=0.0)
+        built_and_checked(closed)
     except WorldsError:
         return None
+    return closed

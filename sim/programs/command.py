@@ -50,21 +50,22 @@ class CommandSlam:
 class Program:
     """A program under test with its limits. It runs scenarios as `run_command` does, and can be sent to other processes.
 
-    Raises `SimError` for a command or a format that is not valid.
+    Raises `SimError` for a command, a format or a kind of images that is not valid.
     """
 
     command: str
     format: str = "euroc"
     timeout_s: float = TIMEOUT_S
     memory_mb: float = MEMORY_MB
+    images: str = "png"
 
     def __post_init__(self) -> None:
         command_words(self.command)
-        check_format(self.format)
+        check_format(self.format, self.images)
 
     def __call__(self, scenario: Scenario, progress: Progress | None = None) -> Run:
         """Run the program on a scenario."""
-        return run_command(scenario, self.command, self.format, self.timeout_s, self.memory_mb, progress)
+        return run_command(scenario, self.command, self.format, self.timeout_s, self.memory_mb, self.images, progress)
 
 
 def run_command(
@@ -73,6 +74,7 @@ def run_command(
     format: str = "euroc",
     timeout_s: float = TIMEOUT_S,
     memory_mb: float = MEMORY_MB,
+    images: str = "png",
     progress: Progress | None = None,
 ) -> Run:
     """Record a scenario without its truth, run a program on the recording, and return the program's claims with the truth.
@@ -84,13 +86,14 @@ def run_command(
         format: format of the recording: euroc, tum, ros2 or mcap.
         timeout_s: wall time after which the program is stopped [s].
         memory_mb: memory that each process of the program may allocate [MB].
+        images: png, jpg or, in bags only, raw.
         progress: called after every recorded frame with the share of frames done, in [0, 1].
 
     Raises `ProgramError` if the program fails, `ClaimError` if it writes files that are not valid, and whatever
     `sim.record.record` raises.
     """
     words = command_words(command)
-    check_format(format)
+    check_format(format, images)
     last = last_run()
     scenario = last.begin(scenario)
     if scenario.fidelity != "render":
@@ -111,7 +114,7 @@ def run_command(
             frames.append(_Frame.of(frame))
 
         with timed("render_s"):
-            write_take(folders[DATASET], take, format, progress=progress, note=note)
+            write_take(folders[DATASET], take, format, images, progress, note)
         for placeholder, folder in folders.items():
             words = [word.replace(placeholder, str(folder)) for word in words]
         last.done = 0.0

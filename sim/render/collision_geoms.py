@@ -32,13 +32,19 @@ def add_collisions(spec: "mujoco.MjSpec", house: House) -> None:
 
 
 def add_ground(spec: "mujoco.MjSpec", house: House) -> list["mujoco.MjsGeom"]:
-    """Add the surfaces that a robot stands on (floors and stairs) to `spec`, as static geoms named "<id>#<number>"."""
+    """Add the surfaces that a robot stands on (floors and stairs) to `spec`, as static geoms named "<id>#<number>".
+
+    A lift has a platform on every storey, because its one platform is wherever the robot is.
+    """
     geoms = []
     for room in house.rooms:
         for i, (x0, y0, x1, y1) in enumerate(rectangles(room.polygon)):
             geoms.append(_add_box(spec, f"{room.id}/floor#{i}", (x0, y0, room.floor_m - _FLOOR_M), (x1, y1, room.floor_m)))
     for flight in house.stairs:
         geoms += _add_parts(spec, _name(flight), flight.treads + flight.floors, (0.0, 0.0, 0.0), 0.0)
+        if flight.kind == "lift":
+            (x0, y0, x1, y1), top = house.room_by_id[flight.room].polygon.bounds, float(flight.walking_line[-1, 2])
+            geoms.append(_add_box(spec, f"{_name(flight)}/platform#0", (x0, y0, top - _FLOOR_M), (x1, y1, top)))
     return geoms
 
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 from jaxtyping import Float64, UInt8
+from shapely.affinity import rotate
 from shapely.geometry import Polygon, box
 
 from sim.report.data import FloorPlan, PlannedLeaf, PlannedOpening, PlannedRoom
@@ -97,4 +98,4 @@ def _outline(polygon: Polygon) -> Float64[np.ndarray, "corners 2"]:
 
 def _tread(part: Part) -> Float64[np.ndarray, "corners 2"]:
     (x, y, _), (w, d, _) = part.centre, part.size
-    return _outline(box(x - w / 2, y - d / 2, x + w / 2, y + d / 2))
+    return _outline(rotate(box(x - w / 2, y - d / 2, x + w / 2, y + d / 2), part.yaw, use_radians=True))

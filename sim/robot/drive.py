@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float64
@@ -10,6 +11,7 @@ from sim.errors import SimError
 from sim.robot.body import Body
 from sim.robot.controller import SPEED_M_S, STEP_S, Controller
 from sim.robot.dead_reckoning import DeadReckoning
+from sim.robot.route import legs
 from sim.robot.scan import RangeScanner
 from worlds.house import House
 from worlds.truth import NOWHERE, room_at
@@ -56,24 +58,42 @@ class Robot:
         self._house, self._blind = house, blind
         self._body = Body(house)
         self._scanner = RangeScanner(self._body)
+        lifts = [house.room_by_id[flight.room] for flight in house.stairs if flight.kind == "lift"]
+        self._lifts = frozenset(house.rooms.index(room) for room in lifts)
 
     def drive(self, start: Float64[np.ndarray, "3"], yaw: float, pose: DeadReckoning,
               waypoints: Float64[np.ndarray, "k 3"]) -> Drive:  # fmt: skip
         """Drive through the waypoints, from the true position `start` on the ground [m] and the true `yaw` [rad] in W.
+
+        Where the waypoints rise or fall vertically, the robot rides the lift that it stands in; elsewhere it ends there.
 
         The waypoints and the estimated `pose` are in the robot's own frame, which drifts. The drive updates `pose`. Raises
         `SimError` if there is no waypoint, if a waypoint is not finite, or if there is no ground at `start`.
         """
         if len(waypoints) == 0 or not np.isfinite(waypoints).all():
             raise SimError(f"drive: waypoints are {waypoints.tolist()}; valid: at least one, all finite")
-        controller = Controller(waypoints)
-        touched = self._body.stand(start)
-        path, unseen = [self._body.position], math.inf
-        for _ in range(_most_steps(waypoints)):
-            if touched:
+        touched, path = self._body.stand(start), [self._body.position]
+        parts = legs(waypoints)
+        if not touched:
+            touched, yaw = self._follow(parts[0], yaw, pose, path)
+        for before, part in pairwise(parts):
+            if touched or not self._ride(float(part[0, 2] - before[-1, 2])):
                 break
+            path.append(self._body.position)
+            touched, yaw = self._follow(part, yaw, pose, path)
+        return self._judged(np.array(path), touched)
+
+    def _follow(self, waypoints: Float64[np.ndarray, "k 3"], yaw: float, pose: DeadReckoning,
+                path: list[Float64[np.ndarray, "3"]]) -> tuple[tuple[str, ...], float]:  # fmt: skip
+        """Drive through waypoints without a ride in a lift, and add the robot's positions to `path`.
+
+        Return the names of what the robot touched, and its yaw in the end [rad].
+        """
+        controller = Controller(waypoints)
+        first, unseen = path[-1][2], math.inf
+        for _ in range(_most_steps(waypoints)):
             if not self._blind and unseen >= _SCAN_EVERY_M:
-                controller.see(self._scanner.scan(yaw), pose, float(path[-1][2] - path[0][2]))
+                controller.see(self._scanner.scan(yaw), pose, float(path[-1][2] - first))
                 unseen = 0.0
             step = controller.step(pose)
             if step is None:
@@ -84,7 +104,18 @@ class Robot:
             pose.advance(forward, turn)
             path.append(self._body.position)
             unseen += max(forward, _SCAN_EVERY_M * STEP_S / _SCAN_EVERY_S)
-        return self._judged(np.array(path), touched)
+            if touched:
+                return touched, yaw
+        return (), yaw
+
+    def _ride(self, climb_m: float) -> bool:
+        """Ride a lift to the storey nearest to a climb [m]; return False if the robot is in no lift that goes there."""
+        x, y, z = self._body.position
+        room = int(room_at(self._house, np.array([[x, y, z + _KNEE_M]]))[0])
+        floor = min((storey.floor_m for storey in self._house.storeys), key=lambda height: abs(height - z - climb_m))
+        if room not in self._lifts or not self._house.rooms[room].floor_m <= floor < self._house.rooms[room].ceiling_m:
+            return False
+        return not self._body.place(x, y, floor)
 
     def _move(self, heading: float, forward: float) -> tuple[str, ...]:
         x, y, z = self._body.position

@@ -3,7 +3,7 @@
 from itertools import pairwise
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 from scipy.ndimage import uniform_filter1d
 
 from lexis.maths.paths import arc_length
@@ -19,6 +19,8 @@ _GLANCE_EVERY_M = 4.0
 _DIGITS = 7
 """Number of decimals to which angles are rounded. The last bits of trigonometric functions differ between processors, and
 the pace must not depend on these bits."""
+_LIFT_SLOPE = 2.0
+"""Least ratio of climb to horizontal path in a lift; stairs are less steep."""
 _AMBIGUOUS_RAD = 1e-3
 """A turn to the right counts as a turn to the left if it differs from 180 degrees by less than this angle [rad]. Otherwise,
 rounding errors would decide the direction of a half turn."""
@@ -33,14 +35,25 @@ def view_along(
     glances to the sides. Without `pitch_on_stairs`, pitch is 0.
     """
     step = np.diff(points, axis=0)
-    heading = np.arctan2(step[:, 1], step[:, 0]).round(_DIGITS)
+    level = np.linalg.norm(step[:, :2], axis=1)
+    riding = np.abs(step[:, 2]) > _LIFT_SLOPE * level
+    yaw = _smoothed(_yaw_ahead(step, riding) + _glances(house, points, glance_rad), _SMOOTHING_M)
+    slope = -np.arctan2(step[:, 2], level).round(_DIGITS)
+    slope = np.where(riding, 0.0, slope) if pitch_on_stairs else np.zeros(len(step))
+    return np.column_stack([yaw, _smoothed(np.append(slope, slope[-1]), _PITCH_SMOOTHING_M)])
+
+
+def _yaw_ahead(step: Float64[np.ndarray, "k 3"], riding: Bool[np.ndarray, "k"]) -> Float64[np.ndarray, "k+1"]:
+    """Return the unwrapped direction of a path at each of its points [rad], given its steps and which of them are in a lift.
+
+    During a ride in a lift, the direction turns evenly from that of the way in to that of the way out.
+    """
+    walked = np.flatnonzero(~riding)
+    heading = np.arctan2(step[walked, 1], step[walked, 0]).round(_DIGITS)
     turn = np.diff(heading)
     turn = (turn + np.pi - _AMBIGUOUS_RAD) % (2 * np.pi) - np.pi + _AMBIGUOUS_RAD
     yaw = heading[0] + np.concatenate([[0.0], np.cumsum(turn), [turn.sum()]])
-    yaw = _smoothed(yaw + _glances(house, points, glance_rad), _SMOOTHING_M)
-    slope = -np.arctan2(step[:, 2], np.linalg.norm(step[:, :2], axis=1)).round(_DIGITS)
-    slope = slope if pitch_on_stairs else np.zeros(len(step))
-    return np.column_stack([yaw, _smoothed(np.append(slope, slope[-1]), _PITCH_SMOOTHING_M)])
+    return np.asarray(np.interp(np.arange(len(step) + 1), np.append(walked, len(step)), yaw))
 
 
 def _smoothed(angle: Float64[np.ndarray, "k"], width_m: float) -> Float64[np.ndarray, "k"]:

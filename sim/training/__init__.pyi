@@ -4,5 +4,4 @@ from .houses import HouseDraw as HouseDraw
 from .houses import draw_houses as draw_houses
 from .query_calibration import CalibrationFigures as CalibrationFigures
 from .query_calibration import fit_calibration as fit_calibration
-from .temperature import calibration_error as calibration_error
 from .temperature import fit_temperature as fit_temperature

@@ -10,13 +10,13 @@ from jaxtyping import Bool, Float64, Int, Shaped
 from scipy.optimize import minimize
 from scipy.stats import rankdata
 
+from lexis.evaluation import calibration_error
 from lexis.perception import TextEncoder
 from lexis.query.answers import FITS
 from lexis.query.calibration import Calibration, familiarity, load_calibration, save_calibration
 from sim.errors import SimError
 from sim.training.houses import TUNING_SEEDS, HouseDraw, draw_houses
 from sim.training.query_questions import DOUBTFUL, NO, YES, QuestionBatch, ask, embedded, room_views
-from sim.training.temperature import calibration_error
 from worlds.errors import WorldsError
 from worlds.labels import ROOM_LABELS
 

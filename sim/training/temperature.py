@@ -1,9 +1,7 @@
 """Fits the softmax temperature that converts similarities to probabilities, and computes calibration errors."""
 
-from collections.abc import Sequence
-
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 from open_clip.transformer import TextTransformer
 from scipy.optimize import minimize_scalar
 from scipy.special import log_softmax
@@ -36,10 +34,3 @@ def best_temperature(similarities: Float[np.ndarray, "n c"], own: Int[np.ndarray
         return -float(said[np.arange(len(own)), own].mean())
 
     return float(np.exp(minimize_scalar(surprise, bounds=tuple(np.log(_RANGE)), method="bounded").x))
-
-
-def calibration_error(confidence: Float[np.ndarray, "n"], right: Bool[np.ndarray, "n"], bins: int = 15) -> float:
-    """Return the expected calibration error (Guo 2017): mean gap between confidence and accuracy in bins of equal width."""
-    index = np.minimum((confidence * bins).astype(int), bins - 1)
-    gaps: Sequence[float] = [abs(float((confidence - right)[index == b].sum())) for b in range(bins)]
-    return sum(gaps) / len(confidence)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lexis.config import LabelConfig
-from lexis.room_labels import label_keyframes, most_similar, propagate, similarities
+from lexis.room_labels import Refined, label_keyframes, most_similar, propagate, similarities
 
 NAMES = ("kitchen", "office", "corridor")
 
@@ -132,3 +132,24 @@ def test_without_refinement_every_keyframe_keeps_its_images_label(rng):
     scores, positions = rng.normal(size=(30, 3)), walk(rng, 30)
     labels = label_keyframes(scores, positions, NAMES, LabelConfig(method="image"))
     np.testing.assert_array_equal(labels.refined, labels.baseline)
+
+
+@pytest.mark.parametrize("method", ["vote", "image"])
+def test_methods_that_state_no_probability_are_certain_of_their_label(rng, method):
+    scores, positions = rng.normal(size=(30, 3)), walk(rng, 30)
+    labels = label_keyframes(scores, positions, NAMES, LabelConfig(method=method))
+    np.testing.assert_array_equal(labels.probabilities, np.eye(3)[labels.refined])
+
+
+def test_a_keyframe_on_a_climb_is_certainly_on_stairs_and_others_keep_the_probabilities_of_their_images(rng):
+    names, positions = (*NAMES, "stairs"), np.zeros((52, 3))
+    positions[:, 0] = 0.4 * np.arange(52)
+    positions[:, 2] = np.interp(np.arange(52), [20, 32], [0.0, 2.9])
+
+    def refine(scores, keyframes):
+        return Refined(np.zeros(len(keyframes), int), np.tile([0.7, 0.2, 0.1, 0.0], (len(keyframes), 1)))
+
+    labels = label_keyframes(rng.normal(size=(52, 4)), positions, names, LabelConfig(), refine)
+    climbs = labels.refined == 3
+    assert climbs.any() and (labels.probabilities[climbs] == [0.0, 0.0, 0.0, 1.0]).all()
+    assert (labels.probabilities[~climbs] == [0.7, 0.2, 0.1, 0.0]).all()

@@ -27,8 +27,8 @@ def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
 
     The new storey is a copy of the top storey without gardens and garages.
 
-    1. Each staircase gets an opening on the old top storey to the new flight, straight above the opening to the flight
-       below, since all flights of a staircase have the same shape.
+    1. Each staircase of flights gets an opening on the old top storey to the new flight, straight above the opening to the
+       flight below, since all flights of a staircase have the same shape.
     2. Door leaves that would stand in front of these openings are hung differently, or removed.
     3. The copy gets new room ids, and with them furniture and finishes of its own. Twin rooms (with equal seeds) stay twins.
 
@@ -41,7 +41,7 @@ def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
         raise WorldsError("no stairs lead to the top storey, so none can lead on; valid: houses of two storeys or more")
     if len(spec.storeys) == MAX_STOREYS:
         raise WorldsError(f"the house has {MAX_STOREYS} storeys, the most that a house can have; valid: fewer")
-    ups = [_foot(cell, below, top, len(spec.storeys) - 1) for cell in cells]
+    ups = [_foot(cell, below, top, len(spec.storeys) - 1) for cell in cells if cell.climb == "flights"]
     storeys = (*spec.storeys[:-1], _with_feet(top, ups), _copy(spec, top))
     return HouseSpec.model_validate(spec.model_copy(update={"storeys": storeys}).model_dump(by_alias=True))
 
@@ -91,9 +91,7 @@ def _copy(spec: HouseSpec, top: StoreySpec) -> StoreySpec:
         taken.add(names[room.id])
     return StoreySpec(
         height_m=top.height_m,
-        rooms=tuple(
-            RoomSpec(id=names[r.id], label=r.label, polygon_m=r.polygon_m, seed=_new_seed(r.seed, level)) for r in rooms
-        ),
+        rooms=tuple(r.model_copy(update={"id": names[r.id], "seed": _new_seed(r.seed, level)}) for r in rooms),
         openings=tuple(_renamed(opening, names) for opening in top.openings if set(opening.rooms) <= set(names)),
     )
 

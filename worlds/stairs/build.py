@@ -13,21 +13,27 @@ For every flight, `build_stairs`
 4. turns everything into boxes in W (`worlds.stairs.geometry`).
 
 The head room between flights is checked last, when all flights are known.
+
+Cells may also have spiral stairs (`worlds.stairs.spirals`) or a lift (`worlds.stairs.shafts`). Such a cell has one opening
+on every storey, so that no opening needs to say where it leads.
 """
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float64
 
 from worlds.errors import HouseError
 from worlds.parts import Part
-from worlds.spec import HouseSpec, OpeningSpec
-from worlds.stairs.cells import CellFrame, cell_frame, cell_on, flight_places, is_same_cell, opening_that_leads
-from worlds.stairs.flights import MIN_WIDTH_M, Point, StairsKind, StairsLayout, cell_needed, fit_stairs
+from worlds.spec import HouseSpec, OpeningSpec, RoomSpec
+from worlds.stairs.cells import CellFrame, cell_frame, cell_on, flight_places, frame_along, is_same_cell, opening_that_leads
+from worlds.stairs.flights import INSET_M, MIN_WIDTH_M, Point, StairsKind, StairsLayout, cell_needed, fit_stairs
 from worlds.stairs.geometry import floor_beside_flight, rail_parts, slab_parts
+from worlds.stairs.shafts import check_shafts, door, lift_line
+from worlds.stairs.spirals import MIN_FRONT_M, MIN_RADIUS_M, Spiral
 
 APPROACH_M = 0.4
 """Distance from the room of the stairs at which the walking line begins and ends, outside of the room [m]."""
@@ -40,15 +46,15 @@ _TOLERANCE_M = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Stairs:
-    """The stairs from one storey to the next, as boxes in W."""
+    """The stairs, or the lift, from one storey to the next, as boxes in W."""
 
     room: str
     """Id of the stairs' room on the lower storey."""
     storey: int
     """Index of the lower storey."""
-    kind: StairsKind
+    kind: StairsKind | Literal["spiral", "lift"]
     treads: tuple[Part, ...]
-    """Steps and landings, from the lowest to the highest."""
+    """Steps and landings, from the lowest to the highest; a lift has none, nor has it floors and a railing."""
     floors: tuple[Part, ...]
     """Pieces of level floor in the stairs' room. One piece lies after the last riser. Another lies before the first riser,
     except in the lowest stairs of a staircase, where the storey's own floor is. Where the opening at one of these two places
@@ -56,7 +62,8 @@ class Stairs:
     railing: tuple[Part, ...]
     walking_line: Float64[np.ndarray, "k 3"]
     """Path in W up the stairs [m], from the room in front of them on the lower storey to the room in front of them on the
-    upper storey. The path is straight along every flight, and passes the middle of each tread at the tread's height."""
+    upper storey. The path is straight along every flight, and passes the middle of each tread at the tread's height. In a
+    lift it rises vertically."""
 
     @property
     def parts(self) -> tuple[Part, ...]:
@@ -71,9 +78,59 @@ def build_stairs(spec: HouseSpec, floors_m: Sequence[float]) -> tuple[Stairs, ..
     openings, if a room of stairs is too small, or if there is too little head room. The message names the stairs and what
     they need.
     """
-    stairs = tuple(_Site.of(spec, floors_m, level, place).stairs() for level, place in flight_places(spec))
-    _check_head_room(stairs)
+    check_shafts(spec)
+    stairs = tuple(_stairs(spec, floors_m, level, place) for level, place in flight_places(spec))
+    _check_head_room([flight for flight in stairs if flight.kind not in ("spiral", "lift")])
     return stairs
+
+
+def _stairs(spec: HouseSpec, floors_m: Sequence[float], level: int, place: int) -> Stairs:
+    """Build the flight, spiral or lift up from storeys[`level`], in the room with the index `place` on that storey."""
+    room = spec.storeys[level].rooms[place]
+    match room.climb:
+        case "flights":
+            return _Site.of(spec, floors_m, level, place).stairs()
+        case "spiral":
+            return _spiral(spec, floors_m, level, room)
+        case "lift":
+            heights = floors_m[level], floors_m[level + 1]
+            line = lift_line(spec, level, (room, _above(spec, level, room)), heights, APPROACH_M)
+            return Stairs(room.id, level, "lift", treads=(), floors=(), railing=(), walking_line=line)
+
+
+def _spiral(spec: HouseSpec, floors_m: Sequence[float], level: int, room: RoomSpec) -> Stairs:
+    """Build the spiral up from storeys[`level`] in `room`. Raises `HouseError` if the room or its doors are unsuitable."""
+    foot, head = (
+        door(spec, level, room, floors_m[level]),
+        door(spec, level + 1, _above(spec, level, room), floors_m[level + 1]),
+    )
+    if (foot.inward != head.inward).any():
+        raise HouseError(f"spiral {room.id!r}: its openings are in different sides; valid: all in one side of its room")
+    x, y = foot.inward[:2].tolist()
+    frame = frame_along("U", room, (x, y), (-y, x))
+    spiral = Spiral(frame.length, frame.width, floors_m[level + 1] - floors_m[level])
+    if not spiral.is_walkable:
+        raise HouseError(
+            f"spiral {room.id!r}: {frame.length:.2f} x {frame.width:.2f} m is too small to rise {spiral.rise:.2f} m; "
+            f"valid: at least {2 * MIN_RADIUS_M + 2 * INSET_M + MIN_FRONT_M:.2f} m away from its openings and "
+            f"{2 * MIN_RADIUS_M + 2 * INSET_M:.2f} m across, and more for a greater rise"
+        )
+    line = spiral.line(*(frame.plan(*end.middle[:2])[1] for end in (foot, head)))
+    line = [_outwards(line[1], line[0]), *line, _outwards(line[-2], line[-1])]
+    return Stairs(
+        room.id,
+        level,
+        "spiral",
+        spiral.steps(frame, floors_m[level]),
+        slab_parts(spiral.floors(), frame, floors_m[level]),
+        rail_parts(spiral.rails(), frame, floors_m[level]),
+        np.round([(*frame.world(u, v), floors_m[level] + z) for u, v, z in line], 9),
+    )
+
+
+def _above(spec: HouseSpec, level: int, room: RoomSpec) -> RoomSpec:
+    """Return the cell (room of stairs) of the same staircase on the storey above storeys[`level`]."""
+    return next(other for other in spec.storeys[level + 1].rooms if is_same_cell(room, other))
 
 
 @dataclass(frozen=True)
@@ -100,7 +157,7 @@ class _Site:
     def of(spec: HouseSpec, floors_m: Sequence[float], level: int, place: int) -> "_Site":
         """Return the place for the flight up from storeys[`level`], in the room with the index `place` on that storey."""
         lower, upper, room = spec.storeys[level], spec.storeys[level + 1], spec.storeys[level].rooms[place]
-        above = next(other for other in upper.rooms if is_same_cell(room, other))
+        above = _above(spec, level, room)
         foot, head = opening_that_leads(spec, level, room, "up"), opening_that_leads(spec, level + 1, above, "down")
         return _Site(
             room.id,

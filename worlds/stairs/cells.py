@@ -85,7 +85,7 @@ def opening_that_leads(spec: HouseSpec, level: int, room: RoomSpec, leads: Leads
     Raises `HouseError` unless exactly one opening leads to that flight; if flights go up and down from the room, but an
     opening does not say to which flight it leads; and if an opening leads in a direction in which no flight goes.
     """
-    openings = _openings_of(spec.storeys[level], room)
+    openings = openings_of(spec.storeys[level], room)
     found = [opening for place, opening in openings if _leads(spec, level, room, place) == leads]
     if len(found) == 1:
         return found[0]
@@ -96,7 +96,7 @@ def opening_that_leads(spec: HouseSpec, level: int, room: RoomSpec, leads: Leads
     )
 
 
-def _openings_of(storey: StoreySpec, room: RoomSpec) -> Iterator[tuple[int, OpeningSpec]]:
+def openings_of(storey: StoreySpec, room: RoomSpec) -> Iterator[tuple[int, OpeningSpec]]:
     """Yield the openings of a room that one can walk through, with their indices."""
     for i, opening in enumerate(storey.openings):
         if room.id in opening.rooms and opening.kind in PASSABLE:
@@ -158,11 +158,10 @@ def cell_frame(level: int, room: RoomSpec, foot: OpeningSpec, head: OpeningSpec)
     `foot` is the opening on storeys[`level`], `head` the opening on the storey above. Raises `HouseError` if an opening is
     in no side of the cell, or if both openings are in the same half of one side.
     """
-    x0, y0, x1, y1 = bounds(room)
-    u, from_head = _inward(level, room, foot), _inward(level + 1, room, head)
+    u, from_head = inward(level, room, foot), inward(level + 1, room, head)
     v = (-u[1], u[0])
     facing, turning = _dot(u, from_head), _dot(v, from_head)
-    (fx, fy), (hx, hy) = _middle(foot), _middle(head)
+    (fx, fy), (hx, hy) = middle(foot), middle(head)
     apart = _dot(v, (hx - fx, hy - fy))
     if facing > 0 and abs(apart) < _SAME_HALF_M:
         raise HouseError(
@@ -172,6 +171,12 @@ def cell_frame(level: int, room: RoomSpec, foot: OpeningSpec, head: OpeningSpec)
     kind: StairsKind = "U" if facing > 0 else "straight" if facing < 0 else "L"
     if (apart if kind == "U" else -turning) < 0:
         v = (-v[0], -v[1])
+    return frame_along(kind, room, u, v)
+
+
+def frame_along(kind: StairsKind, room: RoomSpec, u: tuple[float, float], v: tuple[float, float]) -> CellFrame:
+    """Return the coordinate frame of a cell with the unit vectors u and v, which point along its sides."""
+    x0, y0, x1, y1 = bounds(room)
     length, width = (x1 - x0, y1 - y0) if u[0] else (y1 - y0, x1 - x0)
     corner = (x0 if u[0] + v[0] > 0 else x1, y0 if u[1] + v[1] > 0 else y1)
     return CellFrame(kind, corner, u, v, length, width)
@@ -181,15 +186,16 @@ def _dot(a: tuple[float, float], b: tuple[float, float]) -> float:
     return a[0] * b[0] + a[1] * b[1]
 
 
-def _middle(opening: OpeningSpec) -> tuple[float, float]:
+def middle(opening: OpeningSpec) -> tuple[float, float]:
+    """Return the middle (x, y) of an opening in W [m]."""
     (xa, ya), (xb, yb) = opening.start_m, opening.end_m
     return (xa + xb) / 2, (ya + yb) / 2
 
 
-def _inward(level: int, room: RoomSpec, opening: OpeningSpec) -> tuple[float, float]:
+def inward(level: int, room: RoomSpec, opening: OpeningSpec) -> tuple[float, float]:
     """Return the unit vector into a cell from the side with the opening. Raises `HouseError` if it is in no side."""
     x0, y0, x1, y1 = bounds(room)
-    x, y = _middle(opening)
+    x, y = middle(opening)
     gaps = (abs(x - x0), abs(x1 - x), abs(y - y0), abs(y1 - y))
     if min(gaps) > _TOLERANCE_M:
         raise HouseError(

@@ -119,6 +119,7 @@ def _places(map: LexisMap) -> Iterator[_Json]:
             "floor": None if map.floors[i] == NO_FLOOR else int(map.floors[i]),
             "baseline_label": int(map.baseline_labels[i]),
             "similarities": map.similarities[i].tolist(),
+            "probabilities": map.probabilities[i].tolist(),
         }
         if keyframe.others:
             own["other_embeddings"] = [view.embedding.astype(np.float64).tolist() for view in keyframe.others]

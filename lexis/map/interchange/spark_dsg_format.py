@@ -120,6 +120,7 @@ class PlaceData(BaseModel):
     floor: Id | None
     baseline_label: Id
     similarities: tuple[float, ...] = Field(max_length=MAX_ROOM_NAMES)
+    probabilities: tuple[Annotated[float, Field(ge=0, le=1)], ...] = Field(max_length=MAX_ROOM_NAMES)
     other_embeddings: tuple[tuple[float, ...], ...] = Field((), max_length=MAX_CAMERAS - 1)
     """Embeddings of the images of the further cameras of a rig. Files of a single camera do not state them."""
 

@@ -69,6 +69,7 @@ def _map(file: GraphFile) -> LexisMap:
         similarities=np.array([place.metadata.lexis.similarities for place in places], float),
         baseline_labels=np.array([place.metadata.lexis.baseline_label for place in places], int),
         labels=np.array([place.semantic_label for place in places], int),
+        probabilities=np.array([place.metadata.lexis.probabilities for place in places], float),
         floors=np.array([_floor(place.metadata.lexis.floor) for place in places], int),
         rooms=_rooms(file, own, len(places)),
         loops=tuple(_loop(loop) for loop in loops),
@@ -93,7 +94,7 @@ def _in_order(file: GraphFile, layer: Layer, kind: type[_Attributes]) -> list[_A
 
 
 def _check_lengths(places: Sequence[PlaceAttributes], room_names: int, others: int) -> None:
-    """Raise MapError unless all keyframes have one embedding for each camera, and a similarity to every room name.
+    """Raise MapError unless all keyframes have one embedding for each camera, and figures for every room name.
 
     All embeddings need the same length. `others` is the number of the further cameras.
     """
@@ -107,8 +108,9 @@ def _check_lengths(places: Sequence[PlaceAttributes], room_names: int, others: i
         if len(place.metadata.lexis.other_embeddings) != others:
             count = len(place.metadata.lexis.other_embeddings)
             raise MapError(f"node p{i} has {count} other_embeddings; valid: {others}, one for each of other_cameras")
-        if len(place.metadata.lexis.similarities) != room_names:
-            raise MapError(f"node p{i} has {len(place.metadata.lexis.similarities)} similarities; valid: {room_names}")
+        for name in ("similarities", "probabilities"):
+            if (count := len(getattr(place.metadata.lexis, name))) != room_names:
+                raise MapError(f"node p{i} has {count} {name}; valid: {room_names}")
 
 
 def _keyframe(i: int, agent: AgentAttributes, place: PlaceAttributes) -> Keyframe:

@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Float32, Int, UInt8
 from scipy.special import softmax
 
+from lexis.evaluation import calibration_error
 from sim.baselines.orb_words import OrbWords
 from sim.bench.encoders.ceiling import Ceiling, own_room, own_room_prevails
 from sim.bench.encoders.questions import HELD_OUT_WORDS, TOPICS, TRAINED, AnsweredQuestion, ask, share_right
@@ -20,7 +21,6 @@ from sim.bench.encoders.retrieval import found_at_1, share
 from sim.bench.encoders.runs import EncoderRun
 from sim.bench.encoders.texts import EmbeddedTexts, ImageTextEncoder
 from sim.training.phrases import HELD_OUT_NAMES, ROOM_NAMES, Table
-from sim.training.temperature import calibration_error
 from worlds.labels import ROOM_LABELS
 
 _NAME_SETS = 12

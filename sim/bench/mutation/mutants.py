@@ -349,7 +349,7 @@ _LABELS = (
     Mutant(
         "labels of single images are not refined by their neighbours",
         "room_labels.py",
-        "refined[level] = refine(rooms_only[level], level)",
+        "refined[level], probabilities[level] = refine(rooms_only[level], level)",
         "refined[level] = rooms_only[level].argmax(axis=1)",
     ),
     Mutant(
@@ -490,20 +490,20 @@ _ROOMS = (
     Mutant(
         "floors are told by absolute height",
         "floors.py",
-        "        floors[run.slice] = int(np.abs(levels - h).argmin())",
-        "        floors[run.slice] = max(0, int(height[run.start] // 3.0))",
+        "nearest = np.abs(levels - heights[:, None]).argmin(axis=1)",
+        "nearest = np.maximum(0, positions[:, 2] // 3.0).astype(int)",
     ),
     Mutant(
         "floors are numbered from the top",
         "floors.py",
-        "        floors[run.slice] = int(np.abs(levels - h).argmin())",
-        "        floors[run.slice] = int(np.abs(levels[::-1] - h).argmin())",
+        "nearest = np.abs(levels - heights[:, None]).argmin(axis=1)",
+        "nearest = np.abs(levels[::-1] - heights[:, None]).argmin(axis=1)",
     ),
     Mutant(
         "drift on level floors adds up in the heights of floors",
         "floors.py",
-        "steps = [height[b.start] - height[a.stop - 1] for a, b in pairwise(stretches)]",
-        "steps = [height[b.start] - height[a.start] for a, b in pairwise(stretches)]",
+        "        steps[run.start + 1 : run.stop] = 0.0",
+        "        steps[run.start + 1 : run.start + 1] = 0.0",
     ),
     Mutant(
         "the gap between floors is taken for centimetres",
@@ -520,8 +520,8 @@ _ROOMS = (
     Mutant(
         "there are at most three floors",
         "floors.py",
-        "floors[run.slice] = int(np.abs(levels - h).argmin())",
-        "floors[run.slice] = min(2, int(np.abs(levels - h).argmin()))",
+        "return np.where(stairs, NO_FLOOR, nearest)",
+        "return np.where(stairs, NO_FLOOR, np.minimum(nearest, 2))",
     ),
 )
 

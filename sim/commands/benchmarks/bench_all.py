@@ -41,7 +41,7 @@ def run_all(arguments: argparse.Namespace) -> int:
         for ended in collect(chosen, arguments.out, arguments.workers):
             bar.advance(task, ended.benchmark.quick_s)
             failed += bool(ended.error)
-            took = "kept" if ended.seconds is None else f"{ended.seconds:.0f} s"
+            took = "kept" if ended.seconds is None else f"{ended.seconds:.0f} s, {ended.processor_s:.0f} s of processor time"
             print(f"{ended.benchmark.name}: {'FAILED: ' + ended.error if ended.error else took}", flush=True)
     print(f"{len(chosen) - failed} of {len(chosen)} benchmarks are in {arguments.out}")
     return int(failed > 0)

@@ -14,6 +14,7 @@ from sim.commands.benchmarks.bench_options import (
     CSV,
     ENCODER,
     FEATURE_MODEL,
+    FIDELITY,
     HOUSES,
     OPENNESS,
     PRESET,
@@ -23,6 +24,9 @@ from sim.commands.benchmarks.bench_options import (
     tracked,
 )
 from sim.fidelity import FIDELITIES
+
+_CERTAINTIES = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 1.0)
+"""`bench certainty` compares stated probabilities with the truth in the intervals between these."""
 
 
 def _speed(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -96,6 +100,29 @@ def _rooms(arguments: argparse.Namespace) -> Iterator[Table]:
         spreads = f"{row.labels:.3f} ± {row.labels_std:.3f}", f"{row.rooms:.3f} ± {row.rooms_std:.3f}"
         table.add_row(row.method, *spreads, f"{row.splits_and_merges:.1f}")
     yield table
+
+
+def _certainty(arguments: argparse.Namespace) -> Iterator[Table]:
+    from lexis.evaluation import calibration_error, reliability
+    from sim.bench.houses import configs
+    from sim.bench.peers.certainty import measure_certainty
+    from sim.harness import Scenario
+    from sim.harness.world_tests import usual_rate_hz
+    from sim.report.figures import shown
+
+    seeds, presets, fidelity = seeds_of(arguments), arguments.presets, arguments.fidelity
+    usual = (Scenario(preset=name, fidelity=fidelity, frame_rate_hz=usual_rate_hz(fidelity)) for name in presets)
+    scenarios = (own for scenario in usual for own in configs(scenario, seeds))
+    found = measure_certainty(tracked(scenarios, len(presets) * len(seeds), "houses"))
+    houses = f"{', '.join(presets)}, seeds {seeds[0]} to {seeds[-1]}, {fidelity}"
+    for name, claims in (("keyframes", found.keyframes), ("rooms", found.rooms)):
+        error, share = calibration_error(claims.stated, claims.right), claims.right.mean()
+        title = f"{houses}: labels of {name}, {share:.3f} right, calibration error {error:.3f}"
+        table = Table("probability", name, "stated, mean", "right", title=title)
+        for row in reliability(claims.stated, claims.right, _CERTAINTIES):
+            shares = (shown(value, "{:.3f}") for value in (row.stated, row.right))
+            table.add_row(f"{row.low:g} to {row.high:g}", str(row.claims), *shares)
+        yield table
 
 
 def _stages(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -226,6 +253,13 @@ BENCHMARKS = (
         "labels and rooms by the methods of the paper and by sight, on the same walks",
         "lexis-sim bench rooms --preset uh2-apt --houses 5 --seed 900",
         (PRESET, HOUSES, OPENNESS, SEED),
+    ),
+    Action(
+        "certainty",
+        printing(_certainty),
+        "the probabilities that LEXIS states for its labels, against how often the labels are right",
+        "lexis-sim bench certainty --presets home ori --houses 5 --seed 500",
+        (SEVERAL_PRESETS, HOUSES, FIDELITY, SEED),
     ),
     Action(
         "stages",

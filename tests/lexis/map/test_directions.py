@@ -71,6 +71,18 @@ def test_stairs_are_climbed_or_descended_to_a_floor(rng, rise, way):
     ]
 
 
+@pytest.mark.parametrize(("rise", "way"), [(3.0, "up"), (-3.0, "down")])
+@pytest.mark.parametrize("stops", [False, True], ids=["images", "no images"])
+def test_a_ride_in_a_lift_is_told_as_such(rng, rise, way, stops):
+    rooms = [("hall", range(9)), ("stairs", range(9, 16)), ("attic", range(16, 25))]
+    floors = np.repeat([0, -1, 1], [9, 7, 9])
+    lexis_map, plan = walked(rng, [(0, 0, 0), (4, 0, 0), (4, 0, rise), (8, 0, rise)], rooms, floors)
+    if stops:
+        plan = replace(plan, keyframes=(*range(9), *range(16, 25)))
+    texts = [step.text for step in directions(lexis_map, plan)]
+    assert f"take the lift {way} to floor 1" in texts and not any("take the stairs" in text for text in texts)
+
+
 def test_a_level_stretch_that_was_taken_for_stairs_is_not_climbed(rng):
     rooms = [("hall", range(8)), ("stairs", range(8, 17))]
     lexis_map, plan = walked(rng, [(0, 0, 0), (4, 0, 0), (8, 0, 0.2)], rooms, np.repeat([0, -1], [8, 9]))

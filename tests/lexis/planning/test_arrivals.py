@@ -5,15 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.map_builder import build_map, corridor_with_offices, random_pose
+from scipy.special import softmax
 
 from lexis.planning import arrivals, path_end
-from lexis.planning.arrivals import INSIDE_M, label_probabilities, surely_inside
+from lexis.planning.arrivals import INSIDE_M, surely_inside
 
 
 def inside(lexis_map, room, clear=None):
     """The keyframes that are surely inside; without `clear`, the evidence of the room itself is the clearest."""
     evidence = path_end(lexis_map, room).evidence if clear is None else clear
-    return surely_inside(lexis_map, room, label_probabilities(lexis_map), evidence).tolist()
+    return surely_inside(lexis_map, room, evidence).tolist()
 
 
 def along_x(rng, x, labels, similarities=None):
@@ -23,7 +24,8 @@ def along_x(rng, x, labels, similarities=None):
     lexis_map = build_map(x[:, None] * [1.0, 0.0, 0.0], labels, rooms, names, rng)
     keyframes = tuple(replace(k, landmarks=replace(k.landmarks, points=np.zeros((0, 3)))) for k in lexis_map.keyframes)
     clear = np.where(labels[:, None] == [0, 1], 0.6, 0.1)
-    return replace(lexis_map, keyframes=keyframes, similarities=clear if similarities is None else similarities)
+    images = clear if similarities is None else similarities
+    return replace(lexis_map, keyframes=keyframes, similarities=images, probabilities=softmax(images / 0.1, axis=1))
 
 
 def test_a_robot_is_surely_inside_as_far_from_other_rooms_as_needed(rng):

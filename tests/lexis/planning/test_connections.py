@@ -24,3 +24,14 @@ def test_rooms_are_joined_where_the_robot_walked_and_not_through_a_wall(rng):
 def test_only_trusted_loops_join_rooms(rng, weight, joined):
     lexis_map = corridor_with_offices(rng, loops=[(20, 10)], weights=[weight])
     assert (adjacency(lexis_map, PlannerConfig())[20, 10] > 0) == joined
+
+
+@pytest.mark.parametrize(("step", "joined"), [((0.0, 0.0, 6.0), True), ((4.0, 0.0, 3.0), False), ((3.5, 0.0, 0.0), False)])
+def test_a_ride_in_a_lift_joins_floors_and_a_gap_in_the_recording_does_not(rng, step, joined):
+    """Between keyframes 4 and 5 no images arrive, while the robot moves by `step` [m]."""
+    positions = np.stack([0.5 * np.arange(10), np.zeros(10), np.zeros(10)], axis=1)
+    positions[5:] += step
+    lexis_map = build_map(
+        positions, np.repeat([0, 1], 5), [("hall", range(5)), ("attic", range(5, 10))], ("hall", "attic"), rng
+    )
+    assert (adjacency(lexis_map, PlannerConfig())[4, 5] > 0) == joined

@@ -12,7 +12,7 @@ from helpers.two_rooms import two_rooms
 from lexis.config import PlannerConfig
 from lexis.errors import PlanError
 from lexis.planning import PathPlanner, adjacency, path_end, plan
-from lexis.planning.arrivals import label_probabilities, surely_inside
+from lexis.planning.arrivals import surely_inside
 from lexis.planning.planner import shortest_path
 from lexis.room_names import instance_names
 
@@ -54,7 +54,7 @@ def test_a_path_ends_at_the_first_keyframe_that_is_surely_inside_the_goal(rng, s
     lexis_map = corridor_with_offices(rng)
     result = plan(lexis_map, start, goal)
     clear = max(path_end(lexis_map, room).evidence for room in lexis_map.rooms if room.label == result.goal.label)
-    inside = surely_inside(lexis_map, result.goal, label_probabilities(lexis_map), clear)
+    inside = surely_inside(lexis_map, result.goal, clear)
     ends = {path_end(lexis_map, result.goal).keyframe, *inside.tolist()}
     assert result.keyframes[0] == path_end(lexis_map, result.start).keyframe
     assert [keyframe in ends for keyframe in result.keyframes] == [False] * (len(result.keyframes) - 1) + [True]

@@ -145,10 +145,10 @@ def test_the_options_of_a_program_reach_it(monkeypatch):
     monkeypatch.setattr("sim.programs.command.run_command", stop)
     command = ["check", "--command", "./slam {dataset} {out}"]
     assert status_of(command) == 2
-    assert status_of([*command, "--format", "tum", "--timeout", "5", "--memory", "100"]) == 2
-    assert [arguments[1:5] for arguments in seen] == [
-        ("./slam {dataset} {out}", "euroc", 600.0, 8192.0),
-        ("./slam {dataset} {out}", "tum", 5.0, 100.0),
+    assert status_of([*command, "--format", "tum", "--timeout", "5", "--memory", "100", "--image-format", "jpg"]) == 2
+    assert [arguments[1:6] for arguments in seen] == [
+        ("./slam {dataset} {out}", "euroc", 600.0, 8192.0, "png"),
+        ("./slam {dataset} {out}", "tum", 5.0, 100.0, "jpg"),
     ]
 
 

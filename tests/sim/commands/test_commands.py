@@ -97,7 +97,7 @@ def test_what_is_to_be_read_and_is_not_there_costs_one_line(parser, tmp_path, mo
         ("speed", ["--pictures", "drives"]),
         ("segmentation", ["--worst", "3"]),
         ("fidelity", ["--preset", "home"]),
-        ("planning", ["--fidelity", "features"]),
+        ("kernels", ["--fidelity", "features"]),
         ("encoders", ["--pictures", "drives"]),
     ],
 )

@@ -113,7 +113,7 @@ def test_a_program_is_shrunk_on_images_and_replayed(project, unlit, capsys):
     assert shrink("images.json", "--command", command, "--timeout", "30", *FAILS, *DROP_ROOMS) == 0
     said = capsys.readouterr().out
     assert "on rendered images, because the SLAM cannot run on feature fidelity" in said and "mended by: nothing." in said
-    assert "30.0, 8192.0)" in (project / "failure" / "test_replay.py").read_text()
+    assert "30.0, 8192.0, 'png')" in (project / "failure" / "test_replay.py").read_text()
     check_the_replay(project)
 
 

@@ -9,8 +9,11 @@ from sim.feature_sensor.oracle import Oracle
 from sim.harness import Claim, FailureTest, Scenario, blame, run
 from sim.harness.adapters import Lexis
 from sim.harness.adapters.true_stages import TrueStages
+from sim.harness.blame_table import substitutions
 from sim.harness.house_reductions import keep_furniture
+from sim.harness.reductions import with_listed_house
 from worlds.presets import sample_from_rooms
+from worlds.validation import built_and_checked
 
 SCENARIO = Scenario(
     house=keep_furniture(sample_from_rooms(("kitchen", "bedroom"), seed=21, openness=0.0), set()),
@@ -93,3 +96,10 @@ def test_a_lexis_with_other_stages_keeps_its_settings():
     other = lexis.with_stages(labeller=one_label)
     assert other.config == lexis.config and run(SCENARIO, other).estimate.loops.query.size == 0
     assert (other.map.labels == 0).all()
+
+
+def test_every_substitution_has_a_valid_house_even_where_a_new_door_would_open_into_furniture():
+    """In home 500, a door in the place of an open boundary would hit listed coat hooks."""
+    scenario = with_listed_house(Scenario(preset="home", seed=500, fidelity="features"))
+    names = [each.name for each in substitutions(scenario, None) if built_and_checked(each.scenario.house)]
+    assert names == ["perfect odometry", "no faults", "no clutter"]

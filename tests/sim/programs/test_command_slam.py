@@ -74,6 +74,19 @@ def program(folder, content):
     return f"'{sys.executable}' '{path}' {{dataset}} {{out}}"
 
 
+@pytest.mark.parametrize(("images", "topic"), [("png", b"CompressedImage"), ("raw", b"sensor_msgs/msg/Image")])
+def test_the_recording_holds_the_kind_of_images_that_was_asked_for(tmp_path, unlit, images, topic):
+    content = f"""
+import sys
+from pathlib import Path
+bag = b"".join(path.read_bytes() for path in (Path(sys.argv[1]) / "bag").iterdir())
+assert {topic!r} in bag, "no such topic"
+(Path(sys.argv[2]) / "trajectory.tum").write_text("1003.0 0 0 0 0 0 0 1")
+"""
+    with pytest.raises(SimError, match="stamp"):  # the program found the topic, and claimed a pose at no frame
+        run_command(SCENARIO, program(tmp_path, content), "ros2", images=images)
+
+
 def test_a_program_is_judged_as_the_class_that_it_wraps(tmp_path, unlit):
     inside = check(SCENARIO, GeometricRooms())
     outside = evaluate(run_command(SCENARIO, program(tmp_path, GEOMETRIC), "tum"))

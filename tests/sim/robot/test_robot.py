@@ -14,6 +14,7 @@ from sim.robot.local_map import CELL_M, LocalMap
 from worlds.house import Furniture, build_house
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
+from worlds.variant import variant
 from worlds.walkable import Walkable
 
 
@@ -173,3 +174,18 @@ def test_bad_waypoints_and_starts_are_named():
         go(two_rooms(), (np.nan, 0.0))
     with pytest.raises(SimError, match="nothing to stand on"):
         go(two_rooms(), (-3.0, 1.5), (1.0, 1.5))
+
+
+@pytest.mark.parametrize("down", [False, True], ids=["up", "down"])
+def test_a_robot_rides_a_lift_to_the_other_storey(down):
+    house = build_house(variant(sample_house("home", 100, clutter=0.0), climb="lift"))
+    line = house.stairs[0].walking_line[:: -1 if down else 1]
+    result = go(house, *line)
+    assert result.touched == () and house.room_by_id[result.room].storey == (0 if down else 1)
+    np.testing.assert_allclose(result.path[-1], line[-1], atol=0.15)
+
+
+def test_a_robot_outside_of_a_lift_does_not_rise():
+    result = go(two_rooms(), (1.0, 1.5), (3.0, 1.5), (3.0, 1.5, 2.9), (7.0, 1.5, 2.9))
+    assert (result.room, result.touched) == ("office", ())
+    np.testing.assert_allclose(result.path[-1], (3.0, 1.5, 0.0), atol=0.15)

@@ -15,6 +15,7 @@ from safetensors.torch import load_file
 
 from lexis.encoder.open_clip_encoder import OpenClipEncoder, load_encoder
 from lexis.encoder.preprocessing import squashing
+from lexis.evaluation import calibration_error
 from lexis.query.calibration import load_calibration
 from sim.errors import SimError
 from sim.training.align import AlignLearner, room_embeddings
@@ -25,7 +26,7 @@ from sim.training.export import model_config, start_trunk_from
 from sim.training.fit import Progress, Schedule, fit
 from sim.training.frames import BARE, THINGS, Frames, frames_at, frames_in, frames_of_house, rendered
 from sim.training.houses import HELD_OUT_LOOKS, TEST_SEEDS, TRAINING_SEEDS, TUNING_SEEDS, HouseDraw, draw_houses
-from sim.training.temperature import best_temperature, calibration_error
+from sim.training.temperature import best_temperature
 from sim.training.text_tower import EMBED_DIM, TEXT_CFG, DistilConfig, save_text_tower
 from sim.training.viewpoints import IMAGE_SIZE, ViewpointConfig
 from worlds.errors import WorldsError

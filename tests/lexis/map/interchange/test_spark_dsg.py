@@ -8,6 +8,7 @@ import pytest
 import spark_dsg
 from helpers.map_builder import corridor_with_offices, with_rear_camera, with_retired
 from helpers.same_map import assert_same
+from scipy.special import softmax
 
 from lexis.cli import main
 from lexis.errors import MapError
@@ -26,7 +27,10 @@ def lexis_map(rng):
     floors = np.repeat([0, 0, -1, 1], 10)
     rooms = [replace(room, floor=floor) for room, floor in zip(flat.rooms, (None, 0, 1), strict=True)]
     similarities = np.column_stack((flat.similarities, np.full(40, 0.125)))
-    return replace(flat, room_names=names, floors=floors, rooms=tuple(rooms), similarities=similarities)
+    probabilities = softmax(similarities, axis=1)
+    return replace(
+        flat, room_names=names, floors=floors, rooms=tuple(rooms), similarities=similarities, probabilities=probabilities
+    )
 
 
 @pytest.fixture

@@ -1,0 +1,90 @@
+"""Spiral stairs in generated houses: walkable steps, head room, tours that climb them, and stairs for LEXIS."""
+
+import math
+
+import numpy as np
+import pytest
+from shapely.affinity import rotate
+from shapely.geometry import Point, box
+
+from lexis.config import LabelConfig
+from lexis.floors import floor_levels
+from lexis.stairs import lift_rides, on_stairs
+from sim.tours.tour import plan_tour
+from worlds.errors import HouseError
+from worlds.house import build_house
+from worlds.presets import sample_house
+from worlds.stairs.build import MIN_HEAD_ROOM_M, build_stairs
+from worlds.stairs.flights import MIN_TREAD_M
+from worlds.stairs.spirals import MAX_RISER_M
+from worlds.validation import validate
+from worlds.variant import variant
+from worlds.walkable import Walkable
+
+
+@pytest.fixture(scope="module", params=[("home", 100), ("uh2-apt", 100)], ids=str)
+def house(request):
+    return build_house(variant(sample_house(*request.param, clutter=0.2), climb="spiral"))
+
+
+def footprint(part):
+    (x, y, _), (w, d, _) = part.centre, part.size
+    return rotate(box(x - w / 2, y - d / 2, x + w / 2, y + d / 2), part.yaw, use_radians=True)
+
+
+def steps_of(flight):
+    return [part for part in flight.treads if part.shape == "box"]
+
+
+def top(part):
+    return part.centre[2] + part.size[2] / 2
+
+
+def test_a_spiral_has_equal_steps_from_floor_to_floor_around_one_pole(house):
+    validate(house)
+    for flight in house.stairs:
+        assert flight.kind == "spiral"
+        low, high = house.storeys[flight.storey].floor_m, house.storeys[flight.storey + 1].floor_m
+        risers = np.diff([low, *(top(step) for step in steps_of(flight)), high])
+        assert np.ptp(risers) < 1e-9 and 0.1 < risers.max() <= MAX_RISER_M + 1e-9
+        pole = np.array(flight.treads[-1].centre[:2])
+        distances = [np.linalg.norm(np.array(step.centre[:2]) - pole) for step in steps_of(flight)]
+        assert np.ptp(distances) < 1e-9
+        shaft = house.room_by_id[flight.room].polygon
+        assert all(shaft.buffer(0.03).contains(footprint(part)) for part in flight.parts)
+
+
+def test_the_walking_line_passes_over_every_step_with_head_room(house):
+    parts = [part for flight in house.stairs for part in (*flight.treads, *flight.floors) if part.shape == "box"]
+    for flight in house.stairs:
+        line, steps = flight.walking_line, steps_of(flight)
+        assert (line[0, 2], line[-1, 2]) == tuple(house.storeys[flight.storey + k].floor_m for k in (0, 1))
+        first = int(np.flatnonzero(line[:, 2] > line[0, 2])[0])
+        on_steps = line[first : first + len(steps)]
+        for point, step in zip(on_steps, steps, strict=True):
+            assert footprint(step).contains(Point(point)) and point[2] == pytest.approx(top(step))
+        assert min(math.dist(a, b) for a, b in zip(on_steps[:-1, :2], on_steps[1:, :2], strict=True)) > 0.95 * MIN_TREAD_M
+        for x, y, z in line[first - 1 :]:
+            above = [part for part in parts if top(part) > z + 0.5 and footprint(part).contains(Point(x, y))]
+            assert min((part.centre[2] - part.size[2] / 2 - z for part in above), default=np.inf) >= MIN_HEAD_ROOM_M
+
+
+def test_lexis_takes_a_tour_up_and_down_a_spiral_for_stairs_between_floors(house):
+    tour = plan_tour(house, Walkable(house), np.random.default_rng(0))
+    at = np.interp(np.arange(0.0, tour.length_m, 0.5), tour.distances_m, np.arange(len(tour.stamps))).astype(int)
+    positions = tour.T_W_B[at, :3, 3]
+    floors = floor_levels(on_stairs(positions, LabelConfig()), positions)
+    ground = positions[:, 2] - tour.eye_height_m
+    for number, storey in enumerate(house.storeys):
+        level = np.abs(ground - storey.floor_m) < 1e-6
+        assert np.mean(floors[level] == number) > 0.95 and set(floors[level]) <= {-1, number}
+    between = np.abs(ground[:, None] - [storey.floor_m for storey in house.storeys]).min(axis=1) > 0.5
+    assert between.any() and (floors[between] == -1).all() and lift_rides(positions) == []
+
+
+def test_a_spiral_is_refused_with_what_is_wrong():
+    with pytest.raises(HouseError, match="openings are in different sides"):
+        build_house(variant(sample_house("home", 101, clutter=0.0), climb="spiral"))
+    spec = variant(sample_house("home", 100, clutter=0.0), climb="spiral")
+    with pytest.raises(HouseError, match=r"too small to rise 4.50 m; valid: at least 2.60 m away"):
+        build_stairs(spec, [0.0, 4.5])
