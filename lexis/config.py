@@ -232,6 +232,9 @@ class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
     0.5 rad. Its pose relative to one of these keyframes is then fixed, it is no loop candidate any more, and it gives up its
     features, landmarks and loop edges. The graph and the map thus grow with the area that is walked, and hardly with the
     time. None: no keyframe retires. See `lexis.graph.thinning`."""
+    retire_above: Annotated[int, Ge(0)] = 500
+    """Keyframes retire only while more keyframes than this have not retired. A smaller graph costs little, and keeps all of
+    its loop edges."""
     min_rotation_sigma_rad: Annotated[float, Gt(0)] = 1e-4
     """Error that is added in quadrature to the standard deviation of an odometry step's rotation, because the odometry
     may state a deviation of 0 [rad]."""

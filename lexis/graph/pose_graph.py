@@ -280,7 +280,7 @@ class PoseGraph:
         No keyframe retires while there are several components, because poses of two components cannot be compared. The first
         keyframe of a session stays, because loop edges from it are ignored; so does the last keyframe before it.
         """
-        if self._config.copies is None or self.is_split:
+        if self._config.copies is None or len(self.active) <= self._config.retire_above or self.is_split:
             return
         old = self.active[: -self._config.window]
         path_m = self.path_m + _SESSION_M * self._sessions.rows

@@ -146,10 +146,8 @@ def anchors(
     later, earlier, distance = _same_place(T_W_B, path_m)
     first = np.searchsorted(later, np.arange(n + 1))
     redundant, retires = np.zeros(n, bool), np.zeros(n, bool)
-    end, inside = (
-        None,
-        False,
-    )  # the linked node at which the current part begins, and whether the part before it is redundant
+    end: int | None = None  # the linked node at which the current part begins
+    inside = False  # whether the part before this node is redundant
     for node in range(n):
         redundant[node] = (~retires[earlier[first[node] : first[node + 1]]]).sum() >= copies
         if linked[node]:

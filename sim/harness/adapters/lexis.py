@@ -104,7 +104,7 @@ class Lexis:
     def replay(self, map: LexisMap) -> None:
         """Add the keyframes of a map, in place of observations. This saves the encoding and the features of all images.
 
-        Keyframes that have retired stay retired. After a walk on which many do, the map may differ a little from that of a run.
+        Keyframes that have retired stay retired. If many have, the map may differ a little from that of a run.
         """
         self._running.replay(map)
 

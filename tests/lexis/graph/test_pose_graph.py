@@ -133,7 +133,7 @@ def walked(T_O_B, loops, config):
     return graph, most
 
 
-THIN = PoseGraphConfig(window=20, growth=0.1, copies=2)
+THIN = PoseGraphConfig(window=20, growth=0.1, copies=2, retire_above=0)
 
 
 def every_lap(rng, count):
@@ -158,6 +158,14 @@ def test_a_thinned_graph_ends_near_the_same_map(rng):
 def test_without_loops_no_keyframe_retires(rng):
     graph, _ = walked(every_lap(rng, 200)[0], {}, THIN)
     np.testing.assert_array_equal(graph.active, np.arange(200))
+
+
+def test_a_small_graph_keeps_all_keyframes_and_loops_until_it_has_grown_enough(rng):
+    T_O_B, loops = every_lap(rng, 400)
+    small, _ = walked(T_O_B[:300], loops, replace(THIN, retire_above=300))
+    assert len(small.active) == 300 and len(small.loops) == 260
+    large, most = walked(T_O_B, loops, replace(THIN, retire_above=300))
+    assert 300 < most < 400 and len(large.active) < 200
 
 
 def test_retired_keyframes_follow_their_anchors(rng):

@@ -53,8 +53,8 @@ def walked():
         tour_kind="loop",
         length_m=10 * LAP_M,
     )
-    whole = Config(pose_graph=PoseGraphConfig(copies=None))
-    slams = [Lexis("oracle"), Lexis("oracle", whole)]
+    graphs = PoseGraphConfig(retire_above=0), PoseGraphConfig(copies=None)
+    slams = [Lexis("oracle", Config(pose_graph=graph)) for graph in graphs]
     return [(run(scenario, slam), slam) for slam in slams]
 
 
