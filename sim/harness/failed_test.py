@@ -14,7 +14,7 @@ from sim.harness.results import RunResult
 from sim.harness.runner import Run
 from sim.harness.scenario import Scenario
 from sim.harness.why_page import crash_page, failed_test_page
-from sim.harness.world_tests import SCENARIO, slug_of
+from sim.harness.world_tests import SCENARIO, TEST_REPLAY, slug_of
 
 _REPLAY = '''"""Replays a failure of {test}: run pytest on this file, anywhere below the folder that holds {file}."""
 
@@ -36,6 +36,28 @@ def test_replay():
     done = subprocess.run(command, cwd=top, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
 '''
+
+
+@dataclass(frozen=True)
+class FailedTest:
+    """A test of the user that fails, and how to run it again."""
+
+    name: str
+    """File and function as pytest names them, such as "tests/test_slam.py::test_rooms"."""
+    replayed_name: str
+    """The name by which pytest finds the test in a replay: also with the id of parameters other than the world."""
+    options: tuple[str, ...] = ()
+    """Options of pytest that a replay needs besides the scenario."""
+    figure: str | None = None
+    """The figure that the failing assertion is about, such as "floors.accuracy"; None if it is not known."""
+    message: str = ""
+    """What pytest says about the failure."""
+
+    @property
+    def replay(self) -> str:
+        """Text of the file test_replay.py."""
+        file = self.name.partition("::")[0]
+        return _REPLAY.format(test=self.replayed_name, file=file, options=list(self.options))
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,21 +96,16 @@ def folder_of(out: Path, name: str, scenario: Scenario, parameters: str = "") ->
     return out / f"{slug_of(name)}{variant}-{scenario.content_hash}"
 
 
-def write_failed_test(
-    folder: Path,
-    name: str,
-    options: Sequence[str],
-    outcome: FinishedRun | Crash,
-    search: Search | None = None,
-    figure: str | None = None,
-    message: str = "",
-) -> None:
+def holds_failure(folder: Path, test: FailedTest, scenario: Scenario) -> bool:
+    """Return whether a folder, which the user may have renamed, holds the failure of the test in this scenario."""
+    replay = folder / TEST_REPLAY
+    return replay.is_file() and replay.read_text() == test.replay and Scenario.load(folder / SCENARIO) == scenario
+
+
+def write_failed_test(folder: Path, test: FailedTest, outcome: FinishedRun | Crash, search: Search | None = None) -> None:
     """Write scenario.json, why.md and test_replay.py, and either the files of `write_run` or the traceback of a crash.
 
-    `name` is the test as pytest names it, file and function without parameters, such as "tests/test_slam.py::test_rooms".
-    `options` are the options of pytest that a replay needs besides the scenario. `search` is the search that found the
-    scenario, if there was one. `figure` is the figure that the failing assertion is about, if it is known. `message` is what
-    pytest says about the failure. An earlier folder of the same failure is replaced.
+    `search` is the search that found the scenario, if there was one. An earlier folder of the same failure is replaced.
 
     Raises `LexisError` where `folder` holds anything else or cannot be written.
     """
@@ -96,12 +113,12 @@ def write_failed_test(
         reduction, blamed = (None, None) if search is None else (search.reduction, search.blamed)
         if isinstance(outcome, Crash):
             fill_crash_folder(outcome, new)
-            page = crash_page(f"{name} fails", outcome, reduction, blamed)
+            page = crash_page(f"{test.name} fails", outcome, reduction, blamed)
         else:
             fill_run_folder(outcome.run, outcome.result, outcome.trials, new)
-            page = failed_test_page(name, outcome.run, figure, reduction, blamed, message)
+            page = failed_test_page(test.name, outcome.run, test.figure, reduction, blamed, test.message)
         for each, content in page.files.items():
             (new / each).write_bytes(content)
         if search is not None:
             search.original.save(new / "original.json")
-        (new / "test_replay.py").write_text(_REPLAY.format(test=name, file=name.partition("::")[0], options=list(options)))
+        (new / TEST_REPLAY).write_text(test.replay)

@@ -33,6 +33,8 @@ FEATURES_FRAME_RATE_HZ, RENDER_FRAME_RATE_HZ = 2.0, 10.0
 triangulates no landmarks on features."""
 SCENARIO = "scenario.json"
 """File that identifies a folder as the output of a failed test."""
+TEST_REPLAY = "test_replay.py"
+"""File with a test that replays the failure of its folder."""
 _NOT_IN_NAMES = re.compile(r"[^\w.]+")
 _LONGEST_NAME = 150
 _Test = TypeVar("_Test", bound=Callable[..., object])

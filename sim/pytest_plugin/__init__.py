@@ -17,6 +17,7 @@ in these modules:
 
 from sim.pytest_plugin.collection import pytest_collection_finish as pytest_collection_finish
 from sim.pytest_plugin.collection import pytest_generate_tests as pytest_generate_tests
+from sim.pytest_plugin.collection import pytest_pycollect_makemodule as pytest_pycollect_makemodule
 from sim.pytest_plugin.execution import pytest_runtest_call as pytest_runtest_call
 from sim.pytest_plugin.execution import pytest_runtest_setup as pytest_runtest_setup
 from sim.pytest_plugin.fixtures import house as house

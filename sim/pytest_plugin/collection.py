@@ -1,14 +1,42 @@
 """Collection of decorated tests: each runs once for every one of its worlds (scenarios in fresh or stored houses)."""
 
+import importlib.util
+import types
 from collections.abc import Sequence
+from pathlib import Path
 
 import pytest
 
-from sim.harness.world_tests import ATTRIBUTE, StoredWorld, World, WorldFamily, stored_failures
+from sim.harness.world_tests import ATTRIBUTE, SCENARIO, TEST_REPLAY, StoredWorld, World, WorldFamily, stored_failures
 from sim.pytest_plugin.options import SEED, out_folder, replayed_file
 
 SHARE_S = pytest.StashKey[float]()
 """Key under which pytest stores each decorated test's share of the time budget [s]; absent without a budget."""
+
+_REPLAY = "replay"
+"""Name of the world of a decorated test in a replay."""
+
+
+def pytest_pycollect_makemodule(module_path: Path, parent: pytest.Collector) -> pytest.Module | None:
+    """Collect test_replay.py from the folder of a failure under a name of its own.
+
+    pytest would otherwise refuse to collect the files of this name from several folders.
+    """
+    if module_path.name != TEST_REPLAY or not module_path.with_name(SCENARIO).is_file():
+        return None
+    module: pytest.Module = _ReplayModule.from_parent(parent, path=module_path)
+    return module
+
+
+class _ReplayModule(pytest.Module):
+    """A Python file that is loaded under the name of its folder, and stays out of `sys.modules`."""
+
+    def _getobj(self) -> types.ModuleType:
+        spec = importlib.util.spec_from_file_location(self.path.parent.name, self.path)
+        assert spec is not None and spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return module
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -29,7 +57,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 def _worlds_of(family: WorldFamily, config: pytest.Config, name: str) -> Sequence[World]:
     if (replayed := replayed_file(config)) is not None:
-        return [StoredWorld(replayed, "replay")]
+        return [StoredWorld(replayed, _REPLAY)]
     stored = stored_failures(out_folder(config), name) if config.option.lexis_profile == "lexis-nightly" else []
     return [*stored, *(family.draw(config.stash[SEED], index) for index in range(family.n))]
 
@@ -59,15 +87,25 @@ def world_of(item: pytest.Item) -> World:
 
 def name_of(item: pytest.Item) -> str:
     """Return file and function of a test. If the test is not decorated, the id of its parameters follows."""
-    return item.nodeid if family_of(item) is None else item.nodeid.removesuffix(f"[{item.callspec.id}]")  # type: ignore[attr-defined]
+    return item.nodeid if family_of(item) is None else item.nodeid.removesuffix(f"[{_ids(item)}]")
 
 
 def parameters_of(item: pytest.Item) -> str:
     """Return the pytest id of the parameters that a decorated test has besides its world; empty if there are none."""
-    if family_of(item) is None:
-        return ""
+    return "" if family_of(item) is None else _ids(item).replace(world_of(item).name, "", 1).strip("-")
+
+
+def replayed_name(item: pytest.Item) -> str:
+    """Return the name by which pytest finds a test in a replay: with the id of its parameters other than the world."""
+    if not parameters_of(item):
+        return name_of(item)
+    return f"{name_of(item)}[{_ids(item).replace(world_of(item).name, _REPLAY, 1)}]"
+
+
+def _ids(item: pytest.Item) -> str:
+    """Return the id of all parameters of a test, its world included."""
     ids: str = item.callspec.id  # type: ignore[attr-defined]
-    return ids.replace(world_of(item).name, "", 1).strip("-")
+    return ids
 
 
 def _family(function: object) -> WorldFamily | None:

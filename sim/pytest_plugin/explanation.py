@@ -10,14 +10,14 @@ import pytest
 from _pytest._code.code import ExceptionRepr
 
 from lexis.errors import one_line
-from sim.harness.world_tests import SCENARIO, StoredWorld
-from sim.pytest_plugin.collection import family_of, name_of, parameters_of
+from sim.harness.world_tests import SCENARIO, TEST_REPLAY, StoredWorld
+from sim.pytest_plugin.collection import family_of, name_of, parameters_of, replayed_name
 from sim.pytest_plugin.execution import Execution
 from sim.pytest_plugin.options import loading_options, out_folder, replayed_file
 
 if TYPE_CHECKING:
     from sim.harness.crash import Crash
-    from sim.harness.failed_test import FinishedRun, Search
+    from sim.harness.failed_test import FailedTest, FinishedRun, Search
     from sim.harness.scenario import Scenario
 
 _FIGURE = re.compile(r"\b((?:labels|rooms|floors|loops|trajectory)\.\w+)")
@@ -56,7 +56,7 @@ def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search
     except Exception as problem:  # whatever it is, the failure of the test must not be lost
         return [*lines, f"folder: cannot be written: {one_line(f'{type(problem).__name__}: {problem}', 160)}"]
     here = item.config.invocation_params.dir
-    test = relpath(item.path, here) + "".join(name_of(item).partition("::")[1:])
+    test = relpath(item.path, here) + "".join(replayed_name(item).partition("::")[1:])
     shown = folder if item.config.option.lexis_out.is_absolute() else Path(relpath(folder, here))
     command = shlex.join(["pytest", *loading_options(item.config), test, "--lexis-replay", str(shown)])
     return [*lines, f"folder: {shown}", f"replay: {command}"]
@@ -87,18 +87,24 @@ def _folder(item: pytest.Item, execution: Execution, outcome: "FinishedRun | Cra
 
     Nothing is written if this folder is being replayed, or if the test itself is in it.
     """
-    from sim.harness.failed_test import folder_of, write_failed_test
+    from sim.harness.failed_test import folder_of, holds_failure, write_failed_test
 
     if _is_in_its_folder(item, outcome.scenario):
         return item.path.parent
-    folder = folder_of(out_folder(item.config), name_of(item), outcome.scenario, parameters_of(item))
-    replayed = _replayed(item, execution)
-    if replayed is not None and replayed.parent.name == folder.name:
+    test, replayed = _failed_test(item, execution), _replayed(item, execution)
+    if replayed is not None and holds_failure(replayed.parent, test, outcome.scenario):
         return replayed.parent
-    failure = execution.failure
-    message = "" if failure is None else f"{failure.message}\n{failure.where}: {failure.statement}"
-    write_failed_test(folder, name_of(item), loading_options(item.config), outcome, search, _figure(execution), message)
+    folder = folder_of(out_folder(item.config), name_of(item), outcome.scenario, parameters_of(item))
+    write_failed_test(folder, test, outcome, search)
     return folder
+
+
+def _failed_test(item: pytest.Item, execution: Execution) -> "FailedTest":
+    from sim.harness.failed_test import FailedTest
+
+    failure, options = execution.failure, tuple(loading_options(item.config))
+    message = "" if failure is None else f"{failure.message}\n{failure.where}: {failure.statement}"
+    return FailedTest(name_of(item), replayed_name(item), options, _figure(execution), message)
 
 
 def _is_in_its_folder(item: pytest.Item, scenario: "Scenario") -> bool:
@@ -111,7 +117,7 @@ def _is_in_its_folder(item: pytest.Item, scenario: "Scenario") -> bool:
 
     beside = item.path.with_name(SCENARIO)
     try:
-        return item.path.name == "test_replay.py" and beside.is_file() and Scenario.load(beside) == scenario
+        return item.path.name == TEST_REPLAY and beside.is_file() and Scenario.load(beside) == scenario
     except SimError:
         return False
 

@@ -189,6 +189,33 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
     assert len(list(pytester.path.glob("kept/*"))) == 2 and not (pytester.path / ".lexis-failures").exists()
 
 
+PARAMETERS = """
+@pytest.fixture(params=["left", "right"])
+def slam(request):
+    return Lost() if request.param in os.environ["BROKEN"] else Stub()
+
+@small
+def test_eye(run):
+    pass
+"""
+
+
+def test_folders_are_replayed_in_one_session_each_with_the_parameters_of_its_failure(pytester, inner, start, monkeypatch):
+    pytester.makepyfile(test_slam=SLAM + PARAMETERS)
+    monkeypatch.setenv("BROKEN", "left, right")
+    inner("--no-lexis-shrink").assert_outcomes(failed=2)
+    left, right = sorted((pytester.path / ".lexis-failures").iterdir())
+    left.rename(renamed := left.with_name("renamed"))
+    replays = [str(renamed / "test_replay.py"), str(right / "test_replay.py")]
+    start(*replays).assert_outcomes(failed=2)
+    monkeypatch.setenv("BROKEN", "left")
+    result = start(*replays)
+    result.assert_outcomes(passed=1, failed=1)
+    result.stdout.fnmatch_lines(["*RuntimeError: lost*"])
+    start(str(right)).assert_outcomes(passed=1)
+    assert sorted(path.name for path in left.parent.iterdir()) == ["renamed", right.name]
+
+
 FLOORS = """
 from dataclasses import replace
 
