@@ -61,7 +61,8 @@ class BlameTable:
         """Summarise the table, as in "mended by: oracle encoder. Not mended by: perfect odometry."."""
         mending, others = ", ".join(self.named("mends")), ", ".join(self.named("does not mend"))
         if not (mending or others):
-            return "no change was tried, because each would leave this scenario as it is."
+            same = ", ".join(self.named("changes nothing"))
+            return f"the scenario already has all of this: {same}. The failure needs nothing more." if same else "unknown."
         return f"mended by: {mending or 'nothing'}." + (f" Not mended by: {others}." if others else "")
 
 

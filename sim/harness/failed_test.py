@@ -7,6 +7,7 @@ from pathlib import Path
 from lexis.files.replace import replaced_folder
 from sim.harness.blame_table import BlameTable
 from sim.harness.crash import Crash
+from sim.harness.first_wrong import shown_failure
 from sim.harness.outputs import fill_crash_folder, fill_run_folder
 from sim.harness.planning import Trial
 from sim.harness.reducer import Reduction
@@ -80,6 +81,8 @@ class Search:
 
     original: Scenario
     """The scenario in which the failure was found."""
+    found: str
+    """What pytest said about the failure in the original scenario."""
     reduction: Reduction
     blamed: BlameTable | None
     """The changes that mend the failure in the smallest scenario, and the changes that do not. None if the user interrupted
@@ -115,8 +118,10 @@ def write_failed_test(folder: Path, test: FailedTest, outcome: FinishedRun | Cra
             fill_crash_folder(outcome, new)
             page = crash_page(f"{test.name} fails", outcome, reduction, blamed)
         else:
-            fill_run_folder(outcome.run, outcome.result, outcome.trials, new)
-            page = failed_test_page(test.name, outcome.run, test.figure, reduction, blamed, test.message)
+            failure = shown_failure(outcome.run, f"{test.name} fails\n{test.message}", test.figure)
+            fill_run_folder(outcome.run, outcome.result, outcome.trials, new, failure)
+            found = "" if search is None else search.found
+            page = failed_test_page(test.name, outcome.run, test.figure, reduction, blamed, test.message, found)
         for each, content in page.files.items():
             (new / each).write_bytes(content)
         if search is not None:

@@ -9,6 +9,7 @@ from sim.harness.blame_table import BlameTable
 from sim.harness.claims import Claim
 from sim.harness.crash import Crash
 from sim.harness.failure_signature import FailureTest
+from sim.harness.first_wrong import shown_failure
 from sim.harness.outputs import write_crash, write_run
 from sim.harness.reducer import Reduction
 from sim.harness.why_page import why_page
@@ -47,7 +48,11 @@ def write_failure(
     if isinstance(smallest, Crash):
         write_crash(smallest, out, files)
     else:
-        write_run(smallest.run, smallest.result, smallest.trials, out, files)
+        assert test.claim is not None
+        failure = shown_failure(
+            smallest.run, f"{test.claim}: {test.claim.figure} is {smallest.value:.4g}", test.claim.figure
+        )
+        write_run(smallest.run, smallest.result, smallest.trials, out, files, failure)
 
 
 def replay_test(claim: Claim | None, replay: Replay = LEXIS_REPLAY) -> str:

@@ -11,7 +11,7 @@ from lexis.evaluation.trajectory import aligned
 from lexis.types import Poses
 from sim.harness.loops import edge_truth
 from sim.harness.runner import Run
-from sim.report.data import NO_LABEL
+from sim.report.data import NO_LABEL, ShownFailure
 from sim.session import Session
 from worlds.house import Room
 
@@ -60,6 +60,14 @@ def first_wrong(run: Run, figure: str | None = None) -> WrongFrame | None:
     stamps, frame = run.session.tour.stamps, int(run.estimate.frames[row])
     similar = run.most_similar(row, _TOP) if kind in ("", "labels", "rooms") else ()
     return WrongFrame(frame, _room(run, row), float(stamps[frame] - stamps[0]), what, similar)
+
+
+def shown_failure(run: Run, what: str, figure: str | None = None) -> ShownFailure:
+    """Return what the report shows of a failed run: `what` has failed, and the first frame that is wrong for the figure."""
+    frame = first_wrong(run, figure)
+    if frame is None:
+        return ShownFailure(what)
+    return ShownFailure(what, str(frame), int(np.searchsorted(run.estimate.frames, frame.frame)))
 
 
 def crash_frame(session: Session, done: float) -> WrongFrame:

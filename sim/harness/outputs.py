@@ -14,7 +14,7 @@ from sim.harness.report_data import report_data
 from sim.harness.results import RunResult
 from sim.harness.runner import Run
 from sim.harness.slam_under_test import SavesFiles
-from sim.report import write_report
+from sim.report import ShownFailure, write_report
 
 MARKERS = ("result.json", TRACEBACK)
 """Files that identify a folder as the output of a run or of a crash, which a new run may replace."""
@@ -22,15 +22,20 @@ _NO_FILES: Mapping[str, bytes] = MappingProxyType({})
 
 
 def write_run(
-    run: Run, result: RunResult, trials: Sequence[Trial], out: Path, more: Mapping[str, bytes] = _NO_FILES
+    run: Run,
+    result: RunResult,
+    trials: Sequence[Trial],
+    out: Path,
+    more: Mapping[str, bytes] = _NO_FILES,
+    failure: ShownFailure | None = None,
 ) -> None:
     """Write result.json, scenario.json, house.json, report.html, the trajectories and the SLAM's own files to `out`.
 
-    `more` contains further files: their contents, by file name. A folder of an earlier run is replaced. Raises `LexisError`
-    where `out` holds anything else or cannot be written.
+    `more` contains further files: their contents, by file name. The report shows the `failure`, if there is one. A folder of
+    an earlier run is replaced. Raises `LexisError` where `out` holds anything else or cannot be written.
     """
     with _folder_with(more, out) as folder:
-        fill_run_folder(run, result, trials, folder)
+        fill_run_folder(run, result, trials, folder, failure)
 
 
 def write_crash(crash: Crash, out: Path, more: Mapping[str, bytes] = _NO_FILES) -> None:
@@ -58,7 +63,9 @@ def fill_crash_folder(crash: Crash, folder: Path) -> None:
     crash.scenario.save(folder / "scenario.json")
 
 
-def fill_run_folder(run: Run, result: RunResult, trials: Sequence[Trial], folder: Path) -> None:
+def fill_run_folder(
+    run: Run, result: RunResult, trials: Sequence[Trial], folder: Path, failure: ShownFailure | None = None
+) -> None:
     """Write the files of `write_run` into an existing folder."""
     (folder / "result.json").write_text(json.dumps(result.data(), indent=1) + "\n")
     (folder / "house.json").write_text(run.house.spec.to_json())
@@ -69,4 +76,4 @@ def fill_run_folder(run: Run, result: RunResult, trials: Sequence[Trial], folder
     write_tum(folder / "odometry.tum", run.stamps, run.odometry_poses)
     if isinstance(run.slam, SavesFiles):
         run.slam.save(folder)
-    write_report(folder / "report.html", report_data(run, result, trials))
+    write_report(folder / "report.html", report_data(run, result, trials, failure))

@@ -16,7 +16,7 @@ from sim.harness.walk import shortest_walk_m
 from sim.render.rig import RIGS, RigConfig
 from worlds.errors import WorldsError
 from worlds.labels import ROOM_LABELS
-from worlds.spec import AppearanceSpec, HouseSpec
+from worlds.spec import AppearanceSpec, HouseSpec, RoomSpec
 from worlds.variant import explicit
 
 Step = Callable[[Scenario], Iterator[Scenario]]
@@ -272,12 +272,22 @@ def difference(before: Scenario, after: Scenario) -> str:
     return "; ".join(said) or "nothing"
 
 
+def relabelled_rooms(before: Scenario, after: Scenario) -> tuple[str, ...]:
+    """Return in words which rooms of the first scenario have another label in the second: "'hall 0.1' is a kitchen"."""
+    old, new = (_rooms_by_id(_listed(scenario)) for scenario in (before, after))
+    return tuple(f"{key!r} is a {room.label}" for key, room in new.items() if key in old and old[key].label != room.label)
+
+
+def _rooms_by_id(spec: HouseSpec) -> dict[str, RoomSpec]:
+    return {room.id: room for storey in spec.storeys for room in storey.rooms}
+
+
 def _names(faults: tuple[object, ...]) -> str:
     return ", ".join(getattr(fault, "name", "") for fault in faults) or "none"
 
 
 def _house_differences(before: HouseSpec, after: HouseSpec) -> Iterator[str]:
-    old, new = ({room.id: room for storey in spec.storeys for room in storey.rooms} for spec in (before, after))
+    old, new = _rooms_by_id(before), _rooms_by_id(after)
     if gone := [f"{old[key].label} {key!r}" for key in old if key not in new]:
         yield f"without {', '.join(gone)}"
     both = [key for key in old if key in new]

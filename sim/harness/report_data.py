@@ -14,7 +14,7 @@ from sim.harness.planning import Trial
 from sim.harness.results import RunResult
 from sim.harness.runner import Run
 from sim.render.camera import CameraRenderer
-from sim.report.data import UNKNOWN, CandidateMark, KeyframeTable, LoopMark, PlanPath, ReportData, SampleFrame
+from sim.report.data import UNKNOWN, CandidateMark, KeyframeTable, LoopMark, PlanPath, ReportData, SampleFrame, ShownFailure
 from sim.report.house_plan import floor_plans
 from sim.robot.drive import DROP
 from worlds.truth import NOWHERE, room_at
@@ -23,7 +23,9 @@ _SAMPLES = 6
 _SCORES = 3
 
 
-def report_data(run: Run, result: RunResult, trials: Sequence[Trial] = ()) -> ReportData:
+def report_data(
+    run: Run, result: RunResult, trials: Sequence[Trial] = (), failure: ShownFailure | None = None
+) -> ReportData:
     """Collect the data of a run that `sim.report.write_report` shows."""
     return ReportData(
         result.data(),
@@ -35,6 +37,7 @@ def report_data(run: Run, result: RunResult, trials: Sequence[Trial] = ()) -> Re
         tuple(_plan(run, trial) for trial in trials),
         unseen_rooms=run.unseen_rooms,
         candidates=_candidates(run),
+        failure=failure,
     )
 
 

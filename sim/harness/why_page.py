@@ -11,7 +11,7 @@ from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.failure_signature import FailureTest, Observed
 from sim.harness.first_wrong import WrongFrame, crash_frame, first_wrong
 from sim.harness.reducer import Reduction
-from sim.harness.reductions import ScenarioSize, difference
+from sim.harness.reductions import ScenarioSize, difference, relabelled_rooms
 from sim.harness.runner import Run, scene_of
 from sim.render.image_files import encoded
 from sim.report.frame_picture import camera_image, place_image
@@ -20,12 +20,16 @@ from sim.session import Session
 _LISTED = 8
 """Largest number of listed scenarios that pass although they are only one step smaller than the smallest failing one."""
 _IMAGE, _PLAN = "first-wrong.png", "first-wrong-plan.png"
-_UNITS = {"length_m": "length of the tour [m]", "area_m2": "area of the rooms [m²]"}
+_UNITS = {
+    "rooms": "rooms (stairs count on each storey)",
+    "length_m": "length of the tour [m]",
+    "area_m2": "area of the rooms [m²]",
+}
 _HOW_TO_REPLAY = (
     "## Replay",
     "",
-    "Run `pytest PATH/test_replay.py`, with the path of this folder, where the failure was found: in the folder of your",
-    "tests, or where `lexis-sim` was started. It fails as long as the failure exists. The scenario is in `scenario.json`.",
+    "Run `pytest PATH`, with the path of this folder, where the failure was found: in the folder of your tests, or where",
+    "`lexis-sim` was started. It fails as long as the failure exists. The scenario is in `scenario.json`.",
 )
 """The last section of why.md."""
 _WHOLE_RUN = "`report.html` shows the whole run."
@@ -59,16 +63,29 @@ def why_page(reduction: Reduction, test: FailureTest, blamed: BlameTable, smalle
 
 
 def failed_test_page(
-    name: str, run: Run, figure: str | None, reduction: Reduction | None, blamed: BlameTable | None, message: str = ""
+    name: str,
+    run: Run,
+    figure: str | None,
+    reduction: Reduction | None,
+    blamed: BlameTable | None,
+    message: str = "",
+    found: str = "",
 ) -> Page:
     """Make the page about a test that fails.
 
     `figure` is the figure that the failing assertion is about, such as "floors.accuracy"; None if it is unknown.
     `reduction` is None if no smaller scenario was searched for. `blamed` is None if no change was tried that could mend the
-    failure. `message` is what pytest says about the failure, if it is known.
+    failure. `message` is what pytest says about the failure, if it is known, and `found` what it said in the scenario in
+    which the failure was found.
     """
-    head = [f"# {name} fails", *(["", "```", *message.splitlines(), "```"] if message else [])]
+    head = [f"# {name} fails", *_quoted(message)]
+    if found and found != message:
+        head += ["", "In the scenario in which the failure was found, pytest said:", *_quoted(found)]
     return _page(head, wrong_frame_page(run, figure), _search_sections(reduction, blamed), _WHOLE_RUN)
+
+
+def _quoted(message: str) -> list[str]:
+    return ["", "```", *message.splitlines(), "```"] if message else []
 
 
 def crash_page(title: str, crash: Crash, reduction: Reduction | None = None, blamed: BlameTable | None = None) -> Page:
@@ -120,7 +137,8 @@ def _frame_page(title: str, session: Session, frame: WrongFrame, fidelity: Fidel
         lines.append(f"Most similar room names: {', '.join(f'{name} {value:.3f}' for name, value in frame.similarities)}.")
     pictures = {_PLAN: encoded(place_image(session, frame.frame), ".png")}
     shown = f"![the place on the plan]({_PLAN})"
-    caption = "The plan shows the walk up to this frame in grey, and the camera's field of view in red."
+    storey = f"storey {session.truths[frame.frame].storey}" if len(session.house.storeys) > 1 else "the storey"
+    caption = f"The plan shows {storey}, the walk up to this frame in grey, and the camera's field of view in red."
     try:
         pictures[_IMAGE] = encoded(camera_image(session, frame.frame), ".png")
         shown = f"![the image of the camera]({_IMAGE}) {shown}"
@@ -199,6 +217,9 @@ def _sizes(reduction: Reduction, figure: str) -> Iterator[str]:
         yield 'No furniture is left by which an encoder could recognise a room; `--keep "drop furniture"` keeps it.'
     yield ""
     yield from _size_table(before, after)
+    if changed := relabelled_rooms(reduction.original, reduction.scenario):
+        yield ""
+        yield f"The search gave some rooms simpler labels, and they kept their ids: {', '.join(changed)}."
 
 
 def _size_table(before: ScenarioSize, after: ScenarioSize) -> Iterator[str]:

@@ -14,6 +14,7 @@ from sim.harness.last_run import LastRun, watched
 from sim.harness.world_tests import World
 from sim.pytest_plugin.drawn_tests import replay_of_draws
 from sim.pytest_plugin.options import replayed_file
+from worlds.valid_names import did_you_mean
 
 if TYPE_CHECKING:
     from sim.harness.runner import Run
@@ -39,6 +40,20 @@ class Reason:
     statement: str
     message: str
     error: BaseException
+
+    @property
+    def unknown_figure(self) -> str:
+        """Sentence on a figure that the test misspells: no `RunResult` has it; empty for any other failure."""
+        error = self.error
+        if not isinstance(error, AttributeError) or type(error.obj).__module__ != "sim.harness.results":
+            return ""
+        name, valid = error.name or "", list(vars(error.obj))
+        return f"no figure {name!r}{did_you_mean(name, valid)}; valid: {', '.join(valid)}"
+
+    @property
+    def text(self) -> str:
+        """The message, and the line that raised the exception."""
+        return f"{self.message}\n{self.where}: {self.statement}"
 
 
 @dataclass(eq=False)

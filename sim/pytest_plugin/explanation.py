@@ -34,20 +34,26 @@ def add_text(item: pytest.Item, execution: Execution, report: pytest.TestReport,
     assert failure is not None and scenario is not None
     lines = [failure.message, f"    {failure.where}: {failure.statement}"]
     rest = _lines(item, execution, scenario, search)
+    before = search.found if search is not None and search.found != failure.text else ""
     if family_of(item) is not None and item.config.option.tbstyle == "auto":
-        report.longrepr = "\n".join([*lines, *rest])
+        original = [f"in the original scenario: {before.splitlines()[0]}"] if before else []
+        report.longrepr = "\n".join([*lines, *original, *rest])
     elif isinstance(report.longrepr, ExceptionRepr):  # JUnit reports show sections of this object, too
-        report.longrepr.addsection("lexis", "\n".join(rest))
+        smallest = [f"in the smallest scenario: {failure.message.splitlines()[0]}"] if before else []
+        report.longrepr.addsection("lexis", "\n".join([*smallest, *rest]))
     else:
         report.sections.append(("lexis", "\n".join(rest)))
 
 
 def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search: "Search | None") -> list[str]:
     """Write the folder of a failure; return lines with the first wrong frame, the folder and the command for a replay."""
-    lines = []
     error = _error(execution)
+    unknown = execution.failure.unknown_figure if execution.failure else ""
+    lines = [f"note: {unknown}"] if unknown else []
     if execution.run is not None and isinstance(error, TypeError) and "NoneType" in str(error):
         lines.append("note: a figure is None if the SLAM makes no claim that it could be computed from")
+    if isinstance(error, AttributeError | TypeError) and "Percept" in str(error):
+        lines.append('note: with fidelity "features", observation.image is a Percept; valid: worlds(fidelity="render")')
     try:
         outcome = _outcome(execution, scenario)
         place = _first_wrong(outcome, _figure(execution))
@@ -103,8 +109,7 @@ def _failed_test(item: pytest.Item, execution: Execution) -> "FailedTest":
     from sim.harness.failed_test import FailedTest
 
     failure, options = execution.failure, tuple(loading_options(item.config))
-    message = "" if failure is None else f"{failure.message}\n{failure.where}: {failure.statement}"
-    return FailedTest(name_of(item), replayed_name(item), options, _figure(execution), message)
+    return FailedTest(name_of(item), replayed_name(item), options, _figure(execution), failure.text if failure else "")
 
 
 def _is_in_its_folder(item: pytest.Item, scenario: "Scenario") -> bool:

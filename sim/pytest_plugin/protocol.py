@@ -29,7 +29,7 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
     original = execution.scenario
     if execution.failure is not None and original is not None:
         search = None
-        if wants_to_shrink(item.config):
+        if wants_to_shrink(item.config) and not execution.failure.unknown_figure:
             execution, search = shrunk(item, nextitem, execution, original)
         add_text(item, execution, next(report for report in reports if report.failed), search)
     for report in reports:

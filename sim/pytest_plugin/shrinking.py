@@ -65,7 +65,7 @@ def shrunk(
         _stop(item)
     else:
         blamed = _blamed(item, smallest, reduction, fails)
-    return smallest, Search(scenario, reduction, blamed)
+    return smallest, Search(scenario, found.failure.text if found.failure else "", reduction, blamed)
 
 
 def _blamed(item: pytest.Item, smallest: Execution, reduction: "Reduction", fails: "Fails") -> "BlameTable | None":

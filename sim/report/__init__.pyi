@@ -4,6 +4,7 @@ from .data import LoopMark as LoopMark
 from .data import PlanPath as PlanPath
 from .data import ReportData as ReportData
 from .data import SampleFrame as SampleFrame
+from .data import ShownFailure as ShownFailure
 from .house_plan import floor_plans as floor_plans
 from .house_plan import plan_png as plan_png
 from .house_plan import plan_svg as plan_svg

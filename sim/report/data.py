@@ -73,8 +73,8 @@ class KeyframeTable:
     """Time stamps [s]."""
     true_poses: Float64[np.ndarray, "n 4 4"]
     odometry_poses: Float64[np.ndarray, "n 4 4"]
-    """Poses of the odometry, aligned to the truth as for the ATE. `optimised_poses` are aligned in the same way."""
-    optimised_poses: Float64[np.ndarray, "n 4 4"]
+    """Poses of the odometry, aligned to the truth as for the ATE. `estimated_poses` are aligned in the same way."""
+    estimated_poses: Float64[np.ndarray, "n 4 4"]
     storeys: Int[np.ndarray, "n"]
     """Level of the storey that truly contains each keyframe, 0 for the lowest."""
     true_labels: Int[np.ndarray, "n"]
@@ -89,9 +89,24 @@ class KeyframeTable:
     """Name of the room instance to which the SLAM assigned each keyframe; "" for none."""
 
     @property
+    def is_labelled(self) -> bool:
+        """Whether any keyframe has a label. A SLAM need not claim labels."""
+        return bool((self.predicted_labels != UNKNOWN).any())
+
+    @property
+    def is_labelled_before(self) -> bool:
+        """Whether any keyframe has a label before refinement."""
+        return bool((self.baseline_labels != UNKNOWN).any())
+
+    @property
+    def has_rooms(self) -> bool:
+        """Whether the SLAM has assigned any keyframe to a room instance."""
+        return any(self.predicted_rooms)
+
+    @property
     def wrong(self) -> Bool[np.ndarray, "n"]:
-        """For each keyframe, whether the refined label is wrong."""
-        return np.asarray(self.predicted_labels != self.true_labels)
+        """For each keyframe, whether the refined label is wrong; for no keyframe if there are no labels at all."""
+        return np.asarray((self.predicted_labels != self.true_labels) & self.is_labelled)
 
     @property
     def odometry_errors(self) -> Float64[np.ndarray, "n"]:
@@ -99,9 +114,9 @@ class KeyframeTable:
         return np.asarray(np.linalg.norm(self.odometry_poses[:, :3, 3] - self.true_poses[:, :3, 3], axis=1))
 
     @property
-    def optimised_errors(self) -> Float64[np.ndarray, "n"]:
-        """For each keyframe, the distance between the optimised position and the true position [m]."""
-        return np.asarray(np.linalg.norm(self.optimised_poses[:, :3, 3] - self.true_poses[:, :3, 3], axis=1))
+    def estimated_errors(self) -> Float64[np.ndarray, "n"]:
+        """For each keyframe, the distance between the estimated position and the true position [m]."""
+        return np.asarray(np.linalg.norm(self.estimated_poses[:, :3, 3] - self.true_poses[:, :3, 3], axis=1))
 
 
 @dataclass(frozen=True)
@@ -165,6 +180,18 @@ class PlanPath:
         return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
 
 
+@dataclass(frozen=True)
+class ShownFailure:
+    """Why a run counts as a failure, and where it first went wrong."""
+
+    what: str
+    """What failed, such as the message of an assertion; it may have several lines."""
+    place: str = ""
+    """Room, time and kind of the first error; empty if no single frame shows the failure."""
+    keyframe: int | None = None
+    """Keyframe at which the first error occurs (row number), if it is known."""
+
+
 @dataclass(frozen=True, eq=False)
 class ReportData:
     """Everything that `write_report` needs. Raises `SimError` if there are no keyframes, or for indices out of range."""
@@ -180,6 +207,13 @@ class ReportData:
     unseen_rooms: tuple[str, ...] = ()
     """Names of the rooms on the walk that contain no keyframe."""
     candidates: tuple[CandidateMark, ...] = ()
+    failure: ShownFailure | None = None
+    """Why the run counts as a failure; None for a run without a verdict."""
+
+    @property
+    def claims_loops(self) -> bool:
+        """Whether the SLAM claims which loops it has closed, which may be none."""
+        return bool(self.loops) or (self.result.get("loops") or {}).get("verified") is not None
 
     @property
     def shown_labels(self) -> tuple[str, ...]:
@@ -201,6 +235,9 @@ class ReportData:
                 raise SimError(f"report: {label} must lie in [0, {names}), the rows of label_names, or be {UNKNOWN}")
         ends = [k for loop in self.loops for k in (loop.query, loop.match)] + [sample.keyframe for sample in self.samples]
         ends += [k for mark in self.candidates for k in (mark.query, mark.match)]
+        ends += [] if self.failure is None or self.failure.keyframe is None else [self.failure.keyframe]
         if ends and not 0 <= min(ends) <= max(ends) < n:
             found = f"{min(ends)} to {max(ends)}"
-            raise SimError(f"report: loops, candidates and samples must name keyframes in [0, {n}), not {found}")
+            raise SimError(
+                f"report: loops, candidates, samples and the failure must name keyframes in [0, {n}), not {found}"
+            )

@@ -60,7 +60,7 @@ STYLES: dict[str, Style] = {
     "scale": Style(stroke="#59626c", width=3.0),
     "odometry": Style(stroke="#c77700", width=2.5, dash=(14.0, 8.0)),
     "true": Style(stroke="#2b3138", width=2.5, opacity=0.5),
-    "optimised": Style(stroke="#1f6feb", width=2.5),
+    "estimated": Style(stroke="#1f6feb", width=2.5),
     "loop-true": Style(stroke="#12866b", width=1.8, opacity=0.6),
     "plan": Style(stroke="#8b3fd1", width=3.0, opacity=0.3),
     "path": Style(stroke="#8b3fd1", width=5.0, opacity=0.75),

@@ -126,15 +126,15 @@ SECTIONS: dict[str, dict[str, Definition]] = {
         "ate_odometry_m": Definition(
             "ATE, odometry", _METRES, "RMSE of the keyframe positions after SE(3) alignment to the truth, without scaling"
         ),
-        "ate_m": Definition("ATE, optimised", _METRES, "the same after loop closing; `evo_ape tum -a` prints this value"),
+        "ate_m": Definition("ATE", _METRES, "the same for the poses of the SLAM; `evo_ape tum -a` prints this value"),
         "rpe_8m_odometry_m": Definition(
             "RPE 8 m, odometry", _METRES, "RMSE of the translation error over stretches of 8 m of path"
         ),
-        "rpe_8m_m": Definition("RPE 8 m, optimised", _METRES, "the same, after loop closing"),
+        "rpe_8m_m": Definition("RPE 8 m", _METRES, "the same for the poses of the SLAM"),
         "rpe_24m_odometry_m": Definition(
             "RPE 24 m, odometry", _METRES, "RMSE of the translation error over stretches of 24 m of path"
         ),
-        "rpe_24m_m": Definition("RPE 24 m, optimised", _METRES, "the same, after loop closing"),
+        "rpe_24m_m": Definition("RPE 24 m", _METRES, "the same for the poses of the SLAM"),
     },
     "planning": {
         "queries": Definition(
@@ -174,7 +174,7 @@ SECTIONS: dict[str, dict[str, Definition]] = {
         "render_s": Definition("rendering", _SECONDS, "rendering images, or drawing features in their place"),
         "slam_s": Definition("SLAM", _SECONDS, "all stages of the SLAM system"),
         "realtime_factor": Definition(
-            "real-time factor", "{:.2f} ×", "simulated duration divided by LEXIS's computing time"
+            "real-time factor", "{:.2f} ×", "simulated duration divided by the SLAM's computing time"
         ),
     },
 }

@@ -29,7 +29,7 @@ class Finding:
 
 def findings(data: ReportData) -> list[Finding]:
     """Return the findings about a run: first bad news, then good news, both in the order of the SLAM's stages."""
-    stages = (_coverage, _confusions, _refinement, _rooms, _loops, _trajectory, _plans)
+    stages = (_coverage, _confusions, _refinement, _rooms, _floors, _loops, _trajectory, _plans)
     return sorted((finding for stage in stages for finding in stage(data)), key=lambda finding: finding.good)
 
 
@@ -74,7 +74,7 @@ def _coverage(data: ReportData) -> Iterator[Finding]:
 
 def _confusions(data: ReportData, most: int = 3) -> Iterator[Finding]:
     table, names = data.keyframes, data.label_names
-    if (table.predicted_labels == UNKNOWN).all():
+    if not table.is_labelled:
         return
     wrong = np.flatnonzero(table.wrong)
     if len(wrong) == 0:
@@ -89,7 +89,7 @@ def _confusions(data: ReportData, most: int = 3) -> Iterator[Finding]:
 
 def _refinement(data: ReportData) -> Iterator[Finding]:
     table = data.keyframes
-    if (table.baseline_labels == UNKNOWN).all():
+    if not table.is_labelled_before:
         return
     before, after = table.baseline_labels == table.true_labels, ~table.wrong
     mended, spoiled = int(np.sum(~before & after)), int(np.sum(before & ~after))
@@ -101,7 +101,7 @@ def _refinement(data: ReportData) -> Iterator[Finding]:
 
 def _rooms(data: ReportData) -> Iterator[Finding]:
     true, predicted = data.keyframes.true_rooms, data.keyframes.predicted_rooms
-    if not any(predicted):
+    if not data.keyframes.has_rooms:
         return
     errors = room_errors(true, predicted)
     for rooms, groups, count, kind, meaning in (
@@ -126,10 +126,18 @@ def _listed(groups: Groups, joint: str, most: int = 3) -> str:
     return ", ".join(examples) + (f" and {len(groups) - most} more" if len(groups) > most else "")
 
 
+def _floors(data: ReportData) -> Iterator[Finding]:
+    accuracy = (data.result.get("floors") or {}).get("accuracy")
+    if accuracy is not None and accuracy < 1.0:
+        yield Finding(False, f"{1 - accuracy:.1%} of the keyframes off the stairs are assigned to a wrong floor.")
+
+
 def _loops(data: ReportData) -> Iterator[Finding]:
+    if not data.claims_loops:
+        return
     false = sorted((loop for loop in data.loops if not loop.true), key=lambda loop: -loop.weight)
     if not data.loops:
-        yield Finding(False, "No loop was closed, so the drift of the odometry was not corrected.")
+        yield Finding(False, "No loop was closed.")
     elif not false:
         yield Finding(True, f"All {len(data.loops)} loop edges are true.")
     else:
@@ -150,8 +158,8 @@ def _trajectory(data: ReportData) -> Iterator[Finding]:
     table = data.keyframes
     if len(table.stamps) < LEAST_POSES:
         return
-    worst = int(np.argmax(table.optimised_errors))
-    off, drift = table.optimised_errors[worst], table.odometry_errors[worst]
+    worst = int(np.argmax(table.estimated_errors))
+    off, drift = table.estimated_errors[worst], table.odometry_errors[worst]
     place = f"keyframe {worst} in {table.true_rooms[worst]}"
     yield Finding(True, f"The largest position error is {off:.2f} m, at {place} (odometry there: {drift:.2f} m).", worst)
     if data.loops:
@@ -160,11 +168,11 @@ def _trajectory(data: ReportData) -> Iterator[Finding]:
 
 def _drift(table: KeyframeTable) -> Iterator[Finding]:
     """Compare the errors before and after loop closing, over the whole trajectory and over parts of fixed length."""
-    truth, odometry, optimised = table.true_poses, table.odometry_poses, table.optimised_poses
-    ate = [ate_rmse(poses[:, :3, 3], truth[:, :3, 3]) for poses in (odometry, optimised)]
+    truth, odometry, estimated = table.true_poses, table.odometry_poses, table.estimated_poses
+    ate = [ate_rmse(poses[:, :3, 3], truth[:, :3, 3]) for poses in (odometry, estimated)]
     yield from _compared("Loop closing changed the ATE", *ate)
     for delta in _STRETCHES_M:
-        rpe = [rpe_translation(poses, truth, delta) for poses in (odometry, optimised)]
+        rpe = [rpe_translation(poses, truth, delta) for poses in (odometry, estimated)]
         yield from _compared(f"Loop closing changed the relative error over stretches of {delta:.0f} m (RPE)", *rpe)
 
 

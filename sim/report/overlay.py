@@ -24,7 +24,7 @@ def run_marks(data: ReportData, level: int, colours: Mapping[str, str]) -> list[
     return [
         *_trajectory(table.true_poses, table.storeys == level, "true"),
         *_trajectory(table.odometry_poses, table.storeys == level, "odometry"),
-        *_trajectory(table.optimised_poses, table.storeys == level, "optimised"),
+        *_trajectory(table.estimated_poses, table.storeys == level, "estimated"),
         *_plans(data, level),
         *_loops(data, level),
         *_keyframes(data, level, colours),
@@ -68,7 +68,7 @@ def _cross(at: Float[np.ndarray, "2"], text: str) -> Iterator[Mark]:
 
 def _loops(data: ReportData, level: int) -> Iterator[Mark]:
     table = data.keyframes
-    positions = table.optimised_poses[:, :2, 3]
+    positions = table.estimated_poses[:, :2, 3]
     for loop in data.loops:
         if level in table.storeys[[loop.query, loop.match]]:
             style, kind = ("loop-true", "true") if loop.true else ("loop-false", "FALSE")
@@ -77,10 +77,10 @@ def _loops(data: ReportData, level: int) -> Iterator[Mark]:
 
 
 def _keyframes(data: ReportData, level: int, colours: Mapping[str, str]) -> Iterator[Mark]:
-    """Yield a dot in the colour of the predicted label at each keyframe's optimised position, with a tick for heading."""
+    """Yield a dot in the colour of the predicted label at each keyframe's estimated position, with a tick for heading."""
     table, wrong = data.keyframes, data.keyframes.wrong
     for k in np.flatnonzero(table.storeys == level):
-        pose = table.optimised_poses[k]
+        pose = table.estimated_poses[k]
         colour = colours[data.shown_labels[table.predicted_labels[k]]]
         yield Mark("line", "heading", pose[:2, 3] + np.outer([0, _HEADING_M], pose[:2, 0]), colour)
         style, text = "wrong" if wrong[k] else "right", describe(data, int(k))
@@ -88,14 +88,14 @@ def _keyframes(data: ReportData, level: int, colours: Mapping[str, str]) -> Iter
 
 
 def describe(data: ReportData, k: int) -> str:
-    """Describe keyframe number `k` in one line: time, true and predicted room and label, and position errors."""
+    """Describe keyframe number `k` in one line: time, true and claimed room and label, and position errors."""
     table = data.keyframes
-    rows = table.true_labels, table.baseline_labels, table.predicted_labels
-    true, before, after = (data.shown_labels[labels[k]] for labels in rows)
-    off, drift = (
-        np.linalg.norm((poses[k] - table.true_poses[k])[:3, 3]) for poses in (table.optimised_poses, table.odometry_poses)
-    )
-    return (
-        f"keyframe {k}, {table.stamps[k]:.1f} s · in {table.true_rooms[k]} ({true}) · says {after} "
-        f"(before refinement {before}), room {table.predicted_rooms[k]} · off by {off:.2f} m (odometry {drift:.2f} m)"
-    )
+    names = data.shown_labels
+    parts = [f"keyframe {k}, {table.stamps[k]:.1f} s", f"in {table.true_rooms[k]} ({names[table.true_labels[k]]})"]
+    if table.is_labelled:
+        before = f" (before refinement {names[table.baseline_labels[k]]})" if table.is_labelled_before else ""
+        parts.append(f"says {names[table.predicted_labels[k]]}{before}")
+    if table.has_rooms:
+        parts.append(f"claimed room {table.predicted_rooms[k] or 'none'}")
+    parts.append(f"off by {table.estimated_errors[k]:.2f} m (odometry {table.odometry_errors[k]:.2f} m)")
+    return " · ".join(parts)

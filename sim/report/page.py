@@ -63,24 +63,28 @@ def write_report(path: Path, data: ReportData) -> None:
 
 def render_report(data: ReportData) -> str:
     """Render the report as the text of an HTML page."""
-    result = data.result
+    result, claimed = data.result, _without_nulls(data.result)
     colours = label_colours([*data.shown_labels, *(room.label for plan in data.plans for room in plan.rooms)])
     drawings = [plan_drawing(plan, colours).with_marks(run_marks(data, plan.level, colours)) for plan in data.plans]
     right, wrong = _samples(data)
+    is_labelled = data.keyframes.is_labelled
     return _ENVIRONMENT.get_template("report.html").render(
         result=result,
         name=result.get("preset") or next((plan.house for plan in data.plans if plan.house), "house"),
         headlines=_headlines(result),
+        failure=data.failure,
         findings=findings(data),
         plans=[(drawing.title, share, to_svg(drawing)) for drawing, share in zip(drawings, _widths(drawings), strict=True)],
         plan_css=styles_css("figure svg"),
         failed=data.failed,
         colours={name: colours[name] for name in _present(data)},
         timeline=timeline_svg(data, colours),
-        confusion=confusion(data.keyframes, data.shown_labels),
+        is_labelled=is_labelled,
+        claims_loops=data.claims_loops,
+        confusion=confusion(data.keyframes, data.shown_labels) if is_labelled else None,
         right=right,
         wrong=wrong,
-        sections=[(name, figures(result, name)) for name in SECTIONS if figures(result, name)],
+        sections=[(name, figures(claimed, name)) for name in SECTIONS if figures(claimed, name)],
         place_recognition=result.get("place_recognition") or {},
         reasons=reason_counts(data),
         candidate_lists=candidate_lists(data),
@@ -91,12 +95,20 @@ def render_report(data: ReportData) -> str:
     )
 
 
+def _without_nulls(result: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return the sections of result.json without the figures that the run does not have."""
+    sections = {name: value for name, value in result.items() if isinstance(value, Mapping)}
+    return {name: {key: value for key, value in values.items() if value is not None} for name, values in sections.items()}
+
+
 def _headlines(result: Mapping[str, Any]) -> list[Headline]:
+    """Return the headlines, without those of figures that the run does not have."""
     return [
         Headline(
             name, figure(result, section, key), note.format_map({k: figure(result, section, k) for k in SECTIONS[section]})
         )
         for name, section, key, note in _HEADLINES
+        if (result.get(section) or {}).get(key) is not None
     ]
 
 
@@ -115,7 +127,7 @@ def _present(data: ReportData) -> list[str]:
     table = data.keyframes
     used = {int(i) for rows in (table.true_labels, table.baseline_labels, table.predicted_labels) for i in rows}
     planned = {room.label for plan in data.plans for room in plan.rooms}
-    unlabelled = [NO_LABEL] if UNKNOWN in used else []
+    unlabelled = [NO_LABEL] if UNKNOWN in used and table.is_labelled else []
     return list(dict.fromkeys([*(data.label_names[i] for i in sorted(used - {UNKNOWN})), *sorted(planned), *unlabelled]))
 
 

@@ -28,6 +28,8 @@ def plan_drawing(plan: FloorPlan, colours: Mapping[str, str]) -> Drawing:
     low, high = corners.min(axis=0) - _MARGIN_M, corners.max(axis=0) + _MARGIN_M
     symbols = list(_legend(plan, low + [_MARGIN_M, -0.05], float(high[0])))
     low[1] = min([low[1] - 0.4, *(float(mark.points[:, 1].min()) - 0.75 for mark in symbols)])
+    notes = [*_scale(low), *symbols]
+    high[0] = max([high[0], *(mark.points[0, 0] + _text_m(mark) + _INSET_M for mark in notes if mark.style == "name")])
     marks = [
         *(Mark("polygon", "room", r.outline, colours[r.label], f"{r.name} ({r.label})") for r in plan.rooms),
         *(Mark("polygon", "tread", outline) for outline in plan.treads),
@@ -38,8 +40,7 @@ def plan_drawing(plan: FloorPlan, colours: Mapping[str, str]) -> Drawing:
         *(mark for ends in plan.windows for mark in window_marks(ends)),
         *(mark for leaf in plan.leaves for mark in leaf_marks(leaf)),
         *(mark for room in plan.rooms for mark in _name(room)),
-        *_scale(low),
-        *symbols,
+        *notes,
     ]
     return Drawing(marks, low, high, title=f"storey {plan.level}, floor at {plan.floor_m:.2f} m")
 
@@ -63,6 +64,11 @@ def _name(room: PlannedRoom) -> Iterator[Mark]:
         return
     for i, line in enumerate(lines):
         yield Mark("text", "name", corner[None] - [0, (0.6 + 1.15 * i) * size], text=line, size=size)
+
+
+def _text_m(mark: Mark) -> float:
+    """Return the width of a text [m]."""
+    return _GLYPH_ASPECT * mark.size * len(mark.text)
 
 
 def _layouts(text: str) -> list[tuple[str, ...]]:

@@ -20,11 +20,16 @@ def timeline_svg(data: ReportData, colours: Mapping[str, str]) -> str:
     """Draw the timeline as an `<svg>` element. Its styles are in the report's page. `colours` maps labels to colours."""
     table = data.keyframes
     edges = _edges(table.stamps)
-    rows = {"true room": table.true_labels, "image alone": table.baseline_labels, "refined": table.predicted_labels}
+    rows = {"true room": table.true_labels}
+    if table.is_labelled_before:
+        rows["image alone"] = table.baseline_labels
+    if table.is_labelled:
+        rows["refined" if table.is_labelled_before else "claimed"] = table.predicted_labels
     body: list[str] = []
     for i, (name, labels) in enumerate(rows.items()):
         body += _strip(i * (_STRIP + _GAP), name, labels, edges, data.shown_labels, colours)
-    body += _wrong(3 * (_STRIP + _GAP), edges, data)
+    if table.is_labelled:
+        body += _wrong(3 * (_STRIP + _GAP), edges, data)
     body += _error_chart(data)
     body += _loop_ticks(data)
     body += _time_axis(data)
@@ -69,18 +74,20 @@ def _wrong(y: float, edges: Float64[np.ndarray, "m"], data: ReportData) -> Itera
 
 def _error_chart(data: ReportData) -> Iterator[str]:
     table = data.keyframes
-    x, top = positions(table.stamps), _nice_ceiling(max(table.odometry_errors.max(), table.optimised_errors.max(), 0.1))
+    x, top = positions(table.stamps), _nice_ceiling(max(table.odometry_errors.max(), table.estimated_errors.max(), 0.1))
     for fraction in (0.0, 0.5, 1.0):
         y = _CHART_TOP + _CHART * (1 - fraction)
         yield f'<line class="grid" x1="{LEFT}" x2="{WIDTH - 6}" y1="{y:.1f}" y2="{y:.1f}"/>'
         yield f'<text class="tick" x="{LEFT - 8}" y="{y + 4:.1f}" text-anchor="end">{fraction * top:g} m</text>'
-    for name, errors in (("odometry", table.odometry_errors), ("optimised", table.optimised_errors)):
+    for name, errors in (("odometry", table.odometry_errors), ("estimated", table.estimated_errors)):
         points = _points(x, _CHART_TOP + _CHART * (1 - errors / top))
         yield f'<polyline class="error-{name}" points="{points}"><title>position error, {name}</title></polyline>'
 
 
 def _loop_ticks(data: ReportData) -> Iterator[str]:
     """Yield a tick at the later keyframe of each loop edge: true edges in the upper row, false edges in the lower row."""
+    if not data.claims_loops:
+        return
     yield _row_name("loops", _LOOPS_TOP + 10)
     x = positions(data.keyframes.stamps)
     for loop in data.loops:

@@ -243,8 +243,9 @@ def test_the_first_wrong_frame_is_wrong_for_the_figure_in_the_assertion(pytester
     result.assert_outcomes(failed=2)
     result.stdout.fnmatch_lines(["first wrong: in * at * s: floor 9 claimed, is on floor 0"])
     result.stdout.fnmatch_lines(["first wrong: in * at * s: the position is * m off*"])
-    pages = [page.read_text() for page in sorted(pytester.path.glob("kept/*/why.md"))]
-    assert "floor 9 claimed" in pages[0] and "m off" in pages[1]
+    for name in ("why.md", "report.html"):
+        pages = [page.read_text() for page in sorted(pytester.path.glob(f"kept/*/{name}"))]
+        assert "floor 9 claimed" in pages[0] and "m off" in pages[1]
 
 
 DRIFTS = """
@@ -285,6 +286,9 @@ def test_a_failure_is_stored_in_the_smallest_scenario_with_what_mends_it(pyteste
     assert "Mended by: nothing. Not mended by: no clutter" in why
     assert "| perfect odometry | unknown: it fails differently: raises ValueError" in why
     assert "| length of the tour [m] |" in why and "(first-wrong-plan.png)" in why
+    small_said, original_said = re.findall(r"AssertionError: assert (0\.\d+) > 2\.0", why)
+    assert small_said != original_said and "kept their ids" not in why
+    result.stdout.fnmatch_lines([f"in the original scenario: AssertionError: assert {original_said} > 2.0"])
 
 
 INTERRUPTED = """
@@ -333,14 +337,42 @@ class TestEndless:
 @small
 def test_no_claim(run):
     assert run.rooms.pq > 0.5
+
+@small
+def test_misspelt(run):
+    assert run.floors.acuracy > 0.5
+
+class Looks(Stub):
+    def process(self, observation):
+        observation.image.mean()
+
+class TestLooks:
+    @pytest.fixture
+    def slam(self):
+        return Looks()
+
+    @small
+    def test_looks(self, run):
+        pass
 """
     pytester.makepyfile(test_slam=SLAM + mistakes)
     result = start("--no-lexis-shrink")  # in a process without type checks, which refuse such a SLAM before the harness does
-    result.assert_outcomes(errors=1, failed=1)
+    result.assert_outcomes(errors=1, failed=3)
     result.stdout.fnmatch_lines(
-        ["SLAM under test: Endless has no method finish(); valid: *", "note: a figure is None if the SLAM makes no claim *"]
+        [
+            "SLAM under test: Endless has no method finish(); valid: *",
+            "note: a figure is None if the SLAM makes no claim *",
+            "note: no figure 'acuracy' (did you mean 'accuracy'?); valid: accuracy, count_error",
+            'note: with fidelity "features", observation.image is a Percept; valid: worlds(fidelity="render")',
+        ]
     )
-    assert len(result.outlines) < 40
+    assert len(result.outlines) < 50
+
+
+def test_a_misspelt_figure_is_no_failure_to_shrink(pytester, inner):
+    pytester.makepyfile(test_slam=SLAM + "\n@small\ndef test_misspelt(run):\n    assert run.floors.acuracy > 0.5\n")
+    inner().assert_outcomes(failed=1)
+    assert not list(pytester.path.glob(".lexis-failures/*/original.json"))
 
 
 def test_the_replay_in_a_folder_of_shrink_leaves_no_other_folder(pytester, inner):

@@ -11,7 +11,7 @@ from sim.errors import SimError
 from sim.faults.delivery import Dropped
 from sim.harness import Scenario
 from sim.harness import house_reductions as steps
-from sim.harness.reductions import STEPS, difference, for_images, size, with_listed_house
+from sim.harness.reductions import STEPS, difference, for_images, relabelled_rooms, size, with_listed_house
 from sim.harness.walk import shortest_walk_m, walk
 from sim.render.rig import RigConfig
 from worlds.presets import sample_from_rooms, sample_house
@@ -103,6 +103,17 @@ def test_the_size_of_a_house_that_is_not_listed_is_not_known():
 def test_differences_name_what_changed():
     assert difference(LISTED, LISTED) == "nothing"
     assert difference(LISTED, replace(LISTED, odometry="perfect")) == "odometry: mono -> perfect"
+
+
+def test_rooms_with_another_label_are_named_by_their_ids():
+    assert relabelled_rooms(LISTED, LISTED) == ()
+    empty = replace(LISTED, house=steps.keep_furniture(LISTED.house, set()))
+    last = list(STEPS["simplest labels"](empty))[-1]
+    before, after = (
+        {room.id: room.label for storey in each.house.storeys for room in storey.rooms} for each in (LISTED, last)
+    )
+    changed = [f"{key!r} is a {label}" for key, label in after.items() if before[key] != label]
+    assert list(relabelled_rooms(LISTED, last)) == changed != []
     room = LISTED.house.storeys[-1].rooms[0]
     ids = {r.id for storey in LISTED.house.storeys for r in storey.rooms} - {room.id}
     said = difference(LISTED, replace(LISTED, house=steps.keep_rooms(LISTED.house, ids)))

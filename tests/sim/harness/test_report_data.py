@@ -30,7 +30,7 @@ def test_equal_trajectories_have_equal_curves(finished):
     """Without loops, the optimised trajectory is the odometry, moved as a whole."""
     table = report_data(finished, evaluate(finished)).keyframes
     assert table.odometry_errors.max() > 0.02
-    np.testing.assert_allclose(table.optimised_errors, table.odometry_errors, atol=1e-9)
+    np.testing.assert_allclose(table.estimated_errors, table.odometry_errors, atol=1e-9)
     rmse = np.sqrt(np.mean(table.odometry_errors**2))
     assert rmse == pytest.approx(evaluate(finished).trajectory.ate_odometry_m)
 
@@ -39,7 +39,7 @@ def test_odometry_in_another_frame_has_the_same_curve(finished):
     T = np.array([[0.0, -1.0, 0.0, 5.0], [1.0, 0.0, 0.0, -3.0], [0.0, 0.0, 1.0, 1.0], [0.0, 0.0, 0.0, 1.0]])
     turned = {frame: given._replace(T_O_B=T @ given.T_O_B) for frame, given in finished.given.items()}
     table = report_data(replace(finished, given=turned), evaluate(finished)).keyframes
-    np.testing.assert_allclose(table.odometry_errors, table.optimised_errors, atol=1e-9)
+    np.testing.assert_allclose(table.odometry_errors, table.estimated_errors, atol=1e-9)
 
 
 def test_a_failed_plan_says_where_it_ended_and_why(finished):

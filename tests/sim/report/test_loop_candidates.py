@@ -64,5 +64,5 @@ def test_the_page_shows_them_and_escapes_reasons(data):
 
 
 def test_candidates_of_keyframes_that_do_not_exist_are_refused(data):
-    with pytest.raises(SimError, match="candidates and samples must name keyframes"):
+    with pytest.raises(SimError, match="must name keyframes"):
         replace(data, candidates=(mark(ROWS, 1, "accepted", True),))

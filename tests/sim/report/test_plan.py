@@ -10,7 +10,7 @@ from shapely.geometry import Point, Polygon, box
 from shapely.ops import unary_union
 
 from sim.errors import SimError
-from sim.report.data import FloorPlan, PlannedRoom
+from sim.report.data import FloorPlan, PlannedOpening, PlannedRoom
 from sim.report.drawing import STYLES, Drawing, Mark
 from sim.report.house_plan import floor_plans, plan_png
 from sim.report.palette import label_colours
@@ -45,6 +45,17 @@ def test_north_is_up_and_metres_are_where_they_should_be(plan):
     assert red[0] > red[2] + 30
     assert blue[2] > blue[0] + 30
     assert (pixel(5.3, 5.0) == 255).all()
+
+
+def test_the_scale_bar_and_the_legend_fit_beside_the_smallest_room():
+    cupboard = PlannedRoom("c", "kitchen", np.array([[0.0, 0.0], [0.9, 0.0], [0.9, 0.9], [0.0, 0.9]]))
+    opening = PlannedOpening("door", np.array([[0.0, 0.0], [0.8, 0.0]]))
+    drawing = plan_drawing(FloorPlan(0, 0.0, (cupboard,), openings=(opening,)), COLOURS)
+    rightmost = drawing.low.max()
+    for mark in drawing.marks:
+        text_m = 0.58 * mark.size * len(mark.text) if mark.style == "name" else 0.0
+        rightmost = max(rightmost, float(mark.points[:, 0].max()) + text_m)
+    assert rightmost <= drawing.high[0]
 
 
 def test_svg_and_png_span_the_same_part_of_the_plan(plan):

@@ -14,7 +14,18 @@ from lexis.evaluation.rooms import score_rooms
 from sim.errors import SimError
 from sim.report import ReportData, render_report, write_report
 from sim.report.confusion import confusion
-from sim.report.data import FloorPlan, KeyframeTable, LoopMark, PlannedOpening, PlannedRoom, PlanPath, SampleFrame
+from sim.report.data import (
+    NO_LABEL,
+    UNKNOWN,
+    FloorPlan,
+    KeyframeTable,
+    LoopMark,
+    PlannedOpening,
+    PlannedRoom,
+    PlanPath,
+    SampleFrame,
+    ShownFailure,
+)
 from sim.report.findings import Finding, coverage_gap, findings, rooms_without_keyframe
 from sim.report.overlay import run_marks
 from sim.report.room_errors import RoomErrors, room_errors, surplus
@@ -150,7 +161,7 @@ def test_a_better_trajectory_is_owed_to_loops_and_not_to_the_alignment(rng):
     turned[:, 1, 3] += 0.05 * (turned[:, 0, 3] - turned[0, 0, 3])  # an error that alignment removes almost completely
     worse = table.true_poses.copy()
     worse[:, 1, 3] += rng.normal(0, 0.1, len(worse))
-    data = replace(data, keyframes=replace(table, odometry_poses=turned, optimised_poses=worse))
+    data = replace(data, keyframes=replace(table, odometry_poses=turned, estimated_poses=worse))
     assert any("Loop closing" in finding.text and not finding.good for finding in findings(data))
     assert not any("Loop closing" in finding.text for finding in findings(replace(data, loops=())))
 
@@ -182,7 +193,7 @@ def test_stretches_that_loop_closing_bent_are_told_of_though_the_whole_is_better
     drifted, optimised = truth.copy(), truth.copy()
     drifted[:, 1, 3] = 0.4 * np.sin(truth[:, 0, 3] * 2 * np.pi / 100)
     optimised[:, 1, 3] = 0.2 * (np.arange(200) // 16 % 2)  # steps of 8 m
-    bent = replace(data, keyframes=replace(table, true_poses=truth, odometry_poses=drifted, optimised_poses=optimised))
+    bent = replace(data, keyframes=replace(table, true_poses=truth, odometry_poses=drifted, estimated_poses=optimised))
     texts = {finding.good: finding.text for finding in findings(bent) if "8 m (RPE)" in finding.text}
     assert list(texts) == [False] and texts[False].endswith("which is worse.")
     assert any(finding.good and "changed the ATE" in finding.text for finding in findings(bent))
@@ -215,6 +226,45 @@ def test_findings_name_the_planted_faults_and_nothing_on_a_perfect_run(rng):
         "from kitchen to library",
     ):
         assert fault in bad
+
+
+def silent(data: ReportData) -> ReportData:
+    """The same walk with a SLAM that claims nothing but a trajectory."""
+    nothing = np.full(len(data.keyframes.stamps), UNKNOWN)
+    table = replace(data.keyframes, baseline_labels=nothing, predicted_labels=nothing, predicted_rooms=("",) * len(nothing))
+    figures = {"labels": {"accuracy": None}, "loops": {"verified": None}, "trajectory": {"ate_m": 0.1}}
+    return replace(data, result={"seed": 7, **figures}, keyframes=table, loops=(), samples=(), paths=())
+
+
+def test_what_the_slam_does_not_claim_is_left_out(rng):
+    data = silent(example(rng))
+    page = render_report(data)
+    absent = ("LEXIS's", "of LEXIS", "encoder", NO_LABEL, "says", "claimed room", "wrong</text>", "loops</text>", "recall</")
+    assert [text for text in absent if text in page] == []
+    assert 'class="wrong' not in page and not any("loop" in finding.text for finding in findings(data))
+    assert "0.100 m" in page and page.count("<dt>") == 1
+
+
+def test_a_slam_that_claims_to_close_no_loop_is_told_of_it(rng):
+    data = silent(example(rng))
+    none = replace(data, result={**data.result, "loops": {"verified": 0}})
+    assert [finding.text for finding in findings(none) if "loop" in finding.text] == ["No loop was closed."]
+
+
+def test_a_failed_run_says_first_what_failed_and_where(rng):
+    failure = ShownFailure("test_floors fails\nassert 0.6 > 0.8 & <b>", "in office 1 at 3.5 s: floor 1 claimed", 7)
+    page = render_report(replace(example(rng), failure=failure))
+    assert "assert 0.6 &gt; 0.8 &amp; &lt;b&gt;" in page and "First wrong: in office 1 at 3.5 s: floor 1 claimed." in page
+    assert 0 < page.index('id="failure"') < page.index('id="findings"')
+    assert {"data-go": "7", "type": "button"} in [attrs for tag, attrs in Page(page).elements if tag == "button"]
+    assert 'id="failure"' not in render_report(example(rng))
+
+
+def test_wrong_floors_are_told(rng):
+    data = example(rng)
+    floors = [replace(data, result={**data.result, "floors": {"accuracy": share}}) for share in (0.64, 1.0)]
+    told = [[finding.text for finding in findings(each) if "floor" in finding.text] for each in floors]
+    assert told == [["36.0% of the keyframes off the stairs are assigned to a wrong floor."], []]
 
 
 def test_a_house_of_no_preset_goes_by_its_name(rng):
