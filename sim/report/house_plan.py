@@ -16,6 +16,8 @@ from sim.report.png import to_image
 from sim.report.svg import side_by_side
 from worlds.house import House
 from worlds.parts import Part
+from worlds.spec import RoomSpec
+from worlds.walls import WALL_THICKNESS_M
 
 _PIXELS_PER_METRE = 60
 _MOST_PIXELS = 12e6
@@ -81,7 +83,10 @@ def _plan(house: House, level: int) -> FloorPlan:
         fences=tuple(_outline(wall.footprint) for wall in fences),
         openings=tuple(PlannedOpening(o.kind, np.array([o.start_m, o.end_m])) for o in storey.openings),
         furniture=tuple(_outline(piece.footprint) for piece in house.furniture if piece.storey == level),
-        treads=tuple(_tread(part) for stairs in house.stairs if level - stairs.storey in (0, 1) for part in stairs.treads),
+        treads=(
+            *(_tread(part) for stairs in house.stairs if level - stairs.storey in (0, 1) for part in stairs.treads),
+            *(triangle for room in storey.rooms if room.climb == "lift" for triangle in _cabin(room)),
+        ),
         leaves=tuple(
             PlannedLeaf(_outline(leaf.footprint), np.array(leaf.arc(leaf.turn)))
             for leaf in house.leaves
@@ -94,6 +99,12 @@ def _plan(house: House, level: int) -> FloorPlan:
 
 def _outline(polygon: Polygon) -> Float64[np.ndarray, "corners 2"]:
     return np.array(polygon.exterior.coords[:-1])
+
+
+def _cabin(room: RoomSpec) -> list[Float64[np.ndarray, "3 2"]]:
+    """Return the usual symbol of a lift, a rectangle with both diagonals, as four triangles that fill the shaft."""
+    corners = _outline(Polygon(room.polygon_m).buffer(-WALL_THICKNESS_M / 2, join_style="mitre").envelope)
+    return [np.array([a, b, corners.mean(axis=0)]) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
 
 
 def _tread(part: Part) -> Float64[np.ndarray, "corners 2"]:

@@ -21,6 +21,7 @@ from sim.report.symbols import NAMES, opening_marks
 from worlds.house import build_house
 from worlds.labels import ROOM_LABELS
 from worlds.presets import sample_house
+from worlds.variant import variant
 
 COLOURS = {"kitchen": "#ff0000", "office": "#0000ff"}
 
@@ -56,6 +57,15 @@ def test_the_scale_bar_and_the_legend_fit_beside_the_smallest_room():
         text_m = 0.58 * mark.size * len(mark.text) if mark.style == "name" else 0.0
         rightmost = max(rightmost, float(mark.points[:, 0].max()) + text_m)
     assert rightmost <= drawing.high[0]
+
+
+def test_a_lift_has_a_cross_on_every_storey():
+    house = build_house(variant(sample_house("home", 100), climb="lift"))
+    shafts = [Polygon(room.polygon_m) for storey in house.spec.storeys for room in storey.rooms if room.climb == "lift"]
+    crosses = [unary_union([Polygon(outline) for outline in plan.treads]) for plan in floor_plans(house)]
+    assert len(shafts) == len(crosses) == 2
+    for shaft, cross in zip(shafts, crosses, strict=True):
+        assert shaft.contains(cross) and 0.8 * shaft.area < cross.area
 
 
 def test_svg_and_png_span_the_same_part_of_the_plan(plan):
