@@ -47,7 +47,7 @@ class StageRow:
     preset: str
     seed: int
     replaced: str
-    """Name of the substitution, such as "oracle encoder"; `UNCHANGED` if nothing is replaced."""
+    """Name of the substitution, such as "oracle encoder", or of a changed setting; `UNCHANGED` if nothing is replaced."""
     labels: float
     rooms: float
     ate_m: float
@@ -84,7 +84,7 @@ def measure_house(preset: str, seed: int) -> list[StageRow]:
     ]
     rows = []
     for name, changed, slam in tried:
-        rows.append(StageRow(preset, seed, name, *astuple(_figures(run(changed, slam), slam))))
+        rows.append(StageRow(preset, seed, name, *astuple(figures_of(run(changed, slam), slam))))
     return rows
 
 
@@ -105,7 +105,8 @@ def _values(row: StageRow) -> list[float]:
     return [getattr(row, field.name) for field in fields(Figures)]
 
 
-def _figures(finished: Run, slam: Lexis) -> Figures:
+def figures_of(finished: Run, slam: Lexis) -> Figures:
+    """Return the figures of a finished run of LEXIS."""
     result = evaluate(finished)
     labels, rooms, ate_m = (result.known(name) for name in ("labels.accuracy", "rooms.pq", "trajectory.ate_m"))
     return Figures(labels, rooms, ate_m, _right_plans(finished, slam))

@@ -103,7 +103,9 @@ def _outline(polygon: Polygon) -> Float64[np.ndarray, "corners 2"]:
 
 def _cabin(room: RoomSpec) -> list[Float64[np.ndarray, "3 2"]]:
     """Return the usual symbol of a lift, a rectangle with both diagonals, as four triangles that fill the shaft."""
-    corners = _outline(Polygon(room.polygon_m).buffer(-WALL_THICKNESS_M / 2, join_style="mitre").envelope)
+    x0, y0, x1, y1 = Polygon(room.polygon_m).bounds
+    half = WALL_THICKNESS_M / 2
+    corners = _outline(box(x0 + half, y0 + half, x1 - half, y1 - half))
     return [np.array([a, b, corners.mean(axis=0)]) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
 
 

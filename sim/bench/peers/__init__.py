@@ -1,9 +1,9 @@
 """LEXIS beside other methods, on the same walks.
 
-`room_methods` compares methods by which LEXIS finds labels and rooms, `certainty` compares the probabilities that it states
-for labels with the truth, and `labels` compares its labels with those of
-Hydra-like rooms. `difficulty_sweep` compares the rooms found by LEXIS and by the baselines while houses are opened, or while
-the runs become more difficult in another way. `trajectories` compares the trajectories that LEXIS estimates with different
+`room_methods` compares methods by which LEXIS finds labels and rooms, `responses` compares settings of LEXIS, `certainty`
+compares the probabilities that it states for labels with the truth, and `labels` compares its labels with those of Hydra-
+like rooms. `difficulty_sweep` compares the rooms found by LEXIS and by the baselines while houses are opened, or while the
+runs become more difficult in another way. `trajectories` compares the trajectories that LEXIS estimates with different
 methods of place recognition. `side_by_side` gives the observations of one walk to several systems.
 
 `place_methods` compares methods of place recognition on the walks of `place_walks`. `place_figures` judges their answers,

@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Iterable, Iterator
+from dataclasses import astuple
 from typing import TYPE_CHECKING
 
 from rich.table import Table
@@ -169,7 +170,45 @@ def _places(arguments: argparse.Namespace) -> Iterator[Table]:
         yield table
 
 
+def _settings(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.peers.responses import SECTIONS, check_sections, measure_responses, write_responses
+    from sim.bench.row_files import check_files
+    from sim.bench.stage_costs import UNCHANGED, gains
+
+    check_files(*arguments.out)
+    check_sections(arguments.sections)
+    seeds, presets, sections = seeds_of(arguments), arguments.presets, arguments.sections or SECTIONS
+    measured = measure_responses(presets, seeds, sections, arguments.fidelity)
+    rows = [row for house in tracked(measured, len(presets) * len(seeds), "houses") for row in house]
+    rows.sort(key=lambda row: (presets.index(row.preset), row.seed))
+    for path in arguments.out:
+        write_responses(rows, sections, path)
+    title = f"{', '.join(presets)}, seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: change, mean ± standard error"
+    table = Table("setting", "labels", "room PQ", "ATE, m", "right plans", title=title)
+    for name, found in gains(rows).items():
+        sign = "" if name == UNCHANGED else "+"
+        pairs = zip(astuple(found.mean), astuple(found.error), strict=True)
+        table.add_row(
+            "default" if name == UNCHANGED else name, *(f"{mean:{sign}.3f} ± {error:.3f}" for mean, error in pairs)
+        )
+    yield table
+
+
 BENCHMARKS = (
+    Action(
+        "settings",
+        printing(_settings),
+        "how labels, rooms, trajectories and plans respond to each setting of LEXIS",
+        "lexis-sim bench settings --presets home ori --houses 5 --seed 100 --sections sight",
+        (
+            SEVERAL_PRESETS,
+            HOUSES,
+            FIDELITY,
+            argument("--sections", nargs="+", default=[], metavar="NAME", help="only these sections, such as sight"),
+            FILES,
+            SEED,
+        ),
+    ),
     Action(
         "openness",
         printing(_openness),
