@@ -67,36 +67,36 @@ class Benchmark:
 _PRESETS = ("uh2-apt", "uh2-office", "ori", "home")
 """The presets that are named like the datasets of the paper."""
 _LIST = (
-    ("table2", "table2 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table2.csv", 40),
-    ("fig5", "fig5 --presets ori home --houses {houses} --length {walk} --seed 500 --out {out}/fig5.csv", 160),
-    ("table3", "table3 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table3.csv", 45),
-    ("openness", "openness --houses {houses} --seed 500 --out {out}/openness.csv {out}/openness.png", 35),
-    ("clutter", "sweep clutter --houses {houses} --seed 500 --out {out}/clutter.csv {out}/clutter.png", 25),
-    ("odometry", "sweep odometry --houses {houses} --seed 500 --out {out}/odometry.csv {out}/odometry.png", 20),
-    ("spacing", "sweep spacing --houses {houses} --seed 500 --out {out}/spacing.csv {out}/spacing.png", 30),
-    ("light", "sweep light --houses {houses} {sweep} --seed 500 --out {out}/light.csv {out}/light.png", 360),
-    ("texture", "sweep texture --houses {houses} {sweep} --seed 500 --out {out}/texture.csv {out}/texture.png", 390),
-    ("places", "places --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 75),
-    ("kernels", "kernels --houses {houses} --seed 500 --csv {out}/kernels.csv --plot {out}/kernels.png", 30),
+    ("table2", "table2 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table2.csv", 30),
+    ("fig5", "fig5 --presets ori home --houses {houses} --length {walk} --seed 500 --out {out}/fig5.csv", 145),
+    ("table3", "table3 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table3.csv", 35),
+    ("openness", "openness --houses {houses} --seed 500 --out {out}/openness.csv {out}/openness.png", 25),
+    ("clutter", "sweep clutter --houses {houses} --seed 500 --out {out}/clutter.csv {out}/clutter.png", 15),
+    ("odometry", "sweep odometry --houses {houses} --seed 500 --out {out}/odometry.csv {out}/odometry.png", 15),
+    ("spacing", "sweep spacing --houses {houses} --seed 500 --out {out}/spacing.csv {out}/spacing.png", 20),
+    ("light", "sweep light --houses {houses} {sweep} --seed 500 --out {out}/light.csv {out}/light.png", 120),
+    ("texture", "sweep texture --houses {houses} {sweep} --seed 500 --out {out}/texture.csv {out}/texture.png", 125),
+    ("places", "places --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 60),
+    ("kernels", "kernels --houses {houses} --seed 500 --csv {out}/kernels.csv --plot {out}/kernels.png", 20),
     ("sessions", "sessions --houses {houses} --seed 500", 25),
-    ("rigs", "rigs --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/rigs.csv", 40),
-    ("planning", "planning --houses {houses} --fidelity {fidelity} --drivers {drivers} --seed 500", 60),
+    ("rigs", "rigs --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/rigs.csv", 15),
+    ("planning", "planning --houses {houses} --fidelity {fidelity} --drivers {drivers} --seed 500", 45),
     ("certainty", "certainty --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 20),
     ("queries", "queries --houses {houses} --seed 500", 85),
     ("fidelity", "fidelity --houses {houses} --seed 500", 30),
 )
 """Names, arguments and quick processor times of the benchmarks that may run beside each other."""
 _OF_PRESETS = (
-    ("segmentation", "segmentation --preset {preset} --houses {houses} --fidelity {fidelity} --seed 500", 35),
-    ("rooms", "rooms --preset {preset} --houses {houses} --seed 500", 20),
+    ("segmentation", "segmentation --preset {preset} --houses {houses} --fidelity {fidelity} --seed 500", 20),
+    ("rooms", "rooms --preset {preset} --houses {houses} --seed 500", 15),
 )
 """The same for benchmarks of a single preset, which run once for each of `_PRESETS`."""
 _TIMINGS = (
-    ("table1", "encoders --presets {encoders} --encoders mini --houses {houses} --seed 500", 130),
-    ("stages", "stages --presets {presets} --houses {houses} --seed 500 --csv {out}/stages.csv", 100),
-    ("scale", "scale --rooms {rooms} --length {length} --seed 300", 25),
-    ("speed", "speed --houses {houses} --seed 500", 60),
-    ("throughput", "throughput --houses 8 --seed 100", 10),
+    ("table1", "encoders --presets {encoders} --encoders mini --houses {houses} --seed 500", 65),
+    ("stages", "stages --presets {presets} --houses {houses} --seed 500 --csv {out}/stages.csv", 130),
+    ("scale", "scale --rooms {rooms} --length {length} --seed 300", 15),
+    ("speed", "speed --houses {houses} --seed 500", 145),
+    ("throughput", "throughput --houses 8 --seed 100", 25),
 )
 """The same for benchmarks that run alone."""
 

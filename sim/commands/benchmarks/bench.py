@@ -8,7 +8,7 @@ from sim.commands.benchmarks.bench_options import printing
 _ALL = Action(
     "all",
     bench_all.run_all,
-    "all benchmarks but mutation and shrinking; a collection that was interrupted is continued",
+    "all benchmarks but settings, mutation and shrinking; a collection that was interrupted is continued",
     "lexis-sim bench all --quick -o tables",
     bench_all.ARGUMENTS,
 )

@@ -36,7 +36,7 @@ def test_the_arguments_of_all_benchmarks_are_valid(extent, tmp_path, graph):
     assert len({each.name for each in listed}) == len(listed)
     groups = bench_runs, bench_peers, bench_graphs, bench_harness
     names = {action.name for group in groups for action in group.BENCHMARKS}
-    assert names | {"encoders"} == {each.arguments[0] for each in listed} | {"mutation", "shrinking"}
+    assert names | {"encoders"} == {each.arguments[0] for each in listed} | {"mutation", "shrinking", "settings"}
     assert [each.is_timing for each in listed] == sorted(each.is_timing for each in listed)
 
 
