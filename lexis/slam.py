@@ -140,7 +140,7 @@ class Slam:
             else:
                 T_anchor_B = between(map.T_W_B[keyframe.anchor], T_W_B)
                 self._graph.add_retired(replace(new, anchor=first + keyframe.anchor), T_anchor_B)
-                self._take_views(new)
+                self._take_views(self._graph.keyframes[-1])
 
     def snapshot(self) -> LexisMap:
         """Return the map so far. The last keyframes, which still wait for frames, are left out; the run can go on.

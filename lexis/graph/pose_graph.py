@@ -148,11 +148,16 @@ class PoseGraph:
     def add_retired(self, keyframe: Keyframe, T_anchor_B: Pose) -> None:
         """Append a keyframe that has retired in an earlier run, at a pose relative to its anchor.
 
-        It is not the first keyframe of its session, because first keyframes do not retire.
+        If the anchor has retired in this run, the keyframe is anchored to the anchor's anchor. The keyframe is not the first
+        one of its session, because first keyframes do not retire.
         """
         assert keyframe.anchor is not None
-        self._retired.add(keyframe.id, keyframe.anchor, T_anchor_B)
-        self._append(keyframe, self.T_W_B[keyframe.anchor] @ T_anchor_B)
+        anchor, own = keyframe.anchor, self.keyframes[keyframe.anchor].anchor
+        if own is not None:
+            keyframe = as_retired(keyframe, self.keyframes[own])
+            T_anchor_B, anchor = between(self.T_W_B[own], self.T_W_B[anchor]) @ T_anchor_B, own
+        self._retired.add(keyframe.id, anchor, T_anchor_B)
+        self._append(keyframe, self.T_W_B[anchor] @ T_anchor_B)
 
     def _append(self, keyframe: Keyframe, T_W_B: Pose) -> None:
         path_m = 0.0

@@ -177,6 +177,18 @@ def test_retired_keyframes_follow_their_anchors(rng):
     assert sorted([*ids.tolist(), *graph.active.tolist()]) == list(range(240))
 
 
+def test_a_keyframe_whose_anchor_has_retired_is_anchored_to_the_anchor_of_that_one(rng):
+    T_O_B, loops = every_lap(rng, 240)
+    graph, _ = walked(T_O_B, loops, THIN)
+    gone, anchor = int(graph.retired[0]), int(graph._retired.anchors[0])
+    T_gone_B = se3.exp(np.array([0.0, 0.0, 0.1, 0.2, 0.0, 0.0]))
+    graph.add_retired(replace(graph.keyframes[gone], id=240, anchor=gone), T_gone_B)
+    np.testing.assert_allclose(graph.T_W_B[240], graph.T_W_B[gone] @ T_gone_B, atol=1e-12)
+    assert graph.keyframes[240].anchor == anchor == graph.shown_by[240]
+    np.testing.assert_array_equal(graph.keyframes[240].embedding, graph.keyframes[anchor].embedding)
+    assert set(graph._retired.anchors.tolist()) <= set(graph.active.tolist())
+
+
 def test_a_loop_to_a_retired_keyframe_acts_as_a_loop_to_its_anchor(rng):
     T_O_B, loops = every_lap(rng, 240)
     graphs = [walked(T_O_B, loops, THIN)[0] for _ in range(2)]

@@ -11,9 +11,12 @@ from lexis.config import Config, PoseGraphConfig
 from lexis.map.arrays import pack
 from lexis.map.folder import load_map, save_map
 from lexis.map.relabelling import relabel
+from lexis.maths.se3 import between
 from lexis.merging import merge
 from lexis.planning import plan
 from lexis.slam import Slam
+from lexis.types import LoopEdge
+from lexis.verification import Verification
 from sim.bench.scale import LAP_M, map_bytes, measure_scale
 from sim.feature_sensor.oracle import Oracle
 from sim.harness import Scenario, run
@@ -114,6 +117,23 @@ def test_a_session_that_continues_the_map_begins_with_the_same_map(thinned):
     for name in ("keyframes", "rooms", "labels", "floors", "loops", "candidates", "verdicts"):
         assert_same(getattr(continued, name), getattr(thinned, name))
     np.testing.assert_allclose(continued.T_W_B, thinned.T_W_B, atol=1e-9)
+
+
+def test_a_merged_map_in_which_more_keyframes_retire_can_be_saved_and_loaded(walked, tmp_path):
+    (finished, slam), _ = walked
+    truth, count, graph = finished.true_poses, len(slam.map.keyframes), PoseGraphConfig(retire_above=0)
+
+    def verify_by_truth(query, candidates, graph, camera, config):
+        T_match_query = [between(truth[candidate % count], truth[query.id % count]) for candidate in candidates]
+        found = [(i, T) for i, T in zip(candidates, T_match_query, strict=True) if np.linalg.norm(T[:3, 3]) < 1.0]
+        return Verification(tuple(LoopEdge(query.id, i, T, 1e-3 * np.eye(6), 50) for i, T in found), ())
+
+    merged = merge(slam.map, slam.map, Oracle(), Config(pose_graph=graph), verify_by_truth)
+    standing = {keyframe.id for keyframe in active(merged)}
+    assert {keyframe.anchor for keyframe in retired(merged)} <= standing
+    assert len(standing) < 1.5 * len(active(slam.map))
+    save_map(merged, tmp_path / "map")
+    assert len(load_map(tmp_path / "map").keyframes) == 2 * count
 
 
 def test_keyframes_of_a_merged_map_stay_retired(thinned):
