@@ -50,7 +50,8 @@ def floor_levels(stairs: Bool[np.ndarray, "n"], positions: Float64[np.ndarray, "
 def _level_stretches(stairs: Bool[np.ndarray, "n"], positions: Float64[np.ndarray, "n 3"]) -> list[Stretch]:
     """Return the stretches of keyframes off the stairs without a ride in a lift and without a ramp.
 
-    A ramp without a level stretch before or after it is a floor.
+    Single steps of at least `RIDE_M` in height divide the walk, too, such as a gap in the recording. Ramps count as level if
+    nothing else is left, and so do rides whose keyframes are not labelled as stairs.
     """
     rising = stairs.copy()
     for ride in lift_rides(positions):
@@ -59,7 +60,7 @@ def _level_stretches(stairs: Bool[np.ndarray, "n"], positions: Float64[np.ndarra
     runs = _off(rising, jumps)
     for run in runs:
         rising[run.slice] = _on_ramps(positions[run.slice])
-    return _off(rising, jumps) or runs
+    return _off(rising, jumps) or runs or _off(stairs, jumps)
 
 
 def _off(rising: Bool[np.ndarray, "n"], jumps: Int[np.ndarray, "n"]) -> list[Stretch]:

@@ -293,7 +293,8 @@ class LexisMap:
     probabilities: Float64[np.ndarray, "n rooms"]
     """How probable it is that the room around each keyframe has each of `room_names`, from the images that show the place.
     The probabilities are calibrated on generated houses for the label method "sight". A keyframe on a climb is on stairs
-    with probability 1, and other methods give their own label the probability 1."""
+    with probability 1. Other methods give their own label the probability 1; where a small room is absorbed by another one,
+    its keyframes keep the probabilities of their old label."""
     floors: Int[np.ndarray, "n"]
     """Floor number of every keyframe: 0 for the lowest floor, -1 on stairs."""
     rooms: tuple[RoomInstance, ...]

@@ -62,7 +62,11 @@ class BlameTable:
         mending, others = ", ".join(self.named("mends")), ", ".join(self.named("does not mend"))
         if not (mending or others):
             same = ", ".join(self.named("changes nothing"))
-            return f"the scenario already has all of this: {same}. The failure needs nothing more." if same else "unknown."
+            return (
+                f"no change was tried, because the scenario already has: {same}."
+                if same
+                else "it cannot be told what mends it."
+            )
         return f"mended by: {mending or 'nothing'}." + (f" Not mended by: {others}." if others else "")
 
 

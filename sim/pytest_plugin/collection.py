@@ -1,6 +1,7 @@
 """Collection of decorated tests: each runs once for every one of its worlds (scenarios in fresh or stored houses)."""
 
 import importlib.util
+import re
 import types
 from collections.abc import Sequence
 from pathlib import Path
@@ -92,14 +93,24 @@ def name_of(item: pytest.Item) -> str:
 
 def parameters_of(item: pytest.Item) -> str:
     """Return the pytest id of the parameters that a decorated test has besides its world; empty if there are none."""
-    return "" if family_of(item) is None else _ids(item).replace(world_of(item).name, "", 1).strip("-")
+    return "" if family_of(item) is None else _with_world(item, "").strip("-")
 
 
 def replayed_name(item: pytest.Item) -> str:
     """Return the name by which pytest finds a test in a replay: with the id of its parameters other than the world."""
     if not parameters_of(item):
         return name_of(item)
-    return f"{name_of(item)}[{_ids(item).replace(world_of(item).name, _REPLAY, 1)}]"
+    return f"{name_of(item)}[{_with_world(item, _REPLAY)}]"
+
+
+def _with_world(item: pytest.Item, name: str) -> str:
+    """Return the id of all parameters of a decorated test, with another name in place of its world's."""
+    return with_world(_ids(item), world_of(item).name, name)
+
+
+def with_world(ids: str, world: str, name: str) -> str:
+    """Return the ids of parameters, joined by hyphens, with `name` in place of the id `world`."""
+    return re.sub(rf"(?:^|(?<=-)){re.escape(world)}(?=-|$)", lambda _: name, ids, count=1)
 
 
 def _ids(item: pytest.Item) -> str:

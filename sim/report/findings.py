@@ -89,7 +89,7 @@ def _confusions(data: ReportData, most: int = 3) -> Iterator[Finding]:
 
 def _refinement(data: ReportData) -> Iterator[Finding]:
     table = data.keyframes
-    if not table.is_labelled_before:
+    if not (table.is_labelled and table.is_labelled_before):
         return
     before, after = table.baseline_labels == table.true_labels, ~table.wrong
     mended, spoiled = int(np.sum(~before & after)), int(np.sum(before & ~after))

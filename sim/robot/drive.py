@@ -77,10 +77,13 @@ class Robot:
         if not touched:
             touched, yaw = self._follow(parts[0], yaw, pose, path)
         for before, part in pairwise(parts):
-            if touched or not self._ride(float(part[0, 2] - before[-1, 2])):
+            arrived = None if touched else self._ride(float(part[0, 2] - before[-1, 2]))
+            if arrived is None:
                 break
+            touched = arrived
             path.append(self._body.position)
-            touched, yaw = self._follow(part, yaw, pose, path)
+            if not touched:
+                touched, yaw = self._follow(part, yaw, pose, path)
         return self._judged(np.array(path), touched)
 
     def _follow(self, waypoints: Float64[np.ndarray, "k 3"], yaw: float, pose: DeadReckoning,
@@ -108,14 +111,17 @@ class Robot:
                 return touched, yaw
         return (), yaw
 
-    def _ride(self, climb_m: float) -> bool:
-        """Ride a lift to the storey nearest to a climb [m]; return False if the robot is in no lift that goes there."""
+    def _ride(self, climb_m: float) -> tuple[str, ...] | None:
+        """Ride a lift to the storey nearest to a climb [m], and return the names of what the robot touches there.
+
+        None if the robot is in no lift that goes there.
+        """
         x, y, z = self._body.position
         room = int(room_at(self._house, np.array([[x, y, z + _KNEE_M]]))[0])
         floor = min((storey.floor_m for storey in self._house.storeys), key=lambda height: abs(height - z - climb_m))
         if room not in self._lifts or not self._house.rooms[room].floor_m <= floor < self._house.rooms[room].ceiling_m:
-            return False
-        return not self._body.place(x, y, floor)
+            return None
+        return self._body.place(x, y, floor)
 
     def _move(self, heading: float, forward: float) -> tuple[str, ...]:
         x, y, z = self._body.position

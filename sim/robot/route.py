@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float64
 
-from lexis.maths.stretches import stretches_of
+from lexis.stairs import lift_rides
 
 _SAMPLE_M = 0.1
 _LEVEL_M = 0.3
@@ -11,18 +11,14 @@ _LEVEL_M = 0.3
 _WINDOW_M = 0.8
 """Length of route ahead in which the point nearest to the robot is searched [m]. It is short, because another part of the
 route may pass close by."""
-_RIDE_M, _RIDE_SLOPE = 1.0, 1.3
-"""Least climb of a ride in a lift [m], and least ratio of its climb to its horizontal path; stairs are less steep."""
 
 
 def legs(waypoints: Float64[np.ndarray, "k 3"]) -> list[Float64[np.ndarray, "_ 3"]]:
-    """Divide waypoints into the parts before, between and after rides in a lift, which rise or fall vertically [m]."""
-    steps, start, parts = np.diff(waypoints, axis=0), 0, []
-    steep = np.abs(steps[:, 2]) > _RIDE_SLOPE * np.linalg.norm(steps[:, :2], axis=1)
-    for run in stretches_of(np.where(steep, np.sign(steps[:, 2]), 0.0)):
-        if steep[run.start] and abs(waypoints[run.stop, 2] - waypoints[run.start, 2]) >= _RIDE_M:
-            parts.append(waypoints[start : run.start + 1])
-            start = run.stop
+    """Divide waypoints [m] into the parts before, between and after rides in a lift."""
+    start, parts = 0, []
+    for ride in lift_rides(waypoints):
+        parts.append(waypoints[start : ride.start + 1])
+        start = ride.stop - 1
     return [*parts, waypoints[start:]]
 
 

@@ -27,6 +27,12 @@ def only(floors):
     return int(floors[3])
 
 
+def test_keyframes_that_are_all_on_rides_have_a_floor_unless_they_are_labelled_as_stairs():
+    heights = np.array([0.0, 1.5, 3.0])
+    positions = np.column_stack([np.zeros((3, 2)), heights])
+    assert floor_levels(np.array([True, False, True]), positions).tolist() == [-1, 0, -1]
+
+
 def test_a_short_level_stretch_half_way_up_is_no_floor_of_its_own():
     stairs = np.array([0] * 8 + [1] * 5 + [0] * 2 + [1] * 5 + [0] * 8, bool)
     height = np.interp(np.arange(28), [7, 13, 14, 20], [0.0, 1.45, 1.45, 2.9])

@@ -20,6 +20,7 @@ import sim.harness.reductions
 import sim.pytest_plugin.protocol
 from sim.harness import Scenario
 from sim.harness.world_tests import FreshWorld
+from sim.pytest_plugin.collection import with_world
 from worlds.presets import sample_from_rooms
 from worlds.spec import HouseSpec
 
@@ -93,6 +94,7 @@ def test_house(scenario):
 LIGHT = """
 import types
 from sim.harness.world_tests import FreshWorld
+from sim.pytest_plugin.collection import with_world
 FreshWorld.scenario = lambda self: types.SimpleNamespace(seed=self.seed)
 """
 """A conftest for tests in processes of their own that look at names and seeds of houses only."""
@@ -187,6 +189,20 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
     shutil.copytree(folder, moved)
     inner("test_slam.py::test_labels", "--lexis-replay", str(moved)).assert_outcomes(passed=1)
     assert len(list(pytester.path.glob("kept/*"))) == 2 and not (pytester.path / ".lexis-failures").exists()
+
+
+@pytest.mark.parametrize(
+    ("ids", "world", "replayed"),
+    [
+        ("home-4", "home-4", "replay"),
+        ("home-47-home-4", "home-4", "home-47-replay"),
+        ("home-4-left", "home-4", "replay-left"),
+        ("a-replay-b", "replay", "a-replay-b"),
+        ("my replay-replay", "replay", "my replay-replay"),
+    ],
+)
+def test_the_id_of_the_world_is_replaced_among_those_of_other_parameters(ids, world, replayed):
+    assert with_world(ids, world, "replay") == replayed
 
 
 PARAMETERS = """

@@ -29,7 +29,17 @@ from jaxtyping import Float64
 from worlds.errors import HouseError
 from worlds.parts import Part
 from worlds.spec import HouseSpec, OpeningSpec, RoomSpec
-from worlds.stairs.cells import CellFrame, cell_frame, cell_on, flight_places, frame_along, is_same_cell, opening_that_leads
+from worlds.stairs.cells import (
+    BODY_HALF_M,
+    MIN_HEAD_ROOM_M,
+    CellFrame,
+    cell_frame,
+    cell_on,
+    flight_places,
+    frame_along,
+    is_same_cell,
+    opening_that_leads,
+)
 from worlds.stairs.flights import INSET_M, MIN_WIDTH_M, Point, StairsKind, StairsLayout, cell_needed, fit_stairs
 from worlds.stairs.geometry import floor_beside_flight, rail_parts, slab_parts
 from worlds.stairs.shafts import check_shafts, door, lift_line
@@ -37,10 +47,6 @@ from worlds.stairs.spirals import MIN_FRONT_M, MIN_RADIUS_M, Spiral
 
 APPROACH_M = 0.4
 """Distance from the room of the stairs at which the walking line begins and ends, outside of the room [m]."""
-MIN_HEAD_ROOM_M = 1.95
-"""Least head room above every tread and landing, and least height of the openings to the stairs [m]."""
-BODY_HALF_M = 0.3
-"""Half the width of a body [m]. Openings to a flight must extend at least this far to either side of its middle line."""
 _TOLERANCE_M = 1e-6
 
 

@@ -14,6 +14,10 @@ from worlds.stairs.flights import StairsKind
 
 Leads = Literal["up", "down"]
 Bounds = tuple[float, float, float, float]
+MIN_HEAD_ROOM_M = 1.95
+"""Least head room above every tread and landing, and least height of the openings to the stairs [m]."""
+BODY_HALF_M = 0.3
+"""Half the width of a body [m]. Openings to a flight must extend at least this far to either side of its middle line."""
 _TOLERANCE_M = 1e-6
 _SAME_HALF_M = 0.2
 """Least distance between the middles of the two openings of U-shaped stairs [m]. Openings that are closer to each other

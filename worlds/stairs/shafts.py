@@ -1,7 +1,7 @@
 """Shafts, which are cells (rooms of stairs) with a lift or with spiral stairs: their doors, and the way through a lift.
 
 A shaft has one door on each storey, for the way up and for the way down. The platform of a lift fills the cell. It is
-wherever the walker is, and is not drawn: on a picture, a lift is an empty shaft.
+wherever the walker is, and is not rendered: on images, a lift is an empty shaft.
 """
 
 from itertools import pairwise
@@ -13,12 +13,12 @@ from jaxtyping import Float64
 from worlds.errors import HouseError
 from worlds.labels import STAIRS
 from worlds.spec import HouseSpec, RoomSpec
-from worlds.stairs.cells import bounds, cell_on, inward, middle, openings_of
+from worlds.stairs.cells import BODY_HALF_M, MIN_HEAD_ROOM_M, bounds, cell_on, inward, middle, openings_of
 
 MIN_SHAFT_M = 1.0
 """Least length and width of the shaft of a lift, between the centre lines of its walls [m]."""
-MIN_DOOR_M, MIN_DOOR_HEIGHT_M = 0.6, 1.95
-"""Least width and height of the door of a shaft [m]."""
+MIN_DOOR_M = 2 * BODY_HALF_M
+"""Least width of the door of a shaft [m]."""
 _INSIDE_M = 0.8
 """Distance from the lower door at which the walker stands during the ride, if the shaft is deep enough [m]."""
 
@@ -86,9 +86,9 @@ def door(spec: HouseSpec, level: int, cell: RoomSpec, floor_m: float) -> Door:
             f"{cell.climb} {cell.id!r} has {len(doors)} openings on storeys[{level}]; valid: one on every storey"
         )
     height = doors[0].gap_m(spec.storeys[level].height_m)[1]
-    if doors[0].width_m < MIN_DOOR_M - 1e-6 or height < MIN_DOOR_HEIGHT_M - 1e-6:
+    if doors[0].width_m < MIN_DOOR_M - 1e-6 or height < MIN_HEAD_ROOM_M - 1e-6:
         raise HouseError(
             f"{cell.climb} {cell.id!r}: its opening on storeys[{level}] is {doors[0].width_m:.2f} x {height:.2f} m; "
-            f"valid: at least {MIN_DOOR_M} x {MIN_DOOR_HEIGHT_M} m"
+            f"valid: at least {MIN_DOOR_M} x {MIN_HEAD_ROOM_M} m"
         )
     return Door(np.array([*middle(doors[0]), floor_m]), np.array([*inward(level, cell, doors[0]), 0.0]))

@@ -53,8 +53,8 @@ class Spiral:
 
     @property
     def radius(self) -> float:
-        """Radius of the outer edge of the steps [m]."""
-        return self.width / 2 - INSET_M
+        """Radius of the outer edge of the steps [m]: the largest that leaves the floor in front of the doors."""
+        return min(self.width / 2 - INSET_M, (self.length - INSET_M - MIN_FRONT_M) / 2)
 
     @property
     def walking_radius(self) -> float:

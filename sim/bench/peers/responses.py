@@ -28,7 +28,8 @@ from worlds.valid_names import did_you_mean
 FACTORS = (0.5, 0.7, 1.4, 2.0)
 """Factors by which each setting is multiplied. Whole numbers are rounded."""
 SECTIONS = ("keyframes", "landmarks", "labels", "sight", "place_recognition", "verification", "pose_graph")
-"""Sections of `Config` whose settings act in a run; the others are for several sessions and for plans."""
+"""Sections of `Config` whose settings act in a run. The others are for several sessions, for plans, and for the paper's
+method of finding rooms."""
 UNUSED = frozenset({"labels.neighbours", "labels.every", "sight.independence", "verification.seed"})
 """Settings that the default methods do not use, or that no figure depends on."""
 _DIGITS = 3

@@ -37,6 +37,11 @@ def test_portions_cover_the_walk_and_the_size_is_that_of_the_map():
     assert portions[-1].active == portions[-1].last + 1
 
 
+def test_a_walk_too_short_for_a_keyframe_at_every_mark_is_measured_all_the_same():
+    portions, finished = measure_scale(rooms=3, length_m=1.0, seed=302)
+    assert portions and portions[-1].last < len(finished.keyframes)
+
+
 def test_laps_repeat_one_circuit():
     _, finished = measure_scale(rooms=3, length_m=1.0, seed=302, laps=2)
     steps = np.linalg.norm(np.diff(finished.T_W_B[:, :3, 3], axis=0), axis=1)

@@ -260,6 +260,13 @@ def test_a_failed_run_says_first_what_failed_and_where(rng):
     assert 'id="failure"' not in render_report(example(rng))
 
 
+def test_labels_that_are_claimed_before_refinement_only_are_not_called_refined(rng):
+    data = example(rng)
+    nothing = np.full(len(data.keyframes.stamps), UNKNOWN)
+    raw = replace(data, keyframes=replace(data.keyframes, predicted_labels=nothing, baseline_labels=nothing + 1))
+    assert not any("Refinement" in finding.text for finding in findings(raw))
+
+
 def test_wrong_floors_are_told(rng):
     data = example(rng)
     floors = [replace(data, result={**data.result, "floors": {"accuracy": share}}) for share in (0.64, 1.0)]

@@ -185,6 +185,17 @@ def test_a_robot_rides_a_lift_to_the_other_storey(down):
     np.testing.assert_allclose(result.path[-1], line[-1], atol=0.15)
 
 
+def test_a_robot_rides_to_the_storey_of_the_plan_even_if_parts_of_its_steps_are_walked():
+    house = build_house(variant(sample_house("home", 100, clutter=0.0), climb="lift"))
+    line = house.stairs[0].walking_line
+    inside = int(np.flatnonzero(np.diff(line[:, 2]) > 2.0)[0])
+    foot, head = line[inside], line[inside + 1]
+    rise, aside = head - foot, np.array([0.3, 0.0, 0.0])
+    between = [foot + aside + 0.28 * rise, foot + aside + 0.72 * rise]
+    result = go(house, *line[: inside + 1], *between, *line[inside + 1 :])
+    assert result.touched == () and house.room_by_id[result.room].storey == 1
+
+
 def test_a_robot_outside_of_a_lift_does_not_rise():
     result = go(two_rooms(), (1.0, 1.5), (3.0, 1.5), (3.0, 1.5, 2.9), (7.0, 1.5, 2.9))
     assert (result.room, result.touched) == ("office", ())

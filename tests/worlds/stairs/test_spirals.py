@@ -14,9 +14,10 @@ from sim.tours.tour import plan_tour
 from worlds.errors import HouseError
 from worlds.house import build_house
 from worlds.presets import sample_house
-from worlds.stairs.build import MIN_HEAD_ROOM_M, build_stairs
-from worlds.stairs.flights import MIN_TREAD_M
-from worlds.stairs.spirals import MAX_RISER_M
+from worlds.stairs.build import build_stairs
+from worlds.stairs.cells import MIN_HEAD_ROOM_M
+from worlds.stairs.flights import INSET_M, MIN_TREAD_M
+from worlds.stairs.spirals import MAX_RISER_M, MIN_FRONT_M, Spiral
 from worlds.validation import validate
 from worlds.variant import variant
 from worlds.walkable import Walkable
@@ -80,6 +81,13 @@ def test_lexis_takes_a_tour_up_and_down_a_spiral_for_stairs_between_floors(house
         assert np.mean(floors[level] == number) > 0.95 and set(floors[level]) <= {-1, number}
     between = np.abs(ground[:, None] - [storey.floor_m for storey in house.storeys]).min(axis=1) > 0.5
     assert between.any() and (floors[between] == -1).all() and lift_rides(positions) == []
+
+
+@pytest.mark.parametrize(("length", "width"), [(5.0, 5.0), (3.0, 4.0), (2.8, 2.6)])
+def test_a_larger_cell_has_a_spiral_that_leaves_a_floor_before_the_doors(length, width):
+    spiral = Spiral(length, width, 2.9)
+    assert spiral.is_walkable and spiral.front_m + 1e-9 >= MIN_FRONT_M
+    assert spiral.radius <= width / 2 - INSET_M and spiral.centre[0] + spiral.radius <= length - INSET_M + 1e-9
 
 
 def test_a_spiral_is_refused_with_what_is_wrong():
