@@ -178,6 +178,9 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     grows with the path by `gate_share`."""
     gate_share: Annotated[float, Ge(0)] = 0.03
     """Distance that is added to `gate_m` for every metre of path between the two keyframes of the loop edge [m/m]."""
+    gate_height_share: Annotated[float, Ge(0)] = 0.01
+    """The same for the vertical part of the difference [m/m]. It is smaller, because gravity limits the drift in height, and
+    because storeys that look alike are only a few metres apart."""
     gate_rad: Annotated[float, Ge(0)] = 0.1
     """A loop edge is rejected if its rotation differs from the current estimate by more than this limit [rad]. The limit
     grows with the path by `gate_rad_m`."""

@@ -9,7 +9,7 @@ For each candidate of a query keyframe:
    a front camera saw. PnP is solved for every camera; the pose with which most key points of all cameras agree is refined.
 3. Require enough inliers, spread over one image: a poster or another repeated object matches in one spot only.
 4. Estimate the covariance of the pose, and refuse a pose whose position the landmarks leave too uncertain.
-5. Refuse a loop too far from the current estimate, because odometry drifts only little per metre.
+5. Refuse a loop too far from the current estimate, because odometry drifts only little per metre, and least in height.
 6. Keep the loops with the most inliers, up to `max_edges` per query.
 
 The first four steps are in `lexis.locator`.
@@ -20,12 +20,13 @@ from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
+from jaxtyping import Bool, Float64
 
 from lexis.config import VerificationConfig
 from lexis.graph.pose_graph import PoseGraph
 from lexis.locator import Locator
 from lexis.maths.se3 import between, rotation_angle
-from lexis.types import Camera, Keyframe, LoopEdge, Verdict
+from lexis.types import Camera, Keyframe, LoopEdge, Poses, Verdict
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,11 +93,25 @@ def _compared(verdict: Verdict, edge: LoopEdge, graph: PoseGraph, config: Verifi
 
     The tolerance grows with the path between the two keyframes, as drift does.
     """
-    estimated = between(graph.T_W_B[edge.match], graph.T_W_B[edge.query])
+    measured, estimated = graph.T_W_B[edge.match] @ edge.T_match_query, graph.T_W_B[edge.query]
     path_m = graph.path_between(edge.match, edge.query)
-    distance = float(np.linalg.norm(edge.T_match_query[:3, 3] - estimated[:3, 3]))
-    angle = float(rotation_angle(between(edge.T_match_query, estimated)))
-    near = distance <= config.gate_m + config.gate_share * path_m
-    fits = near and angle <= config.gate_rad + config.gate_rad_m * path_m
+    fits = within_drift(measured[None], estimated[None], np.array([path_m]), config)[0]
     outcome = verdict.outcome if fits else "far from the estimate"
-    return replace(verdict, outcome=outcome, misfit_m=distance, misfit_rad=angle)
+    distance = float(np.linalg.norm(measured[:3, 3] - estimated[:3, 3]))
+    return replace(
+        verdict, outcome=outcome, misfit_m=distance, misfit_rad=float(rotation_angle(between(measured, estimated)))
+    )
+
+
+def within_drift(
+    measured: Poses, estimated: Poses, path_m: Float64[np.ndarray, "k"], config: VerificationConfig
+) -> Bool[np.ndarray, "k"]:
+    """Whether measured poses differ from estimated ones by no more than odometry drifts over the given lengths of path [m].
+
+    Both kinds of poses are in one frame, whose z axis is vertical.
+    """
+    off_m = measured[:, :3, 3] - estimated[:, :3, 3]
+    near = np.linalg.norm(off_m, axis=1) <= config.gate_m + config.gate_share * path_m
+    level = np.abs(off_m[:, 2]) <= config.gate_m + config.gate_height_share * path_m
+    turned = rotation_angle(between(measured, estimated)) <= config.gate_rad + config.gate_rad_m * path_m
+    return np.asarray(near & level & turned)

@@ -16,10 +16,11 @@ from jaxtyping import Bool, Float64
 
 from lexis.config import SessionConfig, VerificationConfig
 from lexis.graph.pose_graph import PoseGraph
-from lexis.maths.se3 import between, inverse, rotation_angle
+from lexis.maths.se3 import inverse
 from lexis.maths.ties import reaches
 from lexis.place_recognition import most_similar_keyframes
 from lexis.types import Keyframe, LoopArrays, LoopEdge, Pose
+from lexis.verification import within_drift
 
 _ANY_M, _ANY_RAD = 1e9, 4.0
 """Tolerances that admit every pose [m, rad]."""
@@ -94,7 +95,4 @@ def _fit(
     measured = graph.T_W_B[rows.match] @ rows.T_match_query
     predicted = shift_of(edge, graph) @ graph.T_W_B[rows.query]
     path_m: Float64[np.ndarray, others] = np.abs(graph.path_m[rows.query] - graph.path_m[edge.query])
-    distances = np.linalg.norm(measured[:, :3, 3] - predicted[:, :3, 3], axis=1)
-    near = distances <= config.gate_m + config.gate_share * path_m
-    turned = rotation_angle(between(measured, predicted)) <= config.gate_rad + config.gate_rad_m * path_m
-    return np.asarray(near & turned)
+    return within_drift(measured, predicted, path_m, config)

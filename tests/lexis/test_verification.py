@@ -8,8 +8,8 @@ from lexis.config import PoseGraphConfig, VerificationConfig
 from lexis.graph.pose_graph import PoseGraph
 from lexis.maths import se3
 from lexis.maths.projection import project
-from lexis.types import Features, Keyframe, Landmarks
-from lexis.verification import verify
+from lexis.types import Features, Keyframe, Landmarks, LoopEdge, Verdict
+from lexis.verification import plausible, verify
 
 CONFIG = VerificationConfig()
 EMBEDDING = np.ones(1, np.float32)
@@ -83,6 +83,22 @@ def test_a_loop_too_far_from_the_estimate_or_too_much_turned_is_refused(world, t
     far = se3.exp(np.array(drift))
     assert located(world, true, far) == ()
     assert len(located(world, true, far, config=replace(CONFIG, **gates))) == 1
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.4])
+def test_heights_have_to_fit_better_than_places_because_they_drift_less(world, tilt):
+    """After a walk of 60 m back to its start, an edge may be 2 m off in the plan, but not in height."""
+    points, descriptors = world
+    tilted = se3.exp(np.array([tilt, tilt, 0.7, 0.0, 0.0, 0.0]))
+    poses = [tilted.copy() for _ in range(3)]
+    poses[1][0, 3] = 30.0
+    graph = graph_of(*(keyframe(i, pose, points, descriptors) for i, pose in enumerate(poses)))
+    cases = ([1.4, 1.4, 0.0], True), ([0.0, 0.0, 1.0], True), ([0.0, 0.0, -2.0], False), ([3.0, 0.0, 0.0], False)
+    for off, accepted in cases:
+        moved = poses[2].copy()
+        moved[:3, 3] += off
+        edge = LoopEdge(2, 0, se3.between(poses[0], moved), np.eye(6), 50)
+        assert bool(plausible([(Verdict(2, 0, "accepted"), edge)], graph, VerificationConfig()).edges) is accepted
 
 
 def test_another_place_is_refused(world, true, rng):

@@ -229,14 +229,14 @@ _PLACES = (
     Mutant(
         "loops are not compared with the current estimate",
         "verification.py",
-        "fits = near and angle <= config.gate_rad + config.gate_rad_m * path_m",
-        "fits = True",
+        "return np.asarray(near & level & turned)",
+        "return np.ones(len(path_m), bool)",
     ),
     Mutant(
         "the largest distance of a loop from the estimate is taken for centimetres",
         "verification.py",
-        "near = distance <= config.gate_m + config.gate_share * path_m",
-        "near = distance <= 0.01 * (config.gate_m + config.gate_share * path_m)",
+        "near = np.linalg.norm(off_m, axis=1) <= config.gate_m + config.gate_share * path_m",
+        "near = np.linalg.norm(off_m, axis=1) <= 0.01 * (config.gate_m + config.gate_share * path_m)",
     ),
     Mutant(
         "the weights of loops are those of the odometry's poses",
@@ -301,8 +301,8 @@ _PLACES = (
     Mutant(
         "the difference between a loop and the estimate counts with its sign",
         "verification.py",
-        "distance = float(np.linalg.norm(edge.T_match_query[:3, 3] - estimated[:3, 3]))",
-        "distance = float((edge.T_match_query[:3, 3] - estimated[:3, 3]).max())",
+        "near = np.linalg.norm(off_m, axis=1) <= config.gate_m + config.gate_share * path_m",
+        "near = off_m.max(axis=1) <= config.gate_m + config.gate_share * path_m",
     ),
 )
 
