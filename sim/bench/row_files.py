@@ -99,7 +99,9 @@ def draw_panels(
                 axes.grid(alpha=0.25)
         for axes in grid[-1]:
             axes.set_xlabel(axes_names[0])
-        grid[0][0].legend()
+        for axes, (_, curves) in zip(grid[0], panels[0], strict=True):
+            if axes is grid[0][0] or curves.keys() != panels[0][0][1].keys():
+                axes.legend(fontsize="small")
 
 
 def import_matplotlib() -> Any:
