@@ -83,6 +83,8 @@ class Search:
     """The scenario in which the failure was found."""
     found: str
     """What pytest said about the failure in the original scenario."""
+    found_place: str
+    """Where the original run first went wrong: room, time and kind of error; empty if it is not known."""
     reduction: Reduction
     blamed: BlameTable | None
     """The changes that mend the failure in the smallest scenario, and the changes that do not. None if the user interrupted
@@ -120,8 +122,8 @@ def write_failed_test(folder: Path, test: FailedTest, outcome: FinishedRun | Cra
         else:
             failure = shown_failure(outcome.run, f"{test.name} fails\n{test.message}", test.figure)
             fill_run_folder(outcome.run, outcome.result, outcome.trials, new, failure)
-            found = "" if search is None else search.found
-            page = failed_test_page(test.name, outcome.run, test.figure, reduction, blamed, test.message, found)
+            found = ("", "") if search is None else (search.found, search.found_place)
+            page = failed_test_page(test.name, outcome.run, test.figure, reduction, blamed, test.message, *found)
         for each, content in page.files.items():
             (new / each).write_bytes(content)
         if search is not None:

@@ -70,17 +70,24 @@ def failed_test_page(
     blamed: BlameTable | None,
     message: str = "",
     found: str = "",
+    found_place: str = "",
 ) -> Page:
     """Make the page about a test that fails.
 
     `figure` is the figure that the failing assertion is about, such as "floors.accuracy"; None if it is unknown.
     `reduction` is None if no smaller scenario was searched for. `blamed` is None if no change was tried that could mend the
     failure. `message` is what pytest says about the failure, if it is known, and `found` what it said in the scenario in
-    which the failure was found.
+    which the failure was found; `found_place` says where that run first went wrong.
     """
     head = [f"# {name} fails", *_quoted(message)]
     if found and found != message:
         head += ["", "In the scenario in which the failure was found, pytest said:", *_quoted(found)]
+        if found_place:
+            head += [
+                "",
+                f"There, it first went wrong {found_place}. If this is another kind of error than the one below, the",
+            ]
+            head += ["smaller scenario fails for another reason; `--no-lexis-shrink` keeps the scenario as it was found."]
     return _page(head, wrong_frame_page(run, figure), _search_sections(reduction, blamed), _WHOLE_RUN)
 
 

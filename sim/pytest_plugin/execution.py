@@ -1,5 +1,6 @@
 """Executes a test once, and records its runs and the reason for its failure."""
 
+import re
 from collections.abc import Generator
 from dataclasses import dataclass, field
 from os.path import relpath
@@ -21,6 +22,10 @@ if TYPE_CHECKING:
     from sim.harness.scenario import Scenario
 
 
+_FIGURE = re.compile(r"\b((?:labels|rooms|floors|loops|trajectory)\.\w+)")
+"""The dotted name of a figure in a statement, whatever name the result has in the test."""
+
+
 @dataclass(frozen=True, eq=False)
 class Raised:
     """An exception that the SLAM has raised in the fixture `run`."""
@@ -40,6 +45,12 @@ class Reason:
     statement: str
     message: str
     error: BaseException
+
+    @property
+    def figure(self) -> str | None:
+        """The figure in the failing statement, such as "floors.accuracy" in "assert run.floors.accuracy > 0.9", or None."""
+        found = _FIGURE.search(self.statement)
+        return found and found[1]
 
     @property
     def unknown_figure(self) -> str:

@@ -1,6 +1,5 @@
 """What pytest shows of a failure: what failed, where it first went wrong, the failure's folder, and how to replay it."""
 
-import re
 import shlex
 from os.path import relpath
 from pathlib import Path
@@ -19,9 +18,6 @@ if TYPE_CHECKING:
     from sim.harness.crash import Crash
     from sim.harness.failed_test import FailedTest, FinishedRun, Search
     from sim.harness.scenario import Scenario
-
-_FIGURE = re.compile(r"\b((?:labels|rooms|floors|loops|trajectory)\.\w+)")
-"""The dotted name of a figure in a statement, whatever name the result has in the test."""
 
 
 def add_text(item: pytest.Item, execution: Execution, report: pytest.TestReport, search: "Search | None" = None) -> None:
@@ -56,7 +52,7 @@ def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search
         lines.append('note: with fidelity "features", observation.image is a Percept; valid: worlds(fidelity="render")')
     try:
         outcome = _outcome(execution, scenario)
-        place = _first_wrong(outcome, _figure(execution))
+        place = _first_wrong(outcome, execution.failure.figure if execution.failure else None)
         lines += [f"first wrong: {place}"] if place else []
         folder = _folder(item, execution, outcome, search)
     except Exception as problem:  # whatever it is, the failure of the test must not be lost
@@ -66,15 +62,6 @@ def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search
     shown = folder if item.config.option.lexis_out.is_absolute() else Path(relpath(folder, here))
     command = shlex.join(["pytest", *loading_options(item.config), test, "--lexis-replay", str(shown)])
     return [*lines, f"folder: {shown}", f"replay: {command}"]
-
-
-def _figure(execution: Execution) -> str | None:
-    """Return the figure in the failing statement; None if there is none.
-
-    An example is "floors.accuracy" in "assert run.floors.accuracy > 0.9".
-    """
-    found = None if execution.failure is None else _FIGURE.search(execution.failure.statement)
-    return found and found[1]
 
 
 def _first_wrong(outcome: "FinishedRun | Crash", figure: str | None) -> str:
@@ -109,7 +96,9 @@ def _failed_test(item: pytest.Item, execution: Execution) -> "FailedTest":
     from sim.harness.failed_test import FailedTest
 
     failure, options = execution.failure, tuple(loading_options(item.config))
-    return FailedTest(name_of(item), replayed_name(item), options, _figure(execution), failure.text if failure else "")
+    if failure is None:
+        return FailedTest(name_of(item), replayed_name(item), options)
+    return FailedTest(name_of(item), replayed_name(item), options, failure.figure, failure.text)
 
 
 def _is_in_its_folder(item: pytest.Item, scenario: "Scenario") -> bool:
