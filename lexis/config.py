@@ -218,10 +218,10 @@ class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
     paper. gnc: graduated non-convexity with truncated least squares (Yang et al., 2020), which solves the graph many times:
     it starts with equal trust in all loops, and lowers the weights of those that do not fit. huber: the Huber kernel. none:
     least squares."""
-    outlier_threshold: Annotated[float, Gt(0)] = 60.0
+    outlier_threshold: Annotated[float, Gt(0)] = 30.0
     """Squared whitened residual above which the kernel down-weights a loop edge. The default is well above the 0.95 quantile
-    of chi² with 6 degrees of freedom, 12.6, because the stated covariances leave out errors that landmarks have in common:
-    with 12.6, 1 to 5 % of the true loops are rejected (sim/pages/pose-graphs.md)."""
+    of chi² with 6 degrees of freedom, 12.6, because the stated covariances leave out errors that landmarks have in common
+    (sim/pages/pose-graphs.md)."""
     every: Annotated[int, Ge(1)] = 10
     """Least number of keyframes between two optimisations of the graph."""
     window: Annotated[int, Ge(1)] = 100
