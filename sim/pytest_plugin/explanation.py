@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from _pytest._code.code import ExceptionRepr
+from _pytest._code.code import ExceptionRepr, ReprEntryNative, ReprExceptionInfo, ReprFileLocation, ReprTraceback
 
 from lexis.errors import one_line
 from sim.harness.world_tests import SCENARIO, TEST_REPLAY, StoredWorld
@@ -33,12 +33,24 @@ def add_text(item: pytest.Item, execution: Execution, report: pytest.TestReport,
     before = search.found if search is not None and search.found != failure.text else ""
     if family_of(item) is not None and item.config.option.tbstyle == "auto":
         original = [f"in the original scenario: {before.splitlines()[0]}"] if before else []
-        report.longrepr = "\n".join([*lines, *original, *rest])
+        report.longrepr = _without_traceback([*lines, *original, *rest], item)
     elif isinstance(report.longrepr, ExceptionRepr):  # JUnit reports show sections of this object, too
         smallest = [f"in the smallest scenario: {failure.message.splitlines()[0]}"] if before else []
         report.longrepr.addsection("lexis", "\n".join([*smallest, *rest]))
     else:
         report.sections.append(("lexis", "\n".join(rest)))
+
+
+def _without_traceback(lines: list[str], item: pytest.Item) -> ExceptionRepr:
+    """Return a report that consists of these lines.
+
+    It is not a plain string, because pytest's summary repeats the whole of a string in CI, and with `-vv`. It repeats only the
+    message of an object like this one, which is the first line.
+    """
+    text = "".join(f"{line}\n" for line in lines)
+    path, number, _ = item.location
+    crash = ReprFileLocation(path, (number or 0) + 1, lines[0].splitlines()[0])
+    return ReprExceptionInfo(ReprTraceback([ReprEntryNative([text])], None, "native"), crash)
 
 
 def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search: "Search | None") -> list[str]:

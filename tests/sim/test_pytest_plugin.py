@@ -337,7 +337,8 @@ def test_a_failure_that_does_not_come_back_is_shown_as_it_was_found(pytester, in
     result.stdout.fnmatch_lines(["AssertionError: assert 1 > 1", "folder: .lexis-failures/test_slam-test_once-*"])
 
 
-def test_common_mistakes_cost_a_line_and_no_traceback(pytester, start):
+@pytest.mark.parametrize("in_ci", [False, True])
+def test_common_mistakes_cost_a_line_and_no_traceback(pytester, start, monkeypatch, in_ci):
     mistakes = """
 class Endless(Stub):
     finish = None
@@ -373,6 +374,8 @@ class TestLooks:
         pass
 """
     pytester.makepyfile(test_slam=SLAM + mistakes)
+    for name in ("CI", "BUILD_NUMBER"):  # pytest's summary holds whole messages if one of them is set
+        monkeypatch.setenv(name, "true" if in_ci else "")
     result = start("--no-lexis-shrink")  # in a process without type checks, which refuse such a SLAM before the harness does
     result.assert_outcomes(errors=1, failed=3)
     result.stdout.fnmatch_lines(
