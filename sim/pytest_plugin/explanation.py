@@ -44,8 +44,8 @@ def add_text(item: pytest.Item, execution: Execution, report: pytest.TestReport,
 def _without_traceback(lines: list[str], item: pytest.Item) -> ExceptionRepr:
     """Return a report that consists of these lines.
 
-    It is not a plain string, because pytest's summary repeats the whole of a string in CI, and with `-vv`. It repeats only the
-    message of an object like this one, which is the first line.
+    It is not a plain string, because pytest's summary repeats the whole of a string in CI, and with `-vv`. Of an object like
+    this one, it repeats only the message, which is the first line.
     """
     text = "".join(f"{line}\n" for line in lines)
     path, number, _ = item.location

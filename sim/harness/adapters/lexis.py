@@ -19,6 +19,7 @@ from lexis.types import Camera, LexisMap, LoopArrays, Observation, Verdict
 from lexis.verification import Verifier, verify
 from sim.feature_sensor.oracle import Oracle
 from sim.fidelity import ORACLE
+from sim.harness.adapters.closure_log import ClosureLog
 from sim.harness.estimate import Estimate, LoopClaims, VerdictClaim
 from sim.harness.slam_under_test import FeatureInput
 
@@ -45,6 +46,7 @@ class Lexis:
         self._encoder, self.config = encoder, _switched(config or Config(), loops, refine)
         self._place_recogniser, self._verifier, self._labeller = place_recogniser, verifier, labeller
         self._slam: Slam | None = None
+        self._log: ClosureLog | None = None
         self._map: LexisMap | None = None
         self._planner: PathPlanner | None = None
 
@@ -89,7 +91,8 @@ class Lexis:
 
     def _start(self, camera: Camera, room_names: Sequence[str], verifier: Verifier) -> None:
         self._map = self._planner = None
-        stages = self._verifier or verifier, self._place_recogniser, self._labeller
+        self._log = ClosureLog(self._place_recogniser, self._verifier or verifier)
+        stages = self._log.verify, self._log.propose, self._labeller
         self._slam = Slam(camera, self.encoder, room_names, self.config, *stages)
 
     def process(self, observation: Observation) -> None:
@@ -109,9 +112,13 @@ class Lexis:
         self._running.replay(map)
 
     def finish(self) -> Estimate:
-        """Complete the map, and return its contents as the estimate that the harness compares with the truth."""
+        """Complete the map, and return its contents as the estimate that the harness compares with the truth.
+
+        The estimate also contains the loops, candidates and verdicts that retired keyframes have given up.
+        """
         self._map = self._running.finish()
-        return estimate_of(self._map)
+        assert self._log is not None
+        return estimate_of(self._log.completed(self._map, self.config.pose_graph))
 
     @property
     def _running(self) -> Slam:

@@ -19,7 +19,7 @@ from lexis.types import LoopEdge
 from lexis.verification import Verification
 from sim.bench.scale import LAP_M, map_bytes, measure_scale
 from sim.feature_sensor.oracle import Oracle
-from sim.harness import Scenario, run
+from sim.harness import Scenario, evaluate, run
 from sim.harness.adapters import Lexis
 from worlds.presets import sample_house
 
@@ -97,6 +97,22 @@ def test_landmarks_loops_candidates_and_spaces_are_those_of_active_keyframes(wal
     assert {verdict.query for verdict in slam.map.verdicts} <= kept
     spaces = slam._running._spaces
     assert [id for id, views in enumerate(spaces) if sum(len(view.weights) for view in views)] == sorted(kept)
+
+
+def test_the_claims_contain_what_retired_keyframes_have_given_up(walked):
+    (finished, slam), (whole, _) = walked
+    claims = finished.estimate
+    assert [query for query, _ in claims.candidates] == list(range(len(slam.map.keyframes)))
+    proposed = {(query, match) for query, matches in claims.candidates for match in matches}
+    accepted = {(verdict.query, verdict.match) for verdict in claims.verdicts if verdict.accepted}
+    assert {(verdict.query, verdict.match) for verdict in claims.verdicts} == proposed
+    loops = list(zip(claims.loops.query.tolist(), claims.loops.match.tolist(), strict=True))
+    assert set(loops) == accepted and len(loops) == len(accepted) > 2 * len(slam.map.loops)
+    weights = dict(zip(loops, claims.loops.weights.tolist(), strict=True))
+    kept = [weights[loop.query, loop.match] for loop in slam.map.loops]
+    np.testing.assert_array_equal(kept, slam.map.loop_weights)
+    recalls = [evaluate(each).loops.recall for each in (finished, whole)]
+    assert min(recalls) > 0.9 and abs(recalls[0] - recalls[1]) < 0.05
 
 
 def test_a_retired_keyframe_takes_few_bytes(walked):

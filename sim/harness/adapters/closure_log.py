@@ -1,0 +1,66 @@
+"""`ClosureLog`: all that LEXIS found out about loop closures during a run, including what its map no longer contains."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from lexis.config import PlaceRecognitionConfig, PoseGraphConfig, VerificationConfig
+from lexis.graph.graph_optimisation import loop_weights
+from lexis.graph.pose_graph import PoseGraph
+from lexis.place_recognition import PlaceRecogniser
+from lexis.types import Camera, Keyframe, LexisMap, LoopEdge, RoomInstance, Verdict
+from lexis.verification import Verification, Verifier
+
+
+class ClosureLog:
+    """Records the results of two stages of LEXIS: place recognition and verification.
+
+    A keyframe that retires from the pose graph gives up its loop edges, candidates and verdicts, which keeps the map small
+    (see `lexis.graph.thinning`). The harness judges all that LEXIS did, at every keyframe, and needs this record for it.
+    """
+
+    def __init__(self, place_recogniser: PlaceRecogniser, verifier: Verifier) -> None:
+        """Begin an empty record of these two stages."""
+        self._propose, self._verify = place_recogniser, verifier
+        self._candidates: list[tuple[int, tuple[int, ...]]] = []
+        self._edges: list[LoopEdge] = []
+        self._verdicts: list[Verdict] = []
+
+    def propose(
+        self, query: Keyframe, label: str, rooms: Sequence[RoomInstance], graph: PoseGraph, config: PlaceRecognitionConfig
+    ) -> tuple[int, ...]:
+        """Propose loop candidates as the recorded stage does; see `lexis.place_recognition.propose`."""
+        candidates = self._propose(query, label, rooms, graph, config)
+        self._candidates.append((query.id, candidates))
+        return candidates
+
+    def verify(
+        self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
+    ) -> Verification:
+        """Verify loop candidates as the recorded stage does; see `lexis.verification.verify`.
+
+        Nothing is recorded while the graph has several components, because LEXIS then also verifies candidates of which it
+        does not close loops. No keyframe of such a graph retires.
+        """
+        verified = self._verify(query, candidates, graph, camera, config)
+        if not graph.is_split:
+            self._edges += verified.edges
+            self._verdicts += verified.verdicts
+        return verified
+
+    def completed(self, map: LexisMap, config: PoseGraphConfig) -> LexisMap:
+        """Return the map together with what its retired keyframes have given up, in the order of the keyframes."""
+        retired = {keyframe.id for keyframe in map.keyframes if keyframe.anchor is not None}
+        if not retired:
+            return map
+        kept = {(loop.query, loop.match) for loop in map.loops}
+        given_up = [edge for edge in self._edges if edge.query in retired and (edge.query, edge.match) not in kept]
+        loops = tuple(sorted((*map.loops, *given_up), key=lambda loop: loop.query))
+        candidates = (*map.candidates, *(found for found in self._candidates if found[0] in retired))
+        verdicts = (*map.verdicts, *(verdict for verdict in self._verdicts if verdict.query in retired))
+        return replace(
+            map,
+            loops=loops,
+            loop_weights=loop_weights(map.T_W_B, loops, config),
+            candidates=tuple(sorted(candidates, key=lambda found: found[0])),
+            verdicts=tuple(sorted(verdicts, key=lambda verdict: verdict.query)),
+        )
