@@ -26,6 +26,11 @@ _FORMS: Mapping[str, tuple[str, tuple[int | None, ...]]] = MappingProxyType(
 )
 """For each claim, the valid values of numpy's `dtype.kind`, and the shape of one row (None: any length)."""
 
+_MEANINGS: Mapping[str, str] = MappingProxyType(
+    dict.fromkeys(("labels", "baseline_labels"), ", indices into room_names or -1") | {"floors": ", with -1 on stairs"}
+)
+"""What the numbers of a claim mean, as the end of a message; for claims whose numbers are easily mistaken."""
+
 
 @dataclass(frozen=True, eq=False)
 class LoopClaims:
@@ -162,7 +167,8 @@ def _check_rows(name: str, claim: object, n: int, kinds: str, row: tuple[int | N
     wanted = "whole numbers" if kinds == "iu" else "numbers"
     if not isinstance(claim, np.ndarray) or claim.dtype.kind not in kinds or claim.ndim != 1 + len(row):
         shape = ", ".join(["n", *("any" if size is None else str(size) for size in row)])
-        raise ClaimError(f"estimate: {name} is {_form_of(claim)}; valid: an array of {wanted} of shape ({shape})")
+        valid = f"an array of {wanted} of shape ({shape}){_MEANINGS.get(name, '')}"
+        raise ClaimError(f"estimate: {name} is {_form_of(claim)}; valid: {valid}")
     if len(claim) != n:
         raise ClaimError(f"estimate: {name} has {len(claim)} rows; valid: {n}, one for each of the frames")
     if any(size not in (None, found) for size, found in zip(row, claim.shape[1:], strict=True)):

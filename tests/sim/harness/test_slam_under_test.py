@@ -129,7 +129,11 @@ def test_claims_of_another_size_are_named():
     [
         ({"frames": [0, 1]}, "frames is a list; valid: an array of whole numbers, one for each frame"),
         ({"labels": [0] * 5}, "labels is a list; valid: an array of whole numbers of shape (n)"),
-        ({"labels": np.array(["kitchen"] * 5)}, "labels is <U7 (5,); valid: an array of whole numbers of shape (n)"),
+        (
+            {"labels": np.array(["kitchen"] * 5)},
+            "labels is <U7 (5,); valid: an array of whole numbers of shape (n), indices into room_names or -1",
+        ),
+        ({"floors": ["ground"] * 5}, "floors is a list; valid: an array of whole numbers of shape (n), with -1 on stairs"),
         ({"rooms": np.zeros(5)}, "rooms is float64 (5,); valid: an array of whole numbers of shape (n)"),
         ({"T_W_B": np.zeros((5, 3, 4))}, "T_W_B has shape (5, 3, 4); valid: (5, 4, 4)"),
         ({"T_W_B": np.zeros((5, 4, 4))}, "T_W_B is no rigid motion in row 0; valid: rotation and translation"),
