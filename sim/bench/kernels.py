@@ -13,15 +13,15 @@ import numpy as np
 from jaxtyping import Bool
 
 from lexis.config import PoseGraphConfig
+from lexis.evaluation.loops import true_edges
 from lexis.evaluation.trajectory import ate_rmse
 from lexis.graph.pose_graph import PoseGraph
-from lexis.types import Keyframe, LoopEdge, Poses
+from lexis.types import Keyframe, LoopArrays, LoopEdge, Poses
 from sim.bench.houses import configs
 from sim.bench.injected_loops import KINDS, injected
 from sim.bench.row_files import draw_panels
 from sim.harness import Scenario, run
 from sim.harness.adapters import Lexis
-from sim.harness.loops import edge_truth
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
 
 KERNELS: tuple[Literal["dcs", "gnc", "huber", "none"], ...] = ("dcs", "gnc", "huber", "none")
@@ -83,7 +83,9 @@ def mapped_houses(preset: str, seeds: Sequence[int]) -> Iterator[MappedHouse]:
     usual, slam = Scenario(preset=preset, fidelity="features", frame_rate_hz=FEATURES_FRAME_RATE_HZ), Lexis()
     for scenario in configs(usual, seeds):
         finished = run(scenario, slam)
-        yield MappedHouse(scenario.seed, slam.map.keyframes, slam.map.loops, edge_truth(finished), finished.true_poses)
+        kept = LoopArrays.of(slam.map.loops)
+        is_true = true_edges(kept.query, kept.match, kept.T_match_query, finished.true_poses)
+        yield MappedHouse(scenario.seed, slam.map.keyframes, slam.map.loops, is_true, finished.true_poses)
 
 
 def kernel_runs(house: MappedHouse, threshold: float = PoseGraphConfig.outlier_threshold) -> Iterator[KernelRun]:

@@ -63,13 +63,12 @@ def measure_rigs(
 
 
 def _row(finished: Run, rig: str, slam: Lexis) -> RigRow:
-    loops, result = slam.map.loops, evaluate(finished)
-    query = np.array([loop.query for loop in loops], int)
-    match = np.array([loop.match for loop in loops], int)
-    is_true, trusted = edge_truth(finished), slam.map.loop_weights >= TRUSTED
+    loops, result = finished.estimate.loops, evaluate(finished)
+    assert loops is not None and loops.weights is not None
+    is_true, trusted = edge_truth(finished), loops.weights >= TRUSTED
     stamps = np.array([keyframe.stamp for keyframe in slam.map.keyframes])
     revisits = opposite_revisits(finished.true_poses, stamps)
-    across = query[is_true & opposite_edges(query, match, finished.true_poses)]
+    across = loops.query[is_true & opposite_edges(loops.query, loops.match, finished.true_poses)]
     labels, rooms, ate_m = (result.known(name) for name in ("labels.accuracy", "rooms.pq", "trajectory.ate_m"))
     return RigRow(
         rig=rig,

@@ -49,7 +49,8 @@ def run_houses(
     for own in configs(config, seeds, openness):
         finished = run(own, slam)
         result = evaluate(finished, try_plans(finished))
-        is_true = edge_truth(finished)
+        loops, is_true = finished.estimate.loops, edge_truth(finished)
+        assert loops is not None and loops.weights is not None
         yield (
             own.seed,
             SegmentationRow(
@@ -60,7 +61,7 @@ def run_houses(
                 result.trajectory.ate_odometry_m,
                 result.trajectory.ate_m,
                 result.loops.false or 0,
-                int((slam.map.loop_weights[~is_true] > 0.5).sum()),
+                int((loops.weights[~is_true] > 0.5).sum()),
                 result.loops.recall,
                 result.planning.success,
             ),
