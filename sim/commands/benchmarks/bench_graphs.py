@@ -42,16 +42,15 @@ def _pose_graph(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
+    from lexis.config import PoseGraphConfig
     from sim.bench.kernels import draw_kernels, kernel_runs, mapped_houses, summarised
     from sim.bench.row_files import check_files, write_rows
 
     check_files(arguments.csv, arguments.plot)
     seeds = seeds_of(arguments)
-    rows = list(
-        summarised(
-            [each for house in mapped_houses(arguments.preset, seeds) for each in kernel_runs(house, arguments.threshold)]
-        )
-    )
+    threshold = arguments.threshold or PoseGraphConfig.outlier_threshold
+    houses = mapped_houses(arguments.preset, seeds)
+    rows = list(summarised([each for house in houses for each in kernel_runs(house, threshold)]))
     title = f"{arguments.preset}, seeds {seeds[0]} to {seeds[-1]}, features: mean ± std over houses"
     headers = ("ATE, m", "growth of the ATE", "true loops rejected", "houses without", "false loops trusted")
     table = Table("false loops", "share", "kernel", *headers, title=title)
@@ -139,8 +138,7 @@ BENCHMARKS = (
             argument(
                 "--threshold",
                 type=number(0.001, 1e6),
-                default=60.0,
-                help="squared whitened residual above which a kernel lowers a weight (default: %(default)s)",
+                help="squared whitened residual above which a kernel lowers a weight (default: that of LEXIS)",
             ),
             CSV,
             PLOT,
