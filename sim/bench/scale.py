@@ -17,7 +17,6 @@ from worlds.presets import sample_house
 
 LAP_M = 40.0
 """Length of one lap of a walk that repeats itself [m]."""
-_PORTIONS = 10
 
 
 @dataclass(frozen=True)
@@ -64,8 +63,10 @@ class _Clocked(Lexis):
             self.marks.append(_Mark(len(map.keyframes), self._spent_s, active, map_bytes(map)))
 
 
-def measure_scale(rooms: int, length_m: float, seed: int, laps: int | None = None) -> tuple[list[Portion], LexisMap]:
-    """Walk through the rooms of a home again and again; return the parts of the walk and the finished map.
+def measure_scale(
+    rooms: int, length_m: float, seed: int, laps: int | None = None, portions: int = 10
+) -> tuple[list[Portion], LexisMap]:
+    """Walk through the rooms of a home again and again; return `portions` parts of the walk and the finished map.
 
     The walk is a random one of `length_m` or, with `laps`, repeats one circuit of `LAP_M`. The run uses the feature sensor,
     so that no time is spent on rendering. Raises `WorldsError` if there is no house with that many rooms.
@@ -75,7 +76,7 @@ def measure_scale(rooms: int, length_m: float, seed: int, laps: int | None = Non
     if laps is not None:
         scenario = replace(scenario, tour_kind="loop", length_m=laps * LAP_M)
     frames = len(walk(scenario).tour.stamps)
-    slam = _Clocked(np.linspace(0, frames - 1, _PORTIONS + 1).astype(int)[1:].tolist())
+    slam = _Clocked(np.linspace(0, frames - 1, portions + 1).astype(int)[1:].tolist())
     run(scenario, slam)
     return [_portion(before, after) for before, after in pairwise(slam.marks)], slam.map
 

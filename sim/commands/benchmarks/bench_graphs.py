@@ -70,7 +70,8 @@ def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
 def _scale(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.scale import LAP_M, map_bytes, measure_scale
 
-    portions, finished = measure_scale(arguments.rooms, arguments.length, arguments.seed, arguments.laps)
+    walk = arguments.rooms, arguments.length, arguments.seed, arguments.laps
+    portions, finished = measure_scale(*walk, arguments.portions)
     way = f"{arguments.laps} laps of {LAP_M:g} m" if arguments.laps else f"{arguments.length:g} m"
     kilobytes = map_bytes(finished) / len(finished.keyframes) / 1e3
     title = f"{way} through {arguments.rooms} rooms: {len(finished.loops)} loops, {kilobytes:.1f} kB a keyframe"
@@ -154,6 +155,7 @@ BENCHMARKS = (
             argument("--rooms", type=positive, default=10, help="number of rooms of the home (default: %(default)s)"),
             argument("--length", type=float, default=1000.0, help="length of the walk in metres (default: %(default)s)"),
             argument("--laps", type=positive, help="walk one circuit of 40 m this many times, whatever --length says"),
+            argument("--portions", type=positive, default=10, help="number of rows of the table (default: %(default)s)"),
             SEED,
         ),
     ),
