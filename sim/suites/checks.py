@@ -109,15 +109,17 @@ class SameClaims:
     change: StreamChange
     least: float = 1.0
     """Least agreement of each result in `compares`, in [0, 1]; see `ClaimAgreement`."""
-    position_m: float = 1e-3
+    position_m: float = 1e-4
     """Largest allowed distance between the positions that the two runs report for the same frame [m]."""
-    rotation_rad: float = 1e-3
+    rotation_rad: float = 1e-4
     """Largest allowed angle between the orientations that the two runs report for the same frame [rad]."""
     rate: float | None = None
     compares: tuple[str, ...] = _SHARES
     """The results that have to agree besides the poses, by their names in `ClaimAgreement`."""
     needs_loops: bool = False
     """Whether the law is only for runs in which the SLAM closes loops."""
+    needs_poses: bool = False
+    """Whether the law is only for runs whose poses agree, so that it is about the other results alone."""
 
     def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed input, and compare the claims of both runs."""
@@ -136,13 +138,16 @@ class SameClaims:
             return CheckFinding(False, "the two runs make claims about different frames")
         if math.isinf(self.position_m) and all(getattr(found, name) is None for name in self.compares):
             return CheckFinding(None, f"the SLAM does not claim {', '.join(self.compares)}")
-        return CheckFinding(self._holds(found), _written(found))
-
-    def _holds(self, found: ClaimAgreement) -> bool:
+        poses_agree = self._poses_agree(found)
+        if self.needs_poses and not poses_agree:
+            return CheckFinding(None, f"the law is about runs whose poses agree; {_written(found)}")
         shares = (getattr(found, name) for name in self.compares)
+        agree = all(share is None or share >= self.least - 1e-9 for share in shares)
+        return CheckFinding(poses_agree and agree, _written(found))
+
+    def _poses_agree(self, found: ClaimAgreement) -> bool:
         near = found.position_m is None or found.position_m <= self.position_m
-        turned = found.rotation_rad is not None and found.rotation_rad > self.rotation_rad
-        return near and not turned and all(share is None or share >= self.least - 1e-9 for share in shares)
+        return near and (found.rotation_rad is None or found.rotation_rad <= self.rotation_rad)
 
 
 @dataclass(frozen=True)

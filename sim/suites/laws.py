@@ -124,6 +124,19 @@ LAWS: Mapping[str, Check] = {
             needs_loops=True,
         ),
         SameClaims(
+            "slips that add up",
+            "The odometry slips by 0.5 m again and again, and states the uncertainty. Where loop closures mend the "
+            "trajectory, labels and rooms follow from the mended poses. Other frames may be selected.",
+            Slip(first=30, every=30, shift_m=(0.4, -0.3, 0.0)),
+            least=0.8,
+            position_m=0.5,
+            rotation_rad=0.15,
+            rate=0.8,
+            compares=("labels", "rooms", "floors"),
+            needs_loops=True,
+            needs_poses=True,
+        ),
+        SameClaims(
             "a drift in height",
             "The odometry rises by 2 cm/s on level floors, too. Floors are told by the stairs between them, so few frames "
             "change their floor.",

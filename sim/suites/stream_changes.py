@@ -160,24 +160,28 @@ class Pause(NoChange):
 
 @dataclass(frozen=True)
 class Slip(NoChange):
-    """The odometry slips once, and states an error as large as the slip for this step.
+    """The odometry slips, once or repeatedly, and states an error as large as the slip for this step.
 
-    Loop closures can therefore mend the slip.
+    Loop closures can therefore mend the slips.
     """
 
-    after: int = 40
-    """Number of the last observation before the slip, counted from 0."""
+    first: int = 41
+    """Number of the first observation with a slip before it, counted from 0."""
+    every: int | None = None
+    """Number of observations from one slip to the next; None: there is only one slip."""
     shift_m: tuple[float, float, float] = (0.5, -0.4, 0.0)
-    """Displacement of all later poses in the odometry frame [m]."""
+    """Displacement in the odometry frame of all poses after a slip [m]. The displacements of several slips add up."""
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
-        """Yield the observation; after the slip, with a displaced pose."""
-        if number <= self.after:
+        """Yield the observation with its pose displaced by all slips so far."""
+        since = number - self.first
+        if since < 0:
             yield observation
             return
+        slips = 1 if self.every is None else 1 + since // self.every
         T_O_B, covariance = observation.T_O_B.copy(), observation.increment_covariance
-        T_O_B[:3, 3] += self.shift_m
-        if number == self.after + 1:
+        T_O_B[:3, 3] += slips * np.array(self.shift_m)
+        if since == 0 or (self.every is not None and since % self.every == 0):
             covariance = covariance.copy()
             covariance[3:, 3:] += np.eye(3) * float(np.dot(self.shift_m, self.shift_m))
         yield replace(observation, T_O_B=T_O_B, increment_covariance=covariance)

@@ -13,13 +13,14 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from lexis.errors import one_line
 from sim.bench.mutation.planting import Mutant, planted
 from sim.errors import SimError
+from sim.processes import ONE_THREAD
 from sim.suites.examination import COMPLETES
 
 COMPARED = "worse than before"
@@ -50,6 +51,9 @@ class Grade:
     blamed: str = ""
     """The replacement that makes the failure in the smallest scenario disappear, such as "mended by: perfect odometry."; ""
     if there is no such scenario, or if the failing check is a law instead of a claim about figures."""
+    also: tuple[str, ...] = ()
+    """The other checks that fail by then. The scenario in which the first check fails is evaluated by all checks of its
+    part."""
 
     @property
     def is_caught(self) -> bool:
@@ -112,8 +116,9 @@ def read_grades(file: Path) -> list[Grade]:
     grades = []
     for number, line in enumerate(file.read_text().splitlines() if file.exists() else (), 1):
         try:
-            grades.append(Grade(**json.loads(line)))
-        except (TypeError, ValueError):
+            data = json.loads(line)
+            grades.append(Grade(**data | {"also": tuple(data.get("also", ()))}))
+        except (AttributeError, TypeError, ValueError):
             raise SimError(f"{file}: line {number} is no grade; valid: a file that this benchmark has written") from None
     return grades
 
@@ -136,10 +141,10 @@ def _check(folder: Path, options: list[str]) -> tuple[int | None, str, str]:
     """
     path = os.pathsep.join([str(folder), *filter(None, [os.environ.get("PYTHONPATH")])])
     command = [sys.executable, "-P", "-m", "sim.cli", "check", *options]  # -P: the current folder is not on the path
+    environment = os.environ | ONE_THREAD | {"PYTHONPATH": path}
     process = subprocess.Popen(
-        command, env=os.environ | {"PYTHONPATH": path}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        start_new_session=True,
-    )  # fmt: skip
+        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
     try:
         shown, errors = process.communicate(timeout=_MOST_S)
         return process.returncode, shown, errors
@@ -165,10 +170,11 @@ def _graded(start: tuple[str, str, int], data: Mapping[str, Any], shown: str, se
     if not failed:
         worse = data["worse"]
         return Grade(*start, f"{COMPARED}: {worse[0]}" if worse else None, scenarios, seconds, ", ".join(worse))
-    first = failed[0]
-    name, measured = f"{first['part']}: {first['check']}", first["failures"][0]["measured"]
+    name, *also = (f"{check['part']}: {check['check']}" for check in failed)
+    measured = failed[0]["failures"][0]["measured"]
     found = re.search(rf"^{re.escape(name)}: rooms \d+ -> (\d+), walk \S+ -> (\S+) m\n *(.*)$", shown, re.MULTILINE)
+    caught = Grade(*start, name, scenarios, seconds, measured, also=tuple(also))
     if found is None:
-        return Grade(*start, name, scenarios, seconds, measured)
+        return caught
     blamed = "" if found[3].startswith("scenario:") else found[3]
-    return Grade(*start, name, scenarios, seconds, measured, f"{found[1]} rooms, {found[2]} m", blamed)
+    return replace(caught, smallest=f"{found[1]} rooms, {found[2]} m", blamed=blamed)

@@ -2,8 +2,10 @@
 
 import argparse
 import os
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import astuple
 from functools import partial
+from itertools import count
 from pathlib import Path
 
 from rich.console import Console
@@ -28,23 +30,24 @@ def _mutation(arguments: argparse.Namespace) -> int:
     from sim.bench.mutation.grading import markdown_table, read_grades, write_grade
 
     laws, before = not arguments.no_laws, arguments.against
-    graded = partial(grade, suite=arguments.suite, laws=laws, smallest=arguments.smallest, before=before)
+    graded = partial(grade, suite=arguments.suite, workers=1, laws=laws, smallest=arguments.smallest, before=before)
     suite = arguments.suite if laws else f"{arguments.suite} without laws"
     kept = [] if arguments.out is None else read_grades(arguments.out)
     grades = [each for each in kept if (each.suite, each.seed) == (suite, arguments.seed) and arguments.only in each.mutant]
     done = {found.mutant for found in grades}
-    for mutant in MUTANTS:
-        if arguments.only in mutant.name and mutant.name not in done:
-            grades.append(found := graded(mutant, arguments.seed))
+    mutants = [each for each in MUTANTS if arguments.only in each.name and each.name not in done]
+    with ThreadPoolExecutor(arguments.processes) as threads:  # the work is done in a process of each mutant
+        for future in as_completed(threads.submit(graded, mutant, arguments.seed) for mutant in mutants):
+            grades.append(found := future.result())
             verdict = f"caught by {found.caught_by}" if found.is_caught else "not caught"
-            print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  {mutant.name}: {verdict}", flush=True)
+            print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  {found.mutant}: {verdict}", flush=True)
             if arguments.out is not None:
                 write_grade(found, arguments.out)
-    print(markdown_table(grades))
-    alarms = [graded(None, arguments.seed + k) for k in range(arguments.unchanged)]
-    for k, found in enumerate(alarms):
+        print(markdown_table(grades))
+        alarms = list(threads.map(graded, [None] * arguments.unchanged, count(arguments.seed)))
+    for found in alarms:
         verdict = f"FALSE ALARM by {found.caught_by}: {found.measured}" if found.is_caught else "passes"
-        print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  unchanged LEXIS, seed {arguments.seed + k}: {verdict}")
+        print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  unchanged LEXIS, seed {found.seed}: {verdict}")
     caught = sum(found.is_caught for found in grades)
     print(f"{caught} of {len(grades)} mutants are caught; {sum(found.is_caught for found in alarms)} false alarms")
     return int(any(found.is_caught for found in alarms))
@@ -84,6 +87,9 @@ def _spread(value: object) -> str:
     return f"{value:.1f}".removesuffix(".0") if isinstance(value, float) else str(value)
 
 
+_PROCESSES = argument(
+    "--processes", type=positive, default=os.cpu_count() or 2, help="number of processes (default: one per core)"
+)
 BENCHMARKS = (
     Action(
         "mutation",
@@ -100,6 +106,7 @@ BENCHMARKS = (
             argument(
                 "-o", "--out", type=Path, metavar="FILE", help="file for the grades; mutants in it are not graded again"
             ),
+            _PROCESSES,
             SEED,
         ),
     ),
@@ -114,9 +121,7 @@ BENCHMARKS = (
             argument(
                 "--rooms", type=positive, default=10, help="greatest number of rooms in a house (default: %(default)s)"
             ),
-            argument(
-                "--processes", type=positive, default=os.cpu_count() or 2, help="number of processes (default: one per core)"
-            ),
+            _PROCESSES,
             argument(
                 "--out",
                 type=folder,

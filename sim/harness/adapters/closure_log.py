@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from lexis.config import PlaceRecognitionConfig, PoseGraphConfig, VerificationConfig
 from lexis.graph.graph_optimisation import loop_weights
 from lexis.graph.pose_graph import PoseGraph
@@ -38,8 +40,8 @@ class ClosureLog:
     ) -> Verification:
         """Verify loop candidates as the recorded stage does; see `lexis.verification.verify`.
 
-        Nothing is recorded while the graph has several components, because LEXIS then also verifies candidates of which it
-        does not close loops. No keyframe of such a graph retires.
+        Nothing is recorded while the graph has several components, because LEXIS then also verifies candidates to which it
+        does not close loops. The harness runs single sessions only, whose graph is never split.
         """
         verified = self._verify(query, candidates, graph, camera, config)
         if not graph.is_split:
@@ -48,19 +50,24 @@ class ClosureLog:
         return verified
 
     def completed(self, map: LexisMap, config: PoseGraphConfig) -> LexisMap:
-        """Return the map together with what its retired keyframes have given up, in the order of the keyframes."""
+        """Return the map together with what its retired keyframes have given up, in the order of the keyframes.
+
+        The map has no weights of loops that were given up; these weights follow from the final poses.
+        """
         retired = {keyframe.id for keyframe in map.keyframes if keyframe.anchor is not None}
         if not retired:
             return map
         kept = {(loop.query, loop.match) for loop in map.loops}
         given_up = [edge for edge in self._edges if edge.query in retired and (edge.query, edge.match) not in kept]
-        loops = tuple(sorted((*map.loops, *given_up), key=lambda loop: loop.query))
+        loops = [*map.loops, *given_up]
+        weights = np.append(map.loop_weights, loop_weights(map.T_W_B, given_up, config))
+        order = np.argsort([loop.query for loop in loops], kind="stable")
         candidates = (*map.candidates, *(found for found in self._candidates if found[0] in retired))
         verdicts = (*map.verdicts, *(verdict for verdict in self._verdicts if verdict.query in retired))
         return replace(
             map,
-            loops=loops,
-            loop_weights=loop_weights(map.T_W_B, loops, config),
+            loops=tuple(loops[k] for k in order),
+            loop_weights=weights[order],
             candidates=tuple(sorted(candidates, key=lambda found: found[0])),
             verdicts=tuple(sorted(verdicts, key=lambda verdict: verdict.query)),
         )

@@ -38,7 +38,16 @@ EXACT = (
     PermutedNames(),
     StepsInTwoParts(),
 )
-CHANGES = (*EXACT, MoreNames(), CapitalLetters(), HeightDrift(), Synonyms(), Slip(after=5), FalseLoops())
+CHANGES = (
+    *EXACT,
+    MoreNames(),
+    CapitalLetters(),
+    HeightDrift(),
+    Synonyms(),
+    Slip(first=6),
+    Slip(first=6, every=4),
+    FalseLoops(),
+)
 KEEPS_ARRAYS = [change for change in CHANGES if not isinstance(change, ReusedArrays)]
 """Changes behind which a SLAM may keep the arrays that it is given, as `Listening` does."""
 
@@ -141,13 +150,23 @@ def test_a_turned_body_moves_as_the_body_does_and_its_claims_come_back_as_those_
 def test_a_slip_displaces_all_later_poses_and_is_certain_of_nothing_else():
     plain, slipped = Listening(), Listening()
     run(OPEN_FLAT, plain)
-    run(OPEN_FLAT, changed(slipped, Slip(after=5, shift_m=(0.3, 0.0, 0.0))))
+    run(OPEN_FLAT, changed(slipped, Slip(first=6, shift_m=(0.3, 0.0, 0.0))))
     moved = np.array([b.T_O_B[:3, 3] - a.T_O_B[:3, 3] for a, b in zip(plain.seen, slipped.seen, strict=True)])
     np.testing.assert_allclose(moved[:6], 0.0)
     np.testing.assert_allclose(moved[6:], np.broadcast_to([0.3, 0.0, 0.0], moved[6:].shape), atol=1e-12)
     more = [b.increment_covariance - a.increment_covariance for a, b in zip(plain.seen, slipped.seen, strict=True)]
     assert [i for i, extra in enumerate(more) if extra.any()] == [6]
     np.testing.assert_allclose(np.diag(more[6]), [0, 0, 0, 0.09, 0.09, 0.09], atol=1e-12)
+
+
+def test_repeated_slips_add_up():
+    plain, slipped = Listening(), Listening()
+    run(OPEN_FLAT, plain)
+    run(OPEN_FLAT, changed(slipped, Slip(first=6, every=4, shift_m=(0.3, 0.0, 0.0))))
+    moved = np.array([b.T_O_B[0, 3] - a.T_O_B[0, 3] for a, b in zip(plain.seen, slipped.seen, strict=True)])
+    np.testing.assert_allclose(moved[:15], 0.3 * np.array([0] * 6 + [1] * 4 + [2] * 4 + [3]), atol=1e-12)
+    more = [b.increment_covariance - a.increment_covariance for a, b in zip(plain.seen, slipped.seen, strict=True)]
+    assert [i for i, extra in enumerate(more) if extra.any()] == list(range(6, len(more), 4))
 
 
 def test_a_drift_in_height_raises_every_step_and_is_uncertain_of_the_vertical_alone():
