@@ -54,6 +54,9 @@ class Grade:
     also: tuple[str, ...] = ()
     """The other checks that fail by then. The scenario in which the first check fails is evaluated by all checks of its
     part."""
+    changed: int | None = None
+    """Number of scenarios in which any figure differs from that of unchanged LEXIS, if no check finds the mutant. With 0,
+    the mutant is equivalent to LEXIS on these scenarios. None if LEXIS's results are not given."""
 
     @property
     def is_caught(self) -> bool:
@@ -97,7 +100,11 @@ def grade(
         options += [] if before is None else ["--against", str(before)]
         status, shown, errors = _check(folder, options)
         if verdicts.exists():
-            return _graded(start, json.loads(verdicts.read_text()), shown, verdicts.stat().st_mtime - begin)
+            data = json.loads(verdicts.read_text())
+            graded = _graded(start, data, shown, verdicts.stat().st_mtime - begin)
+            if before is None or any(check["outcome"] == "fails" for check in data["checks"]):
+                return graded
+            return replace(graded, changed=_changed(json.loads(before.read_text())["results"], data["results"]))
         seconds = time.time() - begin
     how = "the suite does not end" if status is None else f"the suite ends with status {status}"
     if mutant is None:
@@ -127,11 +134,27 @@ def markdown_table(grades: Sequence[Grade]) -> str:
     """Return the grades as a table in Markdown, one row for each mutant."""
     head = "| mutant | caught by | scenarios | seconds | smallest scenario | blame |\n|---|---|---|---|---|---|"
     rows = (
-        f"| {grade.mutant} | {grade.caught_by or '**not caught**'} | {grade.scenarios} | {grade.seconds:.0f} "
+        f"| {grade.mutant} | {grade.caught_by or _missed(grade)} | {grade.scenarios} | {grade.seconds:.0f} "
         f"| {grade.smallest} | {grade.blamed} |"
         for grade in grades
     )
     return "\n".join([head, *rows])
+
+
+def _missed(grade: Grade) -> str:
+    """Return what the table says of a mutant that is not caught."""
+    if grade.changed is None:
+        return "**not caught**"
+    return "equivalent: no figure differs" if grade.changed == 0 else f"**not caught**; figures of {grade.changed} differ"
+
+
+def _changed(before: Sequence[Mapping[str, Any]], after: Sequence[Mapping[str, Any]]) -> int:
+    """Return in how many scenarios any figure differs between two lists of results; times and versions are no figures."""
+    first, second = (
+        {each["scenario"]: {name: each[name] for name in each.keys() - {"time", "versions"}} for each in results}
+        for results in (before, after)
+    )
+    return sum(first[scenario] != second[scenario] for scenario in first.keys() & second.keys())
 
 
 def _check(folder: Path, options: list[str]) -> tuple[int | None, str, str]:

@@ -233,6 +233,12 @@ _PLACES = (
         "return np.ones(len(path_m), bool)",
     ),
     Mutant(
+        "the heights of loops are not compared with the estimate",
+        "verification.py",
+        "return np.asarray(near & level & turned)",
+        "return np.asarray(near & turned)",
+    ),
+    Mutant(
         "the largest distance of a loop from the estimate is taken for centimetres",
         "verification.py",
         "near = np.linalg.norm(off_m, axis=1) <= config.gate_m + config.gate_share * path_m",

@@ -8,7 +8,7 @@ import pytest
 
 import lexis
 from sim.bench.mutation import MUTANTS, Mutant
-from sim.bench.mutation.grading import Grade, _graded, markdown_table, read_grades, write_grade
+from sim.bench.mutation.grading import Grade, _changed, _graded, markdown_table, read_grades, write_grade
 from sim.bench.mutation.planting import planted
 from sim.errors import SimError
 
@@ -77,9 +77,19 @@ def test_a_grade_names_the_first_check_that_failed():
     assert (compared.caught_by, compared.measured) == ("worse than before: rooms.pq", "rooms.pq, x")
 
 
+def test_a_mutant_is_equivalent_if_no_figure_differs():
+    before = [{"scenario": "a", "labels": {"accuracy": 0.5}, "time": 1}, {"scenario": "b", "labels": None, "time": 1}]
+    slower = [each | {"time": 2, "versions": {"x": "1"}} for each in before]
+    assert _changed([each | {"versions": {}} for each in before], slower[::-1]) == 0
+    assert _changed(before, [before[0], {"scenario": "b", "labels": {"accuracy": 0.5}, "time": 1}]) == 1
+    same, other = (Grade("one", "pr", 7, None, 2, 9.0, "", changed=count) for count in (0, 1))
+    assert "| equivalent: no figure differs |" in markdown_table([same])
+    assert "| **not caught**; figures of 1 differ |" in markdown_table([other])
+
+
 def test_grades_are_kept_in_a_file_to_go_on_from(tmp_path):
     grades = [
-        Grade("one", "pr", 7, "homes: origin", 3, 12.0, "x", "2 rooms, 4 m"),
+        Grade("one", "pr", 7, "homes: origin", 3, 12.0, "x", "2 rooms, 4 m", also=("stairs: origin",)),
         Grade("other", "pr", 7, None, 96, 300.0, ""),
     ]
     assert read_grades(tmp_path / "grades.jsonl") == []
