@@ -1,7 +1,7 @@
 """`lexis-sim bench kernels`: how well robust kernels of the pose graph reject false loops that are added to finished maps.
 
-LEXIS maps every house once. Then false loops are added to the loops of its pose graph, and the graph is optimised with each
-kernel.
+LEXIS maps every house once, and lets no keyframe retire. Then false loops are added to the loops of its pose graph, and the
+graph is optimised with each kernel.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,16 +12,16 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Bool
 
-from lexis.config import PoseGraphConfig
-from lexis.evaluation.loops import true_edges
+from lexis.config import Config, PoseGraphConfig
 from lexis.evaluation.trajectory import ate_rmse
 from lexis.graph.pose_graph import PoseGraph
-from lexis.types import Keyframe, LoopArrays, LoopEdge, Poses
+from lexis.types import Keyframe, LoopEdge, Poses
 from sim.bench.houses import configs
 from sim.bench.injected_loops import KINDS, injected
 from sim.bench.row_files import draw_panels
 from sim.harness import Scenario, run
 from sim.harness.adapters import Lexis
+from sim.harness.loops import edge_truth
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
 
 KERNELS: tuple[Literal["dcs", "gnc", "huber", "none"], ...] = ("dcs", "gnc", "huber", "none")
@@ -79,13 +79,16 @@ class KernelRow:
 
 
 def mapped_houses(preset: str, seeds: Sequence[int]) -> Iterator[MappedHouse]:
-    """Let LEXIS map a house for each seed on the feature sensor."""
-    usual, slam = Scenario(preset=preset, fidelity="features", frame_rate_hz=FEATURES_FRAME_RATE_HZ), Lexis()
+    """Let LEXIS map a house for each seed on the feature sensor.
+
+    No keyframe retires, because a retired keyframe cannot be added to another graph: its loops have been dropped from the
+    map, and its pose depends on that of its anchor.
+    """
+    usual = Scenario(preset=preset, fidelity="features", frame_rate_hz=FEATURES_FRAME_RATE_HZ)
+    slam = Lexis(config=Config(pose_graph=PoseGraphConfig(copies=None)))
     for scenario in configs(usual, seeds):
         finished = run(scenario, slam)
-        kept = LoopArrays.of(slam.map.loops)
-        is_true = true_edges(kept.query, kept.match, kept.T_match_query, finished.true_poses)
-        yield MappedHouse(scenario.seed, slam.map.keyframes, slam.map.loops, is_true, finished.true_poses)
+        yield MappedHouse(scenario.seed, slam.map.keyframes, slam.map.loops, edge_truth(finished), finished.true_poses)
 
 
 def kernel_runs(house: MappedHouse, threshold: float = PoseGraphConfig.outlier_threshold) -> Iterator[KernelRun]:

@@ -1,19 +1,23 @@
 """Kernels against injected loops: without them all kernels agree, and the robust kernels withstand them."""
 
 import csv
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
+from lexis.config import Config
 from lexis.evaluation.loops import true_edges
 from lexis.maths.se3 import between, exp, inverse, log
 from lexis.types import Features, Keyframe, Landmarks, LoopArrays, LoopEdge
 from sim.bench import kernels as module
 from sim.bench.injected_loops import GROUP, KINDS, injected
-from sim.bench.kernels import KERNELS, KernelRow, MappedHouse, draw_kernels, kernel_runs, summarised
+from sim.bench.kernels import KERNELS, KernelRow, MappedHouse, draw_kernels, kernel_runs, mapped_houses, summarised
 from sim.bench.row_files import check_files, write_rows
 from sim.errors import SimError
+from sim.harness import Scenario
+from sim.harness.adapters import Lexis
+from worlds.presets import sample_house
 
 SIGMAS = np.repeat([0.01, 0.03], 3)
 
@@ -62,6 +66,26 @@ def test_robust_kernels_withstand_half_of_false_loops_that_spoil_least_squares(r
         assert rows[kind, 0.5, "dcs"].growth < 0.2 and rows[kind, 0.5, "gnc"].growth < 0.2
         assert rows[kind, 0.5, "none"].growth > 2.0 and rows[kind, 0.5, "none"].false_trusted == 1.0
         assert rows[kind, 0.5, "dcs"].false_trusted < 0.1
+
+
+class HastyLexis(Lexis):
+    """LEXIS whose keyframes retire as soon as its settings allow."""
+
+    def __init__(self, config=None):
+        graph = (config or Config()).pose_graph
+        super().__init__("oracle", Config(pose_graph=replace(graph, retire_above=0, copies=graph.copies and 1)))
+
+
+def test_hardly_any_true_loop_is_rejected_on_a_walk_on_which_keyframes_could_retire(monkeypatch):
+    house = sample_house("home", 302, rooms=3)
+    fast = {"fidelity": "features", "encoder": "oracle", "frame_rate_hz": 2.0}
+    walk = Scenario(house=house, seed=302, tour_kind="loop", length_m=200.0, **fast)
+    monkeypatch.setattr(module, "configs", lambda *_: [walk])
+    monkeypatch.setattr(module, "Lexis", HastyLexis)
+    monkeypatch.setattr(module, "SHARES", (0.0,))
+    (mapped,) = mapped_houses("home", [302])
+    assert len(mapped.loops) == len(mapped.is_true) > 50 and mapped.is_true.mean() > 0.9
+    assert all(run.true_rejected < 0.02 for run in kernel_runs(mapped) if run.kernel == "dcs")
 
 
 @pytest.mark.parametrize("kind", KINDS)
