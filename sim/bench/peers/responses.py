@@ -102,17 +102,11 @@ def measure_responses(
 def measure_house_responses(
     preset: str, seed: int, tried: Sequence[SettingVariant], fidelity: Fidelity = "features"
 ) -> list[StageRow]:
-    """Map one house with the default settings and with each variant. The rows bear the variants' names.
-
-    A further LEXIS with the default settings, which has no row, comes first: it gets the observations, and the others replay
-    its keyframes where they can. A replay may differ a little from a run, so that a run is no reference for replays.
-    """
+    """Map one house with the default settings and with each variant. The rows bear the variants' names."""
     scenario = Scenario(preset=preset, seed=seed, fidelity=fidelity, frame_rate_hz=usual_rate_hz(fidelity))
-    first = Lexis(scenario.encoder)
-    slams = {
-        name: Lexis(first.encoder, config) for name, config in [(UNCHANGED, None), *((v.name, v.config) for v in tried)]
-    }
-    runs = run_side_by_side(scenario, {"": first} | slams)
+    configs = {UNCHANGED: Config(), **{variant.name: variant.config for variant in tried}}
+    slams = {name: Lexis(scenario.encoder, config) for name, config in configs.items()}
+    runs = run_side_by_side(scenario, slams)
     return [StageRow(preset, seed, name, *astuple(figures_of(runs[name], slam))) for name, slam in slams.items()]
 
 

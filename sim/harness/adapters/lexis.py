@@ -107,7 +107,8 @@ class Lexis:
     def replay(self, map: LexisMap) -> None:
         """Add the keyframes of a map, in place of observations. This saves the encoding and the features of all images.
 
-        Keyframes that have retired stay retired. If many have, the map may differ a little from that of a run.
+        The result is that of a run if no keyframe of `map` has retired (`pose_graph.copies` is None). Keyframes that have
+        retired stay retired, and the loops that they sought are missing from the estimate.
         """
         self._running.replay(map)
 

@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 from helpers.open_flat import OPEN_FLAT
 
-from lexis.config import PAPER
+from lexis.config import PAPER, Config, PoseGraphConfig
 from sim.bench.peers.side_by_side import run_side_by_side
-from sim.harness import run
+from sim.harness import Scenario, run
 from sim.harness.adapters import GeometricRooms, Lexis, OdometryOnly
+from worlds.presets import sample_house
 
 FAR_APART = replace(PAPER, keyframes=replace(PAPER.keyframes, spacing_m=1.0))
 SLAMS = {
@@ -29,6 +30,23 @@ def test_systems_side_by_side_claim_what_they_claim_alone():
         for claim in ("T_W_B", "labels", "rooms", "floors"):
             mine, other = getattr(together[name].estimate, claim), getattr(alone, claim)
             assert (mine is None and other is None) or np.array_equal(mine, other)
+
+
+def test_keyframes_that_retire_in_one_system_stay_in_the_others():
+    house = sample_house("home", 302, rooms=3)
+    fast = {"fidelity": "features", "encoder": "oracle", "frame_rate_hz": 2.0}
+    walk = Scenario(house=house, seed=302, tour_kind="loop", length_m=160.0, **fast)
+    graphs = {"thin": PoseGraphConfig(retire_above=0, copies=1), "whole": PoseGraphConfig(copies=None)}
+    slams = {name: Lexis("oracle", Config(pose_graph=graph)) for name, graph in graphs.items()}
+    together = run_side_by_side(walk, slams)
+    assert any(keyframe.anchor is not None for keyframe in slams["thin"].map.keyframes)
+    for name, graph in graphs.items():
+        claimed, alone = together[name].estimate, run(walk, Lexis("oracle", Config(pose_graph=graph))).estimate
+        assert claimed.candidates == alone.candidates and claimed.verdicts == alone.verdicts
+        for claim in ("frames", "T_W_B", "labels", "rooms", "floors", "similarities"):
+            assert np.array_equal(getattr(claimed, claim), getattr(alone, claim))
+        for part in ("query", "match", "T_match_query", "weights"):
+            assert np.array_equal(getattr(claimed.loops, part), getattr(alone.loops, part))
 
 
 def test_each_run_has_its_own_system():
