@@ -14,10 +14,14 @@ route may pass close by."""
 
 
 def legs(waypoints: Float64[np.ndarray, "k 3"]) -> list[Float64[np.ndarray, "_ 3"]]:
-    """Divide waypoints [m] into the parts before, between and after rides in a lift."""
+    """Divide waypoints [m] into the parts before, between and after rides in a lift.
+
+    Rides that share a step are one ride, in which somebody stepped aside.
+    """
     start, parts = 0, []
     for ride in lift_rides(waypoints):
-        parts.append(waypoints[start : ride.start + 1])
+        if ride.start >= start:
+            parts.append(waypoints[start : ride.start + 1])
         start = ride.stop - 1
     return [*parts, waypoints[start:]]
 

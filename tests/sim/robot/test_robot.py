@@ -185,14 +185,17 @@ def test_a_robot_rides_a_lift_to_the_other_storey(down):
     np.testing.assert_allclose(result.path[-1], line[-1], atol=0.15)
 
 
-def test_a_robot_rides_to_the_storey_of_the_plan_even_if_parts_of_its_steps_are_walked():
+@pytest.mark.parametrize(
+    "between", [((0.28, 0.3), (0.72, 0.3)), ((0.42, 0.0), (0.58, 0.5))], ids=["at both ends", "in the middle"]
+)
+def test_a_robot_rides_to_the_storey_of_the_plan_even_if_parts_of_its_steps_are_walked(between):
+    """`between` are waypoints in the lift, each as a share of the rise and a distance aside [m]."""
     house = build_house(variant(sample_house("home", 100, clutter=0.0), climb="lift"))
     line = house.stairs[0].walking_line
     inside = int(np.flatnonzero(np.diff(line[:, 2]) > 2.0)[0])
     foot, head = line[inside], line[inside + 1]
-    rise, aside = head - foot, np.array([0.3, 0.0, 0.0])
-    between = [foot + aside + 0.28 * rise, foot + aside + 0.72 * rise]
-    result = go(house, *line[: inside + 1], *between, *line[inside + 1 :])
+    points = [foot + share * (head - foot) + [aside_m, 0.0, 0.0] for share, aside_m in between]
+    result = go(house, *line[: inside + 1], *points, *line[inside + 1 :])
     assert result.touched == () and house.room_by_id[result.room].storey == 1
 
 
