@@ -102,9 +102,24 @@ def run_suite(arguments: argparse.Namespace) -> int:
         print("--out DIR writes the smallest scenario in which each failed check still fails", file=sys.stderr)
     if arguments.out is not None:
         how = runner_of(arguments), replay_of(arguments), is_lexis(arguments)
-        for verdict in report.failed:
+        for verdict, others in _by_figure(report.failed):
             print(write_smallest(verdict, new_slam, *how, arguments.out))
+            for other in others:
+                print(f"{other.name}: not searched, because it is about the same figure")
     return 0 if report.ok and not worse and (before is None or comparison is not None) else 1
+
+
+def _by_figure(failed: "Sequence[CheckVerdict]") -> "list[tuple[CheckVerdict, list[CheckVerdict]]]":
+    """Return the failed checks for which the smallest scenario is searched, each with the others of the same figure.
+
+    Claims of one part about one figure mostly fail for the same reason. The first of them stands for all.
+    """
+    groups: dict[tuple[str, str], list[CheckVerdict]] = {}
+    checks = ((verdict, {check.name: check for check in verdict.part.checks}.get(verdict.check)) for verdict in failed)
+    for verdict, check in checks:
+        figure = getattr(getattr(check, "claim", None), "figure", verdict.check)
+        groups.setdefault((verdict.part.name, figure), []).append(verdict)
+    return [(first, others) for first, *others in groups.values()]
 
 
 def _compared(report: "SuiteReport", before: "Sequence[RunResult]") -> "Comparison | None":

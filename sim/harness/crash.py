@@ -3,7 +3,11 @@
 import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
+import lexis
+import sim
+import worlds
 from lexis.errors import EncoderError, one_line
 from sim.errors import ProgramError, SimError
 from sim.harness.last_run import noted
@@ -16,6 +20,9 @@ Runner = Callable[[Scenario, Progress | None], Run]
 keeps its SLAM."""
 TRACEBACK = "failure-traceback.txt"
 """Name of the file with the traceback. A folder with this file is the output of a crash, which a new result may replace."""
+_NOT_OWN = tuple(str(Path(package.__file__).parent) for package in (lexis, sim, worlds, traceback) if package.__file__)
+"""Folders whose code is not the user's: the packages of the project, and Python's library with all installed packages."""
+_INSTALLED = "site-packages"
 _MESSAGE = 160
 """Largest length of an exception's one-line message, in characters."""
 
@@ -38,6 +45,13 @@ class Crash:
     def message(self) -> str:
         """The exception in one line, such as "RuntimeError: lost"."""
         return one_line(f"{type(self.error).__name__}: {self.error}", _MESSAGE)
+
+    @property
+    def place(self) -> str:
+        """The innermost line of the user's own code, such as ", in my_slam.py:12"; "" if there is none."""
+        frames = traceback.extract_tb(self.error.__traceback__)
+        own = [each for each in frames if not each.filename.startswith((*_NOT_OWN, "<")) and _INSTALLED not in each.filename]
+        return f", in {Path(own[-1].filename).name}:{own[-1].lineno}" if own else ""
 
     @property
     def traceback(self) -> str:

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 from lexis.errors import one_line
-from sim.errors import ClaimError, SimError
+from lexis.types import Percept
+from sim.errors import ClaimError, ProgramError, SimError
 from sim.harness.claims import Claim
 from sim.harness.crash import Crash, attempt, attempt_plans
 from sim.harness.estimate import Estimate
@@ -247,12 +248,7 @@ def attempted(scenario: Scenario, new_slam: NewSlam, change: StreamChange | None
         return CheckFinding(False, one_line(str(error), 160))
     if not isinstance(finished, Crash):
         return finished
-    hint = (
-        " (here, observations hold percepts; --images or Suite.with_images() renders images)"
-        if scenario.fidelity == "features"
-        else ""
-    )
-    return CheckFinding(False, f"the SLAM {finished.what}: {finished.message}{hint}")
+    return CheckFinding(False, _described(finished))
 
 
 def examined(scenario: Scenario, new_slam: NewSlam) -> Examined | CheckFinding:
@@ -262,7 +258,7 @@ def examined(scenario: Scenario, new_slam: NewSlam) -> Examined | CheckFinding:
         return finished
     trials = attempt_plans(finished) if scenario.fidelity == "render" else ()
     if isinstance(trials, Crash):
-        return CheckFinding(False, f"plan() of the SLAM {trials.what}: {trials.message}")
+        return CheckFinding(False, f"plan() of {_described(trials)}")
     return Examined(finished, evaluate(finished, trials))
 
 
@@ -277,6 +273,14 @@ def _made(new_slam: Callable[[], SlamUnderTest]) -> SlamUnderTest:
         slam = new_slam()
     check_slam_methods(slam)
     return slam
+
+
+def _described(crash: Crash) -> str:
+    """Return in one line what the SLAM did and where."""
+    text = crash.what if isinstance(crash.error, ProgramError) else f"raises {crash.message}"
+    expects_images = crash.scenario.fidelity == "features" and Percept.__name__ in str(crash.error)
+    hint = " (observations hold percepts here; --images or Suite.with_images() renders images)" if expects_images else ""
+    return f"the SLAM {text}{hint}{crash.place}"
 
 
 def _claims(estimate: Estimate, name: str) -> bool:

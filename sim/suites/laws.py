@@ -68,7 +68,8 @@ LAWS: Mapping[str, Check] = {
         ),
         SameClaims(
             "reused arrays",
-            "The caller may overwrite the arrays of an observation once it is processed. Tolerance: none.",
+            "The caller may overwrite the arrays of an observation once it is processed, so a SLAM has to copy what it "
+            "keeps. Tolerance: none.",
             ReusedArrays(),
         ),
         SameClaims(

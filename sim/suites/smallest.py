@@ -74,8 +74,8 @@ def write_smallest(
     """Write the smallest scenario in which a check fails into a folder of its own in `out`; return what was found, as text.
 
     For a claim, the folder is like one of `lexis-sim shrink`, with a page that says why the SLAM fails. For any other check,
-    the folder holds the scenario and a test that replays the failure. `runner` runs the same SLAM as `new_slam`, and
-    `replay` is Python code that runs this SLAM. If the failure did not come back, the text says so.
+    the folder holds the scenario, a short page, and a test that replays the failure. `runner` runs the same SLAM as
+    `new_slam`, and `replay` is Python code that runs this SLAM. If the failure did not come back, the text says so.
 
     Raises `LexisError` if the folder cannot be written.
     """
@@ -99,9 +99,25 @@ def _written(verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: R
         reduction = smallest_failure(check, scenario, new_slam)
         imports = "" if replay == LEXIS_REPLAY else replay.imports
         names = {"name": verdict.name, "part": verdict.part.name, "check": verdict.check}
+        measured = finding(check, reduction.scenario, new_slam).measured
         with replaced_folder(folder, SCENARIO) as beside:
             reduction.scenario.save(beside / SCENARIO)
+            (beside / "why.md").write_text(_why(verdict, measured, reduction))
             (beside / "test_replay.py").write_text(_REPLAY.format(**names, imports=imports, new_slam=replay.new_slam))
         found = f"replay: pytest {folder / 'test_replay.py'}"
     old, new = reduction.sizes
     return f"{verdict.name}: rooms {old.rooms} -> {new.rooms}, walk {old.length_m:g} -> {new.length_m:g} m\n  {found}"
+
+
+def _why(verdict: CheckVerdict, measured: str, reduction: Reduction) -> str:
+    """Return the page about a failed law: what the law demands, and what was measured."""
+    old, new = reduction.sizes
+    lines = (
+        f"# {verdict.name}",
+        verdict.says,
+        f"In the smallest scenario ({new.rooms} rooms, a walk of {new.length_m:g} m): {measured}",
+        f"In the original scenario ({old.rooms} rooms, {old.length_m:g} m): "
+        f"{verdict.failures[0].findings[verdict.check].measured}",
+        "`pytest test_replay.py` in this folder checks the law again.",
+    )
+    return "\n\n".join(lines) + "\n"

@@ -444,6 +444,8 @@ def test_the_command_keeps_the_smallest_failing_scenario(tmp_path, capsys, monke
     )
     kept = Scenario.load(tmp_path / "small" / "flat-origin" / "scenario.json")
     assert len(kept.house.storeys[0].rooms) == 1 and "flat: origin: rooms 3 -> 1" in shown.out
+    why = (tmp_path / "small" / "flat-origin" / "why.md").read_text()
+    assert "The claims do not depend on the origin." in why and "agrees on" in why.partition("In the original")[0]
     replay = tmp_path / "small" / "flat-origin" / "test_replay.py"
     assert f"replay: pytest {replay}" in shown.out
     code = {"__file__": str(replay), "FloorsByHeight": FloorsByHeight}
@@ -472,6 +474,21 @@ def test_the_command_says_why_a_claim_fails(tmp_path, capsys, monkeypatch):
     assert {"scenario.json", "original.json", "why.md", "test_replay.py", "report.html"} <= {
         f.name for f in folder.iterdir()
     }
+
+
+def test_one_of_several_failed_claims_about_a_figure_is_searched(tmp_path, capsys, monkeypatch):
+    checks = (*claims(0.95, "labels.accuracy >= 1.1"), *claims(0.5, "labels.accuracy >= 1.2"))
+    monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": Suite("flat", "", (replace(PART, checks=checks, n=12),))})
+    monkeypatch.setattr("sim.commands.check_suite._new_slam", lambda arguments: Oracle)
+    monkeypatch.setattr("sim.commands.check_suite.runner_of", lambda _: lambda scenario, progress: run(scenario, Oracle()))
+    assert main(["check", "--suite", "flat", "--workers", "1", "--out", str(tmp_path)]) == 1
+    assert "flat: labels.accuracy >= 1.2: not searched, because it is about the same figure" in capsys.readouterr().out
+    assert [folder.name for folder in tmp_path.iterdir()] == ["flat-labels.accuracy-1.1"]
+
+
+def test_an_exception_is_reported_with_the_line_of_the_slam_that_raises_it():
+    (found,) = check_slam(Broken, FLAT, stop_at_failure=True).failed[0].failures
+    assert re.search(r"the SLAM raises RuntimeError: .*, in test_check_slam\.py:\d+$", found.findings[COMPLETES].measured)
 
 
 def test_the_chart_shows_every_slam_once():
