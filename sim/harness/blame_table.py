@@ -60,14 +60,12 @@ class BlameTable:
     def __str__(self) -> str:
         """Summarise the table, as in "mended by: oracle encoder. Not mended by: perfect odometry."."""
         mending, others = ", ".join(self.named("mends")), ", ".join(self.named("does not mend"))
-        if not (mending or others):
-            same = ", ".join(self.named("changes nothing"))
-            return (
-                f"no change was tried, because the scenario already has: {same}."
-                if same
-                else "it cannot be told what mends it."
-            )
-        return f"mended by: {mending or 'nothing'}." + (f" Not mended by: {others}." if others else "")
+        if mending or others:
+            return f"mended by: {mending or 'nothing'}." + (f" Not mended by: {others}." if others else "")
+        if self.named("cannot be told"):
+            return "it cannot be told what mends it."
+        same = ", ".join(self.named("changes nothing"))
+        return f"no change was tried, because the scenario already has: {same}." if same else "no change was tried."
 
 
 def blame(

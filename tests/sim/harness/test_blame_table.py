@@ -1,6 +1,7 @@
 """Blame by substitution: for a LEXIS with one planted bug, the stage with the bug is the one whose truth mends it."""
 
 import numpy as np
+import pytest
 
 from lexis.evaluation.loops import true_edges
 from lexis.types import LoopEdge
@@ -9,7 +10,7 @@ from sim.feature_sensor.oracle import Oracle
 from sim.harness import Claim, FailureTest, Scenario, blame, run
 from sim.harness.adapters import Lexis
 from sim.harness.adapters.true_stages import TrueStages
-from sim.harness.blame_table import substitutions
+from sim.harness.blame_table import BlameRow, BlameTable, substitutions
 from sim.harness.house_reductions import keep_furniture
 from sim.harness.reductions import with_listed_house
 from worlds.presets import sample_from_rooms
@@ -77,6 +78,20 @@ def test_a_place_recognition_that_proposes_nothing():
 def test_labels_that_are_lost_before_clustering():
     said = blamed("rooms.pq < 0.7", labeller=one_label)
     assert {name for name in STAGES if said[name] == "mends"} == {"true labels"}
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "summary"),
+    [
+        (["mends", "does not mend", "cannot be told"], "mended by: a. Not mended by: b."),
+        (["does not mend", "changes nothing"], "mended by: nothing. Not mended by: a."),
+        (["cannot be told", "changes nothing"], "it cannot be told what mends it."),
+        (["changes nothing", "changes nothing"], "no change was tried, because the scenario already has: a, b."),
+        ([], "no change was tried."),
+    ],
+)
+def test_the_summary_says_no_more_than_the_table(verdicts, summary):
+    assert str(BlameTable(tuple(map(BlameRow, "abc", verdicts)))) == summary
 
 
 def test_the_true_stages_close_true_loops_between_revisits_alone():
