@@ -182,7 +182,8 @@ def test_a_keyframe_whose_anchor_has_retired_is_anchored_to_the_anchor_of_that_o
     graph, _ = walked(T_O_B, loops, THIN)
     gone, anchor = int(graph.retired[0]), int(graph._retired.anchors[0])
     T_gone_B = se3.exp(np.array([0.0, 0.0, 0.1, 0.2, 0.0, 0.0]))
-    graph.add_retired(replace(graph.keyframes[gone], id=240, anchor=gone), T_gone_B)
+    own = np.zeros_like(graph.keyframes[gone].embedding)
+    graph.add_retired(replace(graph.keyframes[gone], id=240, anchor=gone, embedding=own), T_gone_B)
     np.testing.assert_allclose(graph.T_W_B[240], graph.T_W_B[gone] @ T_gone_B, atol=1e-12)
     assert graph.keyframes[240].anchor == anchor == graph.shown_by[240]
     np.testing.assert_array_equal(graph.keyframes[240].embedding, graph.keyframes[anchor].embedding)
