@@ -94,7 +94,6 @@ def test_house(scenario):
 LIGHT = """
 import types
 from sim.harness.world_tests import FreshWorld
-from sim.pytest_plugin.collection import with_world
 FreshWorld.scenario = lambda self: types.SimpleNamespace(seed=self.seed)
 """
 """A conftest for tests in processes of their own that look at names and seeds of houses only."""
@@ -192,17 +191,17 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("ids", "world", "replayed"),
+    ("ids", "world", "renamed"),
     [
-        ("home-4", "home-4", "replay"),
-        ("home-47-home-4", "home-4", "home-47-replay"),
-        ("home-4-left", "home-4", "replay-left"),
-        ("a-replay-b", "replay", "a-replay-b"),
-        ("my replay-replay", "replay", "my replay-replay"),
+        ("home-4", "home-4", "chosen"),
+        ("home-47-home-4", "home-4", "home-47-chosen"),
+        ("home-4-left", "home-4", "chosen-left"),
+        ("a-replay-b", "replay", "a-chosen-b"),
+        ("my replay-replay", "replay", "my replay-chosen"),
     ],
 )
-def test_the_id_of_the_world_is_replaced_among_those_of_other_parameters(ids, world, replayed):
-    assert with_world(ids, world, "replay") == replayed
+def test_the_id_of_the_world_is_replaced_among_those_of_other_parameters(ids, world, renamed):
+    assert with_world(ids, world, "chosen") == renamed
 
 
 PARAMETERS = """
