@@ -80,6 +80,8 @@ class Scenario(Settings, place="scenario", error=SimError):
         if self.odometry not in ODOMETRY_PRESETS:
             guess = did_you_mean(self.odometry, ODOMETRY_PRESETS)
             raise SimError(f"unknown odometry {self.odometry!r}{guess}; valid: {', '.join(ODOMETRY_PRESETS)}")
+        if not isinstance(self.faults, tuple) or not all(isinstance(fault, Fault) for fault in self.faults):
+            self.refuse("faults", 'a tuple of faults, such as (parse_fault("kidnap:20"),); see sim.faults')
         if self.fidelity == "render" and self.encoder == ORACLE:
             raise SimError(f"encoder {ORACLE!r} is told the truth and sees no images; valid: with fidelity 'features'")
         unseen = [fault.name for fault in self.faults if isinstance(fault, NEEDS_PIXELS)]

@@ -7,12 +7,16 @@ nothing heavy: while pytest collects tests, houses are names and seeds, and they
 import hashlib
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import wraps
+from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, Protocol, TypeVar, get_args, runtime_checkable
+from typing import TYPE_CHECKING, Literal, ParamSpec, Protocol, TypeVar, get_args, runtime_checkable
 
 from sim.errors import SimError
+from sim.fidelity import ORACLE
+from sim.odometry.config import ODOMETRY_PRESETS
 from worlds.preset_names import MAX_ROOMS_ASKED, MAX_STOREYS_ASKED, MIN_ROOMS_ASKED, PRESETS
 from worlds.valid_names import did_you_mean
 
@@ -35,9 +39,13 @@ SCENARIO = "scenario.json"
 """File that identifies a folder as the output of a failed test."""
 TEST_REPLAY = "test_replay.py"
 """File with a test that replays the failure of its folder."""
+_ENCODERS_ON_FEATURES = ("mini", ORACLE)
+"""Encoders that the included feature model imitates. A name with a colon may be a copy of `mini` under another path."""
 _NOT_IN_NAMES = re.compile(r"[^\w.]+")
 _LONGEST_NAME = 150
 _Test = TypeVar("_Test", bound=Callable[..., object])
+_Arguments = ParamSpec("_Arguments")
+_Decorator = TypeVar("_Decorator")
 
 
 @runtime_checkable
@@ -169,6 +177,32 @@ def stored_failures(out: Path, name: str) -> list[StoredWorld]:
     return [StoredWorld(file, f"failed-{scenario[:8]}") for scenario, file in files.items()]
 
 
+def _with_known_arguments(decorator: Callable[_Arguments, _Decorator]) -> Callable[_Arguments, _Decorator]:
+    """Let a call of a decorator raise `SimError` if it names no argument, or an argument that the decorator does not have.
+
+    Tracebacks of pytest do not show the lines of the decorator, but end with the user's line.
+    """
+    valid = list(signature(decorator).parameters)
+
+    @wraps(decorator)
+    def checked(*args: _Arguments.args, **kwargs: _Arguments.kwargs) -> _Decorator:
+        __tracebackhide__ = True
+        name = decorator.__name__
+        if args:
+            write = f"@{name}()" if callable(args[0]) else f"such as @{name}({valid[0]}={args[0]!r:.60})"
+            raise SimError(f"{name} takes keyword arguments; write {write}")
+        if unknown := [word for word in kwargs if word not in valid]:
+            guess = did_you_mean(unknown[0], valid)
+            raise SimError(f"{name}: no argument {unknown[0]!r:.60}{guess}; valid: {', '.join(valid)}")
+        try:
+            return decorator(*args, **kwargs)
+        except SimError as error:
+            raise error.with_traceback(None) from None
+
+    return checked
+
+
+@_with_known_arguments
 def worlds(
     *,
     presets: Sequence[str] = ("home",),
@@ -182,7 +216,7 @@ def worlds(
     frame_rate_hz: float | None = None,
     odometry: str = "multicam",
     encoder: str = "mini",
-    faults: Sequence["Fault"] = (),
+    faults: "str | Fault | Sequence[str | Fault]" = (),
 ) -> Callable[[_Test], _Test]:
     """Decorate a test to run on fresh houses, drawn by the seed `--lexis-seed`; the test takes the fixture `run` or `house`.
 
@@ -200,7 +234,8 @@ def worlds(
         frame_rate_hz: observations per second [Hz]; None: 10 with fidelity "render", otherwise 2.
         odometry: how the odometry drifts: a key of `sim.odometry.ODOMETRY_PRESETS`.
         encoder: the vision-language model; see `Scenario.encoder`.
-        faults: faults in the order in which they act; see `sim.faults`.
+        faults: one or more faults in the order in which they act: text in the notation of the command line, such as
+            "kidnap:20,skip_s=5", or objects; see `sim.faults`.
 
     Raises:
         SimError: an argument is not valid.
@@ -212,13 +247,22 @@ def worlds(
         _check_count("storeys", storeys, 1, MAX_STOREYS_ASKED)
     if max_rooms is not None:
         _check_count("max_rooms", max_rooms, max(MIN_ROOMS_ASKED, storeys or 1), MAX_ROOMS_ASKED)
+    if plans not in (None, True, False):
+        raise SimError(f"worlds: plans is {plans!r:.60}; valid: True or False")
+    _check_positive("length_m", length_m, "metres")
+    _check_positive("frame_rate_hz", frame_rate_hz, "hertz")
+    if odometry not in ODOMETRY_PRESETS:
+        guess = did_you_mean(str(odometry), ODOMETRY_PRESETS)
+        raise SimError(f"worlds: unknown odometry {odometry!r:.60}{guess}; valid: {', '.join(ODOMETRY_PRESETS)}")
+    _check_encoder(encoder, fidelity)
     driven = fidelity == "render" if plans is None else plans
     family = WorldFamily(
         tuple(presets), _range(openness), storeys, max_rooms, n, fidelity, driven, length_m,
-        frame_rate_hz or usual_rate_hz(fidelity), odometry, encoder, tuple(faults),
+        frame_rate_hz or usual_rate_hz(fidelity), odometry, encoder, _faults(faults, fidelity),
     )  # fmt: skip
 
     def decorate(test: _Test) -> _Test:
+        __tracebackhide__ = True
         if isinstance(test, type) or not callable(test):
             raise SimError(f"worlds: decorates {test!r:.60}; valid: a test function")
         if hasattr(test, ATTRIBUTE):
@@ -251,3 +295,50 @@ def _range(openness: object) -> tuple[float, float] | None:
         case (int() | float() as low, int() | float() as high) if 0.0 <= low <= high <= 1.0:
             return float(low), float(high)
     raise SimError(f"worlds: openness is {openness!r:.60}; valid: a number in [0, 1], or two of them in ascending order")
+
+
+def _check_positive(argument: str, value: object, unit: str) -> None:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if value is not None and not (number and 0.0 < value < math.inf):  # type: ignore[operator]
+        raise SimError(f"worlds: {argument} is {value!r:.60}; valid: a number of {unit} greater than 0")
+
+
+def _check_encoder(encoder: object, fidelity: Tier) -> None:
+    """Raise `SimError` for an encoder that cannot be used with this fidelity.
+
+    The names of open_clip are not checked, because loading open_clip takes seconds.
+    """
+    if not isinstance(encoder, str) or not encoder:
+        raise SimError(f"worlds: encoder is {encoder!r:.60}; valid: a name, such as 'mini'")
+    if fidelity == "render":
+        if encoder == ORACLE:
+            raise SimError(
+                f"worlds: encoder {ORACLE!r} is told the truth and sees no images; valid: with fidelity 'features'"
+            )
+    elif encoder not in _ENCODERS_ON_FEATURES and ":" not in encoder:
+        guess = did_you_mean(encoder, _ENCODERS_ON_FEATURES)
+        valid = f"{', '.join(_ENCODERS_ON_FEATURES)}; other encoders with fidelity 'render'"
+        raise SimError(f"worlds: encoder is {encoder!r:.60}{guess}; valid with fidelity {fidelity!r}: {valid}")
+
+
+def _faults(given: object, fidelity: Tier) -> tuple["Fault", ...]:
+    """Return the faults as objects. Raises `SimError` for an unknown fault, or one that needs images and gets none.
+
+    Only tests with faults import the faults, and the modules that compute with images, while pytest collects them.
+    """
+    if isinstance(given, Sequence) and len(given) == 0 and given != "":
+        return ()
+    from sim.faults import Fault, parse_fault
+    from sim.harness.scenario import Scenario
+
+    faults = tuple(given) if isinstance(given, Iterable) and not isinstance(given, str) else (given,)
+    for fault in faults:
+        if not isinstance(fault, str | Fault):
+            valid = "faults, or texts such as 'kidnap:20,skip_s=5'"
+            raise SimError(f"worlds: faults has {fault!r:.60}; valid: {valid}")
+    try:
+        parsed = tuple(parse_fault(fault) if isinstance(fault, str) else fault for fault in faults)
+        Scenario(fidelity="render" if fidelity == "render" else "features", faults=parsed)
+    except SimError as error:
+        raise SimError(f"worlds: {error}") from None
+    return parsed

@@ -113,3 +113,9 @@ def test_the_hash_stays_the_same_in_a_file(tmp_path):
     scenario.save(tmp_path / "scenario.json")
     again = Scenario.load(tmp_path / "scenario.json")
     assert again == scenario and again.content_hash == scenario.content_hash
+
+
+@pytest.mark.parametrize("faults", ["kidnap", ("kidnap:at_s=3",), [Kidnap()], (Kidnap,)])
+def test_faults_that_are_no_tuple_of_faults_are_refused(faults):
+    with pytest.raises(SimError, match=r"^scenario\.faults is .*; valid: a tuple of faults, such as \(parse_fault\("):
+        unchecked(Scenario, faults=faults)

@@ -3,6 +3,8 @@
 import pytest
 
 from sim.errors import SimError
+from sim.faults.delivery import Dropped
+from sim.faults.poses import Kidnap
 from sim.harness.walk import walk
 from sim.harness.world_tests import ATTRIBUTE, HOUSE_SEEDS, slug_of, worlds
 from worlds.house import build_house
@@ -55,11 +57,58 @@ def test_a_house_is_what_was_asked_for(index):
         ({"storeys": 3, "max_rooms": 2}, "worlds: max_rooms is 2; valid: a whole number from 3 to 40"),
         ({"n": 0}, "worlds: n is 0; valid: a whole number from 1 to 10000"),
         ({"presets": ("ori", "cabin")}, "worlds: unknown presets .cabin.; valid: home, ori"),
+        ({"preset": "home"}, r"worlds: no argument 'preset' \(did you mean 'presets'\?\); valid: presets, openness"),
+        ({"max_storeys": 2}, r"worlds: no argument 'max_storeys' \(did you mean 'storeys'\?\); valid: presets"),
+        ({"length_m": -3}, "worlds: length_m is -3; valid: a number of metres greater than 0"),
+        ({"length_m": "long"}, "worlds: length_m is 'long'; valid: a number of metres"),
+        ({"frame_rate_hz": 0}, "worlds: frame_rate_hz is 0; valid: a number of hertz greater than 0"),
+        ({"plans": "yes"}, "worlds: plans is 'yes'; valid: True or False"),
+        ({"odometry": "wheel"}, "worlds: unknown odometry 'wheel'; valid: perfect, multicam"),
+        ({"odometry": "mono_"}, r"worlds: unknown odometry 'mono_' \(did you mean 'mono'\?\); valid"),
+        (
+            {"encoder": "minni"},
+            r"worlds: encoder is 'minni' \(did you mean 'mini'\?\); valid with fidelity 'features': mini, o",
+        ),
+        (
+            {"encoder": "oracle", "fidelity": "render"},
+            "encoder 'oracle' is told the truth and sees no images; valid: with fid",
+        ),
+        ({"encoder": None}, "worlds: encoder is None; valid: a name, such as 'mini'"),
+        ({"faults": "kidnapp"}, r"worlds: unknown fault 'kidnapp' \(did you mean 'kidnap'\?\); valid: dropped"),
+        (
+            {"faults": ("kidnap:at=3",)},
+            r"worlds: fault 'kidnap:at=3': 'at' is no field of kidnap \(did you mean 'at_s'\?\); valid",
+        ),
+        ({"faults": (3,)}, "worlds: faults has 3; valid: faults, or texts such as 'kidnap:20,skip_s=5'"),
+        ({"faults": Kidnap}, "worlds: faults has <class .*; valid: faults, or texts such as"),
+        ({"faults": ""}, "worlds: unknown fault ''; valid: dropped"),
+        ({"faults": "blur"}, "worlds: fault 'blur' is seen in images only; valid: with fidelity 'render'"),
     ],
 )
 def test_wrong_arguments_are_refused_when_the_test_is_decorated(arguments, message):
     with pytest.raises(SimError, match=message):
         worlds(**arguments)
+
+
+@pytest.mark.parametrize(
+    ("faults", "meant"),
+    [
+        ("kidnap:20,skip_s=5", (Kidnap(20.0, 5.0),)),
+        (("dropped", "kidnap:20"), (Dropped(), Kidnap(20.0))),
+        (Kidnap(20.0), (Kidnap(20.0),)),
+        ([Kidnap(20.0), "dropped:0.5"], (Kidnap(20.0), Dropped(0.5))),
+        ([], ()),
+    ],
+)
+def test_faults_are_objects_or_text_in_the_notation_of_the_command_line(faults, meant):
+    assert family(faults=faults).faults == meant
+
+
+def test_the_decorator_needs_its_parentheses_and_names_of_arguments():
+    with pytest.raises(SimError, match=r"^worlds takes keyword arguments; write @worlds\(\)$"):
+        worlds(lambda run: None)
+    with pytest.raises(SimError, match=r"^worlds takes keyword arguments; write such as @worlds\(presets='home'\)$"):
+        worlds("home")
 
 
 def test_only_functions_are_decorated_and_once():
