@@ -85,9 +85,9 @@ def failed_test_page(
         if found_place:
             head += [
                 "",
-                f"There, it first went wrong {found_place}. If this is another kind of error than the one below, the",
+                f"That run first went wrong {found_place}. If the error below is of another kind, the smallest scenario",
+                "probably fails for another reason; `pytest --no-lexis-shrink` then shows the failure as it was found.",
             ]
-            head += ["smaller scenario fails for another reason; `--no-lexis-shrink` keeps the scenario as it was found."]
     return _page(head, wrong_frame_page(run, figure), _search_sections(reduction, blamed), _WHOLE_RUN)
 
 

@@ -302,7 +302,7 @@ def test_a_failure_is_stored_in_the_smallest_scenario_with_what_mends_it(pyteste
     assert "| perfect odometry | unknown: it fails differently: raises ValueError" in why
     assert "| length of the tour [m] |" in why and "(first-wrong-plan.png)" in why
     small_said, original_said = re.findall(r"AssertionError: assert (0\.\d+) > 2\.0", why)
-    assert re.search(r"There, it first went wrong in .* at [\d.]+ s: labelled kitchen, is ", why)
+    assert re.search(r"That run first went wrong in .* at [\d.]+ s: labelled kitchen, is ", why)
     assert small_said != original_said and "kept their ids" not in why
     result.stdout.fnmatch_lines([f"in the original scenario: AssertionError: assert {original_said} > 2.0"])
 
