@@ -1,8 +1,10 @@
 """Interfaces of the SLAM systems that the harness tests."""
 
-from collections.abc import Callable, Sequence
+import inspect
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Protocol, runtime_checkable
 
 from lexis.perception import Encoder
@@ -33,14 +35,35 @@ class SlamUnderTest(Protocol):
         """Return the SLAM's claims about the whole run."""
 
 
+_PARAMETERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {"start": ("camera", "room_names"), "process": ("observation",), "finish": ()}
+)
+"""The methods of a `SlamUnderTest`, with the names of the arguments that the harness gives to them by position."""
+
+
 def check_slam_methods(slam: object) -> None:
-    """Raise SimError unless `slam` has the methods of a `SlamUnderTest`; the error names the missing method."""
+    """Raise SimError unless `slam` has the methods of a `SlamUnderTest`.
+
+    The error names the method that is missing, or that cannot be called with the arguments of the harness.
+    """
     name = slam.__name__ if isinstance(slam, type) else type(slam).__name__
     if isinstance(slam, type):
         raise SimError(f"SLAM under test: {name} is a class; valid: an instance, {name}(...)")
-    for method in ("start", "process", "finish"):
-        if not callable(getattr(slam, method, None)):
+    for method, parameters in _PARAMETERS.items():
+        if not callable(call := getattr(slam, method, None)):
             raise SimError(f"SLAM under test: {name} has no method {method}(); valid: start(), process() and finish()")
+        function = getattr(call, "__func__", call)
+        given = parameters if function is call else ("self", *parameters)
+        try:
+            found = inspect.signature(function)
+        except (TypeError, ValueError):  # methods that are written in C need not have a signature
+            continue
+        try:
+            found.bind(*given)
+        except TypeError as error:
+            bare = [each.replace(annotation=inspect.Parameter.empty) for each in found.parameters.values()]
+            takes, valid = f"def {method}{inspect.Signature(bare)}", f"def {method}({', '.join(('self', *parameters))})"
+            raise SimError(f"SLAM under test: {name} has {takes}: {error}; valid: {valid}") from None
 
 
 @runtime_checkable

@@ -189,3 +189,49 @@ def one_loop(**changes):
 def test_claims_that_cannot_be_are_named(claims, message):
     with pytest.raises(SimError, match=message):
         check(SCENARIO, Recorder(**claims))
+
+
+class Untouched(Recorder):
+    def start(self, *arguments):
+        raise AssertionError("the methods are checked before the house is built")
+
+
+@pytest.mark.parametrize(
+    ("method", "message"),
+    [
+        (None, "SLAM under test: Slam has no method finish(); valid: start(), process() and finish()"),
+        (
+            lambda self, wait: None,
+            "SLAM under test: Slam has def finish(self, wait): missing a required argument: 'wait'; valid: def finish(self)",
+        ),
+        (
+            lambda: None,
+            "SLAM under test: Slam has def finish(): too many positional arguments; valid: def finish(self)",
+        ),
+    ],
+)
+def test_a_method_that_the_harness_cannot_call_is_named_before_the_run(method, message):
+    slam = type("Slam", (Untouched,), {"finish": method})()
+    with pytest.raises(SimError, match=f"^{re.escape(message)}$"):
+        run(SCENARIO, slam)
+
+
+def test_the_arguments_of_start_are_named():
+    class Slam(Recorder):
+        def start(self, camera: str) -> None:
+            pass
+
+    message = "Slam has def start(self, camera): too many positional arguments; valid: def start(self, camera, room_names)"
+    with pytest.raises(SimError, match=re.escape(message)):
+        run(SCENARIO, Slam())
+
+
+def test_methods_may_name_their_arguments_otherwise_and_have_more_with_defaults():
+    class Slam(Recorder):
+        def start(self, *arguments, **more):
+            super().start(*arguments)
+
+        def process(self, seen, /, verbose=False):
+            super().process(seen)
+
+    assert check(SCENARIO, Slam()).slam == "Slam"
