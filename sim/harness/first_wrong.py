@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float64, Int
@@ -11,16 +12,22 @@ from lexis.evaluation.trajectory import aligned
 from lexis.types import Poses
 from sim.harness.loops import edge_truth
 from sim.harness.runner import Run
+from sim.harness.wrong_motion import first_wrong_motion
 from sim.report.data import NO_LABEL, ShownFailure
 from sim.session import Session
-from worlds.house import Room
 
-_FAR_M = 0.5
-"""Least position error at which a frame counts as wrong [m]."""
+_SEEN_M = 0.005
+"""Least position error that is reported [m]; a smaller one would be printed as 0.00 m."""
 _TOP = 3
 """Number of room names that are reported for a wrong frame: those most similar to its image."""
-_Wrong = tuple[int, str]
-"""A row of the estimate, and what is wrong there."""
+
+
+class _Wrong(NamedTuple):
+    """A row of the estimate, what is wrong there, and the row at which a wrong motion begins that ends there."""
+
+    row: int
+    what: str
+    since: int | None = None
 
 
 @dataclass(frozen=True)
@@ -30,11 +37,13 @@ class WrongFrame:
     frame: int
     """Index of the frame in the tour."""
     room: str
-    """Id of the room that truly contains the camera, followed by the room's label unless the id contains it."""
+    """Id of the room that truly contains the camera, also with the room's label where the error is about labels."""
     time_s: float
     """Time since the start of the tour [s]."""
     what: str
     """What is wrong: the claim and the truth, in words."""
+    since: int | None = None
+    """Index of the frame in the tour at which a wrong motion begins that ends at `frame`; None for other errors."""
     similarities: tuple[tuple[str, float], ...] = ()
     """The room names that the SLAM found most similar to the image, best first. Empty if the search was for other errors
     than errors of labels and rooms."""
@@ -46,20 +55,21 @@ class WrongFrame:
 def first_wrong(run: Run, figure: str | None = None) -> WrongFrame | None:
     """Return the first frame that is wrong for a figure, such as a frame with a wrong floor for "floors.accuracy".
 
-    Without a figure, the result is the first frame with a wrong label or, if no label is wrong, the frame with the largest
-    position error. The result is None if there is no such frame, or if the SLAM does not make the claim.
+    Without a figure, the result is the first frame with a wrong label or, if no label is wrong, the frame that is wrong for
+    the trajectory. The result is None if there is no such frame, or if the SLAM does not make the claim.
     """
     kind = "" if figure is None else figure.partition(".")[0]
     found = next(_SEARCHES.get(kind, _label)(run), None)
-    if found is None and figure is None and run.estimate.T_W_B is not None:
-        row, error_m = _worst(position_errors(run.estimate.T_W_B, run.true_poses))
-        found = row, f"no label is wrong, the largest position error is {error_m:.2f} m"
+    if found is None and figure is None and (found := next(_position(run), None)) is not None:
+        found = found._replace(what=f"no label is wrong, {found.what}" if run.estimate.labels is not None else found.what)
     if found is None:
         return None
-    row, what = found
-    stamps, frame = run.session.tour.stamps, int(run.estimate.frames[row])
+    row, what, since = found
+    stamps, frames = run.session.tour.stamps, run.estimate.frames.tolist()
     similar = run.most_similar(row, _TOP) if kind in ("", "labels", "rooms") else ()
-    return WrongFrame(frame, _room(run, row), float(stamps[frame] - stamps[0]), what, similar)
+    begin = None if since is None else frames[since]
+    room = _room(run, int(run.true_rooms[row])) if kind not in _WITHOUT_LABELS else _room_id(run, row)
+    return WrongFrame(frames[row], room, float(stamps[frames[row]] - stamps[0]), what, begin, similar)
 
 
 def shown_failure(run: Run, what: str, figure: str | None = None) -> ShownFailure:
@@ -75,8 +85,8 @@ def crash_frame(session: Session, done: float) -> WrongFrame:
     stamps = session.tour.stamps
     frame = min(round(done * len(stamps)), len(stamps) - 1)
     where = "in start() or at the first frame" if done == 0.0 else "in process()" if done < 1.0 else "after the last frame"
-    room = session.house.rooms[session.truths[frame].room]
-    return WrongFrame(frame, _name(room), float(stamps[frame] - stamps[0]), f"the SLAM raised {where}")
+    room = session.house.rooms[session.truths[frame].room].id
+    return WrongFrame(frame, room, float(stamps[frame] - stamps[0]), f"the SLAM raised {where}")
 
 
 def position_errors(claimed: Poses, truth: Poses) -> Float64[np.ndarray, "n"]:
@@ -87,13 +97,18 @@ def position_errors(claimed: Poses, truth: Poses) -> Float64[np.ndarray, "n"]:
     return np.asarray(np.linalg.norm((aligned(claimed, truth) - truth)[:, :3, 3], axis=1))
 
 
-def _room(run: Run, row: int) -> str:
-    return _name(run.house.rooms[int(run.true_rooms[row])])
+def _room_id(run: Run, row: int) -> str:
+    """Return the id of the room that truly contains the camera in a row of the estimate."""
+    return run.house.rooms[int(run.true_rooms[row])].id
 
 
-def _name(room: Room) -> str:
-    """Return the id of a room, and its label unless the id contains it. A reduced scenario may have changed the label."""
-    return room.id if room.label in room.id else f"{room.id} ({room.label})"
+def _room(run: Run, room: int) -> str:
+    """Return the id of a room and, if the SLAM claims labels, its label unless the id contains it.
+
+    A reduced scenario may have changed the label.
+    """
+    found = run.house.rooms[room]
+    return found.id if run.estimate.labels is None or found.label in found.id else f"{found.id} ({found.label})"
 
 
 def _label(run: Run) -> Iterator[_Wrong]:
@@ -103,29 +118,26 @@ def _label(run: Run) -> Iterator[_Wrong]:
         for k in np.flatnonzero(claims != truth).tolist():
             changed = before is not None and before[k] != claims[k]
             refined = f" (before refinement: {names[before[k]]})" if before is not None and changed else ""
-            yield k, f"{names[claims[k]]}, is {run.room_names[truth[k]]}{refined}"
+            yield _Wrong(k, f"{names[claims[k]]}, is {run.room_names[truth[k]]}{refined}")
 
 
 def _floor(run: Run) -> Iterator[_Wrong]:
     claims, truth = run.estimate.floors, run.true_storeys
     if claims is not None:
         wrong = np.flatnonzero((claims != truth) & ~run.on_stairs)
-        yield from ((int(k), f"floor {claims[k]} claimed, is on floor {truth[k]}") for k in wrong)
+        yield from (_Wrong(int(k), f"floor {claims[k]} claimed, is on floor {truth[k]}") for k in wrong)
 
 
 def _position(run: Run) -> Iterator[_Wrong]:
-    """Yield the frames that are more than half a metre off, and last the frame with the largest error."""
+    """Yield the end of the first wrong motion and then, if positions are wrong at all, the frame with the largest error."""
     if run.estimate.T_W_B is not None:
+        if (motion := first_wrong_motion(run)) is not None:
+            yield _Wrong(motion.end, motion.what, motion.start)
         errors_m = position_errors(run.estimate.T_W_B, run.true_poses)
-        yield from ((int(k), f"the position is {errors_m[k]:.2f} m off") for k in np.flatnonzero(errors_m > _FAR_M))
-        row, error_m = _worst(errors_m)
-        yield row, f"the position is {error_m:.2f} m off, more than anywhere else"
-
-
-def _worst(errors_m: Float64[np.ndarray, "n"]) -> tuple[int, float]:
-    """Return the row with the largest error, and this error [m]."""
-    row = int(np.argmax(errors_m))
-    return row, float(errors_m[row])
+        row = int(np.argmax(errors_m))
+        if errors_m[row] >= _SEEN_M:
+            off = f"the position is {errors_m[row]:.2f} m off after alignment of the whole path"
+            yield _Wrong(row, f"{off}, more than anywhere else")
 
 
 def _loop(run: Run) -> Iterator[_Wrong]:
@@ -134,7 +146,8 @@ def _loop(run: Run) -> Iterator[_Wrong]:
     if loops is not None:
         for k in sorted(np.flatnonzero(~edge_truth(run)), key=lambda k: int(loops.query[k])):
             query, match = int(loops.query[k]), int(loops.match[k])
-            yield query, f"a false loop closure with the frame at {stamps[match]:.1f} s in {_room(run, match)}"
+            place = f"the frame at {stamps[match]:.1f} s in {_room_id(run, match)}"
+            yield _Wrong(query, f"a false loop closure with {place}")
 
 
 def _instance(run: Run) -> Iterator[_Wrong]:
@@ -149,11 +162,13 @@ def _instance(run: Run) -> Iterator[_Wrong]:
         main_room, main_claim = _most_frequent(claims, truth), _most_frequent(truth, claims)
         for row, (claim, room) in enumerate(zip(claims.tolist(), truth.tolist(), strict=True)):
             if claim < 0:
-                yield row, "in no claimed room"
+                yield _Wrong(row, "in no claimed room")
             elif main_room[claim] != room:
-                yield row, f"in the claimed room {claim}, which lies mostly in {_name(run.house.rooms[main_room[claim]])}"
+                lies = f"which lies mostly in {_room(run, main_room[claim])}"
+                yield _Wrong(row, f"in the claimed room {claim}, {lies}")
             elif main_claim[room] != claim:
-                yield row, f"in the claimed room {claim}, though most of this room is the claimed room {main_claim[room]}"
+                mostly = f"though most of this room is the claimed room {main_claim[room]}"
+                yield _Wrong(row, f"in the claimed room {claim}, {mostly}")
 
 
 def _most_frequent(groups: Int[np.ndarray, "n"], values: Int[np.ndarray, "n"]) -> dict[int, int]:
@@ -165,6 +180,8 @@ def _most_frequent(groups: Int[np.ndarray, "n"], values: Int[np.ndarray, "n"]) -
     return chosen
 
 
+_WITHOUT_LABELS = ("trajectory", "floors", "loops")
+"""First parts of the names of figures that no label affects."""
 _SEARCHES: Mapping[str, Callable[[Run], Iterator[_Wrong]]] = MappingProxyType(
     {"floors": _floor, "trajectory": _position, "loops": _loop, "rooms": _instance}
 )
