@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
+from _pytest.fixtures import getfixturemarker
 
 from sim.harness.world_tests import ATTRIBUTE, SCENARIO, TEST_REPLAY, StoredWorld, World, WorldFamily, stored_failures
 from sim.pytest_plugin.options import SEED, out_folder, replayed_file
@@ -14,6 +15,8 @@ from sim.pytest_plugin.options import SEED, out_folder, replayed_file
 SHARE_S = pytest.StashKey[float]()
 """Key under which pytest stores each decorated test's share of the time budget [s]; absent without a budget."""
 
+_FIXTURES = "sim.pytest_plugin.fixtures"
+"""Module of the plugin's own fixtures."""
 _REPLAY = "replay"
 """Name of the world of a decorated test in a replay."""
 
@@ -45,15 +48,49 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     family, name = _family(metafunc.function), metafunc.definition.nodeid
     if family is None:
         return
-    if "scenario" not in metafunc.fixturenames:
-        raise pytest.UsageError(
-            f"{name} is decorated with @worlds and takes no house; valid: the argument run, house or scenario"
-        )
-    if family.fidelity == "layout" and "run" in metafunc.fixturenames:
-        raise pytest.UsageError(f"{name}: no SLAM runs with fidelity 'layout'; valid: the argument house instead of run")
+    if problem := _problem(metafunc, family):
+        raise pytest.Collector.CollectError(f"{name} {problem}")
     mark = getattr(pytest.mark, family.fidelity)
     worlds = [pytest.param(world, marks=mark, id=world.name) for world in _worlds_of(family, metafunc.config, name)]
     metafunc.parametrize("scenario", worlds, indirect=True)
+
+
+def _problem(metafunc: pytest.Metafunc, family: WorldFamily) -> str:
+    """Say why a decorated test cannot run in houses, as the end of a sentence about the test; "" if it can."""
+    if "scenario" not in metafunc.fixturenames:
+        return "is decorated with @worlds and takes no house; valid: the argument run, house or scenario"
+    if family.fidelity == "layout" and "run" in metafunc.fixturenames:
+        return "takes run, but no SLAM runs with fidelity 'layout'; valid: the argument house instead of run"
+    if (place := _ignored_slam(metafunc)) is not None:
+        return (
+            f"would test LEXIS: the name slam in {place} is no fixture; "
+            "valid: @pytest.fixture above a function slam() that returns the SLAM under test, or another name"
+        )
+    return ""
+
+
+def _ignored_slam(metafunc: pytest.Metafunc) -> str | None:
+    """Return the place of a name `slam` that looks like the user's SLAM, although the fixture `slam` is that of the plugin.
+
+    None if there is none. Modules of this name, as in `from lexis import slam`, do not look like a SLAM.
+    """
+    found = metafunc._arg2fixturedefs.get("slam", ())
+    if not found or found[-1].func.__module__ != _FIXTURES:
+        return None
+    folder = metafunc.definition.path.parent
+    plugins = [plugin for plugin in metafunc.config.pluginmanager.get_plugins() if isinstance(plugin, types.ModuleType)]
+    files = [(module, Path(module.__file__ or "")) for module in plugins]
+    conftests = [(module, file) for module, file in files if file.name == "conftest.py"]
+    places: dict[str, object] = {} if metafunc.cls is None else {f"class {metafunc.cls.__name__}": metafunc.cls}
+    places[metafunc.definition.path.name] = metafunc.module
+    places |= {str(file): module for module, file in conftests if folder.is_relative_to(file.parent)}
+    return next((name for name, place in places.items() if _has_other_slam(place)), None)
+
+
+def _has_other_slam(place: object) -> bool:
+    """Return whether a module or class has an attribute `slam` that is neither a fixture nor a module."""
+    slam = getattr(place, "slam", None)
+    return slam is not None and not isinstance(slam, types.ModuleType) and getfixturemarker(slam) is None
 
 
 def _worlds_of(family: WorldFamily, config: pytest.Config, name: str) -> Sequence[World]:

@@ -40,8 +40,11 @@ class Reason:
     """Why a test failed: an exception that the test's body or the SLAM has raised."""
 
     kind: str
+    file: str
+    """Path of the file with the line that raised the exception."""
+    line: int
     where: str
-    """File and line at which the exception was raised."""
+    """The same file and line as text, with the path relative to the folder in which pytest was started."""
     statement: str
     message: str
     error: BaseException
@@ -96,6 +99,23 @@ class Execution:
         """The completed run of the scenario `tested`; None if there is none."""
         run = self.last.run
         return run if run is not None and run.scenario == self.tested else None
+
+    @property
+    def crashed_at(self) -> float | None:
+        """Share of the frames that the SLAM had processed when it raised an exception, in [0, 1]; None if it raised none."""
+        return self.last.done if self.last.in_slam and self.last.scenario == self.tested else None
+
+    @property
+    def first_wrong(self) -> str:
+        """Room, time and kind of the first error that affects the figure of the failure, as text; "" if it is not known."""
+        from sim.harness.first_wrong import crash_frame, first_wrong
+        from sim.harness.runner import scene_of
+
+        if self.run is not None:
+            return str(first_wrong(self.run, self.failure.figure if self.failure else None) or "")
+        if self.tested is None or self.crashed_at is None:
+            return ""
+        return str(crash_frame(scene_of(self.tested), self.crashed_at))
 
 
 EXECUTION = pytest.StashKey[Execution]()
@@ -160,10 +180,12 @@ def reason_of(item: pytest.Item, error: pytest.ExceptionInfo[BaseException]) -> 
     """Describe a failure by its exception and by the last line of the user's own code in the traceback."""
     own = [entry for entry in error.traceback if _is_own(Path(entry.path), item.config.rootpath)]
     entry = own[-1] if own else error.traceback[-1]
-    where = f"{relpath(entry.path, item.config.invocation_params.dir)}:{entry.lineno + 1}"
+    file, line = str(entry.path), entry.lineno + 1
+    where = f"{relpath(file, item.config.invocation_params.dir)}:{line}"
     lines = error.exconly(tryshort=True).splitlines()
-    said = next((k for k, line in enumerate(lines) if line.lstrip().startswith("+")), len(lines))
-    return Reason(error.typename, where, " ".join(str(entry.statement).split()), "\n".join(lines[:said]), error.value)
+    said = next((k for k, text in enumerate(lines) if text.lstrip().startswith("+")), len(lines))
+    statement, message = " ".join(str(entry.statement).split()), "\n".join(lines[:said])
+    return Reason(error.typename, file, line, where, statement, message, error.value)
 
 
 def _is_own(path: Path, project: Path) -> bool:

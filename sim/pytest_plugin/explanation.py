@@ -11,7 +11,7 @@ from _pytest._code.code import ExceptionRepr, ReprEntryNative, ReprExceptionInfo
 from lexis.errors import one_line
 from sim.harness.world_tests import SCENARIO, TEST_REPLAY, StoredWorld
 from sim.pytest_plugin.collection import family_of, name_of, parameters_of, replayed_name
-from sim.pytest_plugin.execution import Execution
+from sim.pytest_plugin.execution import Execution, Reason
 from sim.pytest_plugin.options import loading_options, out_folder, replayed_file
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def add_text(item: pytest.Item, execution: Execution, report: pytest.TestReport,
     before = search.found if search is not None and search.found != failure.text else ""
     if family_of(item) is not None and item.config.option.tbstyle == "auto":
         original = [f"in the original scenario: {before.splitlines()[0]}"] if before else []
-        report.longrepr = _without_traceback([*lines, *original, *rest], item)
+        report.longrepr = _without_traceback([*lines, *original, *rest], failure)
     elif isinstance(report.longrepr, ExceptionRepr):  # JUnit reports show sections of this object, too
         smallest = [f"in the smallest scenario: {failure.message.splitlines()[0]}"] if before else []
         report.longrepr.addsection("lexis", "\n".join([*smallest, *rest]))
@@ -41,15 +41,14 @@ def add_text(item: pytest.Item, execution: Execution, report: pytest.TestReport,
         report.sections.append(("lexis", "\n".join(rest)))
 
 
-def _without_traceback(lines: list[str], item: pytest.Item) -> ExceptionRepr:
+def _without_traceback(lines: list[str], failure: Reason) -> ExceptionRepr:
     """Return a report that consists of these lines.
 
     It is not a plain string, because pytest's summary repeats the whole of a string in CI, and with `-vv`. Of an object like
     this one, it repeats only the message, which is the first line.
     """
     text = "".join(f"{line}\n" for line in lines)
-    path, number, _ = item.location
-    crash = ReprFileLocation(path, (number or 0) + 1, lines[0].splitlines()[0])
+    crash = ReprFileLocation(failure.file, failure.line, lines[0].splitlines()[0])
     return ReprExceptionInfo(ReprTraceback([ReprEntryNative([text])], None, "native"), crash)
 
 
@@ -63,10 +62,9 @@ def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search
     if isinstance(error, AttributeError | TypeError) and "Percept" in str(error):
         lines.append('note: with fidelity "features", observation.image is a Percept; valid: worlds(fidelity="render")')
     try:
-        outcome = _outcome(execution, scenario)
-        place = _first_wrong(outcome, execution.failure.figure if execution.failure else None)
+        place = execution.first_wrong
         lines += [f"first wrong: {place}"] if place else []
-        folder = _folder(item, execution, outcome, search)
+        folder = _folder(item, execution, _outcome(execution, scenario), search)
     except Exception as problem:  # whatever it is, the failure of the test must not be lost
         return [*lines, f"folder: cannot be written: {one_line(f'{type(problem).__name__}: {problem}', 160)}"]
     here = item.config.invocation_params.dir
@@ -74,17 +72,6 @@ def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search
     shown = folder if item.config.option.lexis_out.is_absolute() else Path(relpath(folder, here))
     command = shlex.join(["pytest", *loading_options(item.config), test, "--lexis-replay", str(shown)])
     return [*lines, f"folder: {shown}", f"replay: {command}"]
-
-
-def _first_wrong(outcome: "FinishedRun | Crash", figure: str | None) -> str:
-    """Return room, time and kind of the first error that affects the figure, as text; "" if nothing is known about it."""
-    from sim.harness.crash import Crash
-    from sim.harness.first_wrong import crash_frame, first_wrong
-    from sim.harness.runner import scene_of
-
-    if not isinstance(outcome, Crash):
-        return str(first_wrong(outcome.run, figure) or "")
-    return "" if outcome.done is None else str(crash_frame(scene_of(outcome.scenario), outcome.done))
 
 
 def _folder(item: pytest.Item, execution: Execution, outcome: "FinishedRun | Crash", search: "Search | None") -> Path:
@@ -147,7 +134,6 @@ def _outcome(execution: Execution, scenario: "Scenario") -> "FinishedRun | Crash
     from sim.harness.figures import evaluate
 
     if execution.run is None:
-        last = execution.last
-        return Crash(scenario, _error(execution), last.done if last.in_slam and last.scenario == scenario else None)
+        return Crash(scenario, _error(execution), execution.crashed_at)
     result, trials = execution.last.result, execution.last.trials
     return FinishedRun(execution.run, result or evaluate(execution.run, trials), trials)

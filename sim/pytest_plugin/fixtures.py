@@ -1,5 +1,7 @@
 """The fixtures of decorated tests: the scenario, its house, the SLAM under test, and the evaluated run."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import pytest
@@ -20,8 +22,10 @@ def scenario(request: pytest.FixtureRequest) -> "Scenario":
     """The scenario of a test that is decorated with `worlds`."""
     execution: Execution = request.node.stash[EXECUTION]
     if execution.world is None:
-        raise SimError(f"{request.node.nodeid}: the test has no houses; valid: a test that is decorated with @worlds(...)")
-    scenario = execution.scenario = execution.world.scenario()
+        problem = f"{request.node.nodeid}: the test has no houses; valid: a test that is decorated with @worlds(...)"
+        pytest.fail(problem, pytrace=False)
+    with _mistakes_without_traceback():
+        scenario = execution.scenario = execution.world.scenario()
     return scenario
 
 
@@ -31,7 +35,8 @@ def house(scenario: "Scenario") -> "House":
     from sim.harness.parts import house_spec
     from worlds.validation import built_and_checked
 
-    return built_and_checked(house_spec(scenario))
+    with _mistakes_without_traceback():
+        return built_and_checked(house_spec(scenario))
 
 
 @pytest.fixture
@@ -48,16 +53,31 @@ def run(request: pytest.FixtureRequest, scenario: "Scenario", slam: "SlamUnderTe
     from sim.harness.figures import evaluate
     from sim.harness.planning import try_plans
     from sim.harness.runner import run as run_scenario
-    from worlds.errors import WorldsError
 
     execution: Execution = request.node.stash[EXECUTION]
     family = family_of(request.node)
+    if slam is None:
+        pytest.fail("the fixture slam returned None; valid: a SLAM under test (is `return` missing?)", pytrace=False)
     try:
         finished = run_scenario(scenario, slam)
         return evaluate(finished, try_plans(finished) if family is not None and family.plans else [])
     except Exception as error:
-        if execution.last.done is not None:
-            execution.raised = Raised(error, error.__traceback__)
-        elif isinstance(error, SimError | WorldsError):  # no SLAM, or a scenario that cannot be run: the message says all
-            pytest.fail(str(error), pytrace=False)
+        if execution.last.done is None:  # no SLAM, or a scenario that cannot be run
+            with _mistakes_without_traceback():
+                raise
+        execution.raised = Raised(error, error.__traceback__)
         raise
+
+
+@contextmanager
+def _mistakes_without_traceback() -> Iterator[None]:
+    """Let errors of the harness fail the test with their message alone, because their messages say all.
+
+    Exceptions of other types are raised unchanged.
+    """
+    from worlds.errors import WorldsError
+
+    try:
+        yield
+    except (SimError, WorldsError) as error:
+        raise pytest.fail.Exception(str(error), pytrace=False) from None

@@ -65,15 +65,15 @@ def shrunk(
         _stop(item)
     else:
         blamed = _blamed(item, smallest, reduction, fails)
-    text, place = ("", "") if found.failure is None else (found.failure.text, _first_wrong(found, found.failure.figure))
-    return smallest, Search(scenario, text, place, reduction, blamed)
+    return smallest, Search(scenario, found.failure.text if found.failure else "", _place(found), reduction, blamed)
 
 
-def _first_wrong(execution: Execution, figure: str | None) -> str:
-    """Return where the run of an execution first went wrong, as text; empty if it is not known."""
-    from sim.harness.first_wrong import first_wrong
-
-    return "" if execution.run is None else str(first_wrong(execution.run, figure) or "")
+def _place(found: Execution) -> str:
+    """Return where the original run first went wrong, as text; "" if it is not known."""
+    try:
+        return found.first_wrong
+    except Exception:  # whatever it is, the failure of the test must not be lost
+        return ""
 
 
 def _blamed(item: pytest.Item, smallest: Execution, reduction: "Reduction", fails: "Fails") -> "BlameTable | None":

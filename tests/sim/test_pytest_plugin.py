@@ -21,6 +21,7 @@ import sim.pytest_plugin.protocol
 from sim.harness import Scenario
 from sim.harness.world_tests import FreshWorld
 from sim.pytest_plugin.collection import with_world
+from worlds.errors import WorldsError
 from worlds.presets import sample_from_rooms
 from worlds.spec import HouseSpec
 
@@ -307,6 +308,27 @@ def test_a_failure_is_stored_in_the_smallest_scenario_with_what_mends_it(pyteste
     result.stdout.fnmatch_lines([f"in the original scenario: AssertionError: assert {original_said} > 2.0"])
 
 
+def test_a_failure_is_shown_even_if_it_cannot_be_found_where_the_original_run_went_wrong(pytester, inner, monkeypatch):
+    def unknown(run, figure=None):
+        raise RuntimeError("no idea")
+
+    steps = {"shorten the tour": sim.harness.reductions.STEPS["shorten the tour"]}
+    monkeypatch.setattr(sim.harness.reducer, "reduce", partial(sim.harness.reducer.reduce, steps=steps))
+    monkeypatch.setattr("sim.harness.first_wrong.first_wrong", unknown)
+    pytester.makepyfile(test_slam=SLAM + DRIFTS)
+    result = inner()
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(["*AssertionError: assert * > 2.0*", "*folder: cannot be written: RuntimeError: no idea"])
+
+
+def test_the_report_of_a_failure_points_to_the_failing_line(pytester, inner):
+    file = pytester.makepyfile(test_slam=SLAM + DRIFTS)
+    (failed,) = inner("--no-lexis-shrink").reprec.getfailures()
+    crash = failed.longrepr.reprcrash
+    line = 1 + file.read_text().splitlines().index("    assert run.labels.accuracy > 2.0")
+    assert (crash.path, crash.lineno) == (str(file), line)
+
+
 INTERRUPTED = """
 executions = []
 
@@ -351,6 +373,15 @@ class TestEndless:
     def test_endless(self, run):
         pass
 
+class TestForgets:
+    @pytest.fixture
+    def slam(self):
+        Stub()
+
+    @small
+    def test_forgets(self, run):
+        pass
+
 @small
 def test_no_claim(run):
     assert run.rooms.pq > 0.5
@@ -376,16 +407,54 @@ class TestLooks:
     for name in ("CI", "BUILD_NUMBER"):  # pytest's summary holds whole messages if one of them is set
         monkeypatch.setenv(name, "true" if in_ci else "")
     result = start("--no-lexis-shrink")  # in a process without type checks, which refuse such a SLAM before the harness does
-    result.assert_outcomes(errors=1, failed=3)
+    result.assert_outcomes(errors=2, failed=3)
+    result.stdout.no_fnmatch_line("*During handling of the above exception*")
     result.stdout.fnmatch_lines(
         [
             "SLAM under test: Endless has no method finish(); valid: *",
+            "the fixture slam returned None; valid: a SLAM under test (is `return` missing?)",
             "note: a figure is None if the SLAM makes no claim *",
             "note: no figure 'acuracy' (did you mean 'accuracy'?); valid: accuracy, count_error",
             'note: with fidelity "features", observation.image is a Percept; valid: worlds(fidelity="render")',
         ]
     )
     assert len(result.outlines) < 50
+
+
+@pytest.mark.parametrize(
+    ("module", "conftest", "place"),
+    [
+        ("slam = Stub()", "", "test_slam.py"),
+        ("def slam():\n    return Stub()", "", "test_slam.py"),
+        ("", "def slam():\n    return 3", "*conftest.py"),
+        ("from lexis import slam", "", None),
+        ("slam = Stub()", "import pytest\n\n@pytest.fixture\ndef slam():\n    return 3", None),
+        ("@pytest.fixture(name='other')\ndef slam():\n    return Stub()", "", None),
+    ],
+)
+def test_a_slam_that_is_no_fixture_is_an_error_of_collection(pytester, inner, module, conftest, place):
+    imports = SLAM.partition("@pytest.fixture")[0]
+    test = "@worlds(n=1)\ndef test_run(run):\n    pass"
+    pytester.makepyfile(test_slam=f"{imports}\n{module}\n\n{test}\n")
+    pytester.makeconftest(conftest)
+    result = inner("--collect-only")
+    result.assert_outcomes(errors=0 if place is None else 1)
+    if place is not None:
+        told = f"test_slam.py::test_run would test LEXIS: the name slam in {place} is no fixture; valid: @pytest.fixture *"
+        result.stdout.fnmatch_lines([told])
+        assert len(result.outlines) < 15
+
+
+def test_a_house_that_cannot_be_made_costs_a_line_and_no_traceback(pytester, inner, monkeypatch):
+    def refuse(self):
+        raise WorldsError("no house")
+
+    monkeypatch.setattr(FreshWorld, "scenario", refuse)
+    pytester.makepyfile(test_slam=LAYOUT)
+    result = inner()
+    result.assert_outcomes(errors=3)
+    result.stdout.fnmatch_lines(["no house"])
+    assert len(result.outlines) < 25
 
 
 def test_a_misspelt_figure_is_no_failure_to_shrink(pytester, inner):
@@ -519,9 +588,15 @@ def test_wrong_options_and_tests_are_told_in_one_line(pytester, inner):
         assert result.ret == pytest.ExitCode.USAGE_ERROR
         result.stderr.fnmatch_lines([f"*{message}"])
     pytester.makepyfile(test_houses=LAYOUT.replace("(scenario)", "()"))
-    inner().stdout.fnmatch_lines(["*test_house is decorated with @worlds and takes no house; valid: *"])
+    result = inner()
+    result.stdout.fnmatch_lines(["test_houses.py::test_house is decorated with @worlds and takes no house; valid: *"])
+    assert len(result.outlines) < 15
+    pytester.makepyfile(test_houses=LAYOUT.replace("(scenario)", "(run)"))
+    inner().stdout.fnmatch_lines(["test_houses.py::test_house takes run, but no SLAM runs with fidelity 'layout'; valid: *"])
     pytester.makepyfile(test_houses="def test_plain(run):\n    pass\n")
-    inner().stdout.fnmatch_lines(["*test_plain: the test has no houses; valid: a test that is decorated with @worlds*"])
+    result = inner()
+    result.stdout.fnmatch_lines(["*test_plain: the test has no houses; valid: a test that is decorated with @worlds*"])
+    assert len(result.outlines) < 15
 
 
 def test_the_entry_point_loads_the_plugin_and_no_lexis_switches_it_off(pytester, start, monkeypatch):
