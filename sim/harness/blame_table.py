@@ -1,7 +1,8 @@
 """`blame`: reruns a failing scenario with one part of the run replaced at a time; says which changes mend the failure."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Literal
 
 from sim.feature_sensor.oracle import Oracle
@@ -23,6 +24,17 @@ from worlds.variant import in_light, variant
 SMALL_M = 0.5
 """Largest side length of a piece of furniture that counts as clutter [m]."""
 Verdict = Literal["mends", "does not mend", "changes nothing", "cannot be told"]
+_NEEDLESS: Mapping[str, str] = MappingProxyType(
+    {
+        "perfect odometry": "drift",
+        "no faults": "fault",
+        "daylight": "special lighting",
+        "no clutter": "clutter",
+        "openness 0": "open wall",
+        "oracle encoder": "error of the encoder",
+    }
+)
+"""What a failure does not need if a substitution, given by its name, changes nothing in the failing scenario."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +76,16 @@ class BlameTable:
             return f"mended by: {mending or 'nothing'}." + (f" Not mended by: {others}." if others else "")
         if self.named("cannot be told"):
             return "it cannot be told what mends it."
-        same = ", ".join(self.named("changes nothing"))
-        return f"no change was tried, because the scenario already has: {same}." if same else "no change was tried."
+        return f"the failure needs {self.not_needed}." if self.not_needed else "no change was tried."
+
+    @property
+    def not_needed(self) -> str:
+        """What the failing scenario does not contain, so that the failure cannot need it: "no drift, fault or clutter".
+
+        Empty if every substitution changes something.
+        """
+        nouns = [_NEEDLESS.get(name, f"error of {name}") for name in self.named("changes nothing")]
+        return f"no {' or '.join(filter(None, (', '.join(nouns[:-1]), nouns[-1])))}" if nouns else ""
 
 
 def blame(

@@ -190,9 +190,9 @@ def _mends(blamed: BlameTable, figure: str) -> Iterator[str]:
         if row.verdict in _VERDICTS:
             said = _VERDICTS[row.verdict] + (f": {row.detail}" if row.detail else "")
             yield f"| {row.substitution} | {said} |{f' {_number(row.value)} |' * bool(figure)}"
-    if same := blamed.named("changes nothing"):
+    if blamed.not_needed:
         yield ""
-        yield f"These would change nothing in this scenario: {', '.join(same)}."
+        yield f"The failure needs {blamed.not_needed}."
 
 
 _VERDICTS = {"mends": "**gone**", "does not mend": "still there", "cannot be told": "unknown"}

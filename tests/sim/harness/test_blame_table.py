@@ -86,12 +86,19 @@ def test_labels_that_are_lost_before_clustering():
         (["mends", "does not mend", "cannot be told"], "mended by: a. Not mended by: b."),
         (["does not mend", "changes nothing"], "mended by: nothing. Not mended by: a."),
         (["cannot be told", "changes nothing"], "it cannot be told what mends it."),
-        (["changes nothing", "changes nothing"], "no change was tried, because the scenario already has: a, b."),
+        (["changes nothing", "changes nothing"], "the failure needs no error of a or error of b."),
         ([], "no change was tried."),
     ],
 )
 def test_the_summary_says_no_more_than_the_table(verdicts, summary):
     assert str(BlameTable(tuple(map(BlameRow, "abc", verdicts)))) == summary
+
+
+def test_what_the_scenario_lacks_is_named_as_what_the_failure_does_not_need():
+    rows = [BlameRow(each.name, "changes nothing") for each in substitutions(SCENARIO, None)]
+    assert str(BlameTable(tuple(rows))) == "the failure needs no drift, fault, clutter or open wall."
+    mended = BlameTable((BlameRow("perfect odometry", "mends"), *rows[1:2]))
+    assert mended.not_needed == "no fault"
 
 
 def test_the_true_stages_close_true_loops_between_revisits_alone():
