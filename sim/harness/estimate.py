@@ -135,8 +135,14 @@ def _checked_frames(frames: object) -> int:
     """Return the number of frames. Raises `ClaimError` unless `frames` contains indices from 0 in ascending order."""
     if not isinstance(frames, np.ndarray) or frames.dtype.kind not in "iu" or frames.ndim != 1:
         raise ClaimError(f"estimate: frames is {_form_of(frames)}; valid: an array of whole numbers, one for each frame")
-    if len(frames) == 0 or (np.diff(frames) <= 0).any() or frames[0] < 0:
-        raise ClaimError("estimate: frames must be one or more indices of observations, from 0 and ascending")
+    valid = "valid: one or more indices of observations, from 0 and ascending"
+    if len(frames) == 0:
+        raise ClaimError(f"estimate: frames is empty; {valid}")
+    if (below := np.flatnonzero(frames < 0)).size:
+        raise ClaimError(f"estimate: frames has {frames[below[0]]} in row {below[0]}; {valid}")
+    if (falls := 1 + np.flatnonzero(frames[1:] <= frames[:-1])).size:
+        row = falls[0]
+        raise ClaimError(f"estimate: frames has {frames[row]} after {frames[row - 1]} in row {row}; {valid}")
     return len(frames)
 
 
@@ -159,7 +165,10 @@ def _check_rigid(name: str, motions: Float64[np.ndarray, "n 4 4"]) -> None:
     rigid = is_rigid(np.asarray(motions, np.float64), _RIGID)
     if not rigid.all():
         row = int(np.argmin(rigid))
-        raise ClaimError(f"estimate: {name} is no rigid motion in row {row}; valid: rotation and translation")
+        problem = f"estimate: {name} is no rigid motion in row {row}"
+        if is_rigid(np.asarray(motions[row], np.float64).T, _RIGID):
+            raise ClaimError(f"{problem}: the last row is not 0 0 0 1; is the pose transposed?")
+        raise ClaimError(f"{problem}; valid: rotation and translation")
 
 
 def _check_rows(name: str, claim: object, n: int, kinds: str, row: tuple[int | None, ...]) -> None:

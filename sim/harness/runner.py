@@ -244,11 +244,20 @@ def _start(slam: SlamUnderTest, scenario: Scenario, session: Session) -> None:
         slam.start(camera, names)
 
 
+def _indices(given: Mapping[int, Given]) -> str:
+    """Return the indices of the observations that the SLAM was given, as text for messages."""
+    if not given:
+        return "indices of observations that the SLAM was given and did not refuse, of which there are none"
+    low, high = min(given), max(given)
+    gaps = len(given) <= high - low
+    return f"{low} to {high}" + (", without observations that were dropped or that the SLAM refused" if gaps else "")
+
+
 def _check_estimate(estimate: Estimate, given: Mapping[int, Given], names: int) -> None:
     """Raise ClaimError for claims about frames that the SLAM was not given, or about room names that do not exist."""
-    unknown = [frame for frame in estimate.frames.tolist() if frame not in given]
-    if unknown:
-        raise ClaimError(f"estimate: frame {unknown[0]} is none; valid: indices of observations that the SLAM was given")
+    for row, frame in enumerate(estimate.frames.tolist()):
+        if frame not in given:
+            raise ClaimError(f"estimate: frames has {frame} in row {row}; valid: {_indices(given)}")
     for name in ("labels", "baseline_labels"):
         claim = getattr(estimate, name)
         if claim is not None and (beyond := np.flatnonzero(claim >= names)).size:

@@ -145,6 +145,24 @@ def test_claims_of_another_form_are_named(claims, message):
         unchecked(Estimate, **{"frames": np.arange(5)} | claims)
 
 
+def test_transposed_poses_are_recognised():
+    pose = np.eye(4)
+    pose[:3] = [[0.0, -1.0, 0.0, 2.0], [1.0, 0.0, 0.0, 3.0], [0.0, 0.0, 1.0, 4.0]]
+    poses = np.array([np.eye(4), pose.T])
+    message = "T_W_B is no rigid motion in row 1: the last row is not 0 0 0 1; is the pose transposed?"
+    with pytest.raises(SimError, match=re.escape(message)):
+        Estimate(frames=np.arange(2), T_W_B=poses)
+    loops = LoopClaims(query=np.array([1]), match=np.array([0]), T_match_query=poses[1:])
+    with pytest.raises(SimError, match=re.escape(message.replace("T_W_B", "loops.T_match_query").replace("row 1", "row 0"))):
+        Estimate(frames=np.arange(2), loops=loops)
+
+
+def test_frames_that_were_dropped_are_no_valid_frames():
+    faulty = Scenario(**{**vars(SCENARIO), "faults": (Dropped(0.5),)})
+    with pytest.raises(SimError, match=r"in row \d+; valid: \d+ to \d+, without observations that were dropped"):
+        check(faulty, Recorder(frames=np.arange(40)))
+
+
 def test_loops_of_another_form_are_named():
     listed = unchecked(LoopClaims, query=[1], match=[0], T_match_query=[np.eye(4)])
     with pytest.raises(SimError, match=re.escape("loops.query is a list; valid: an array of whole numbers of shape (n)")):
@@ -163,9 +181,15 @@ def one_loop(**changes):
 @pytest.mark.parametrize(
     ("claims", "message"),
     [
-        ({"frames": np.array([0, 10**6])}, "frame 1000000 is none; valid: indices of observations that the SLAM was given"),
-        ({"frames": np.array([3, 2])}, "frames must be one or more indices of observations, from 0 and ascending"),
-        ({"frames": np.zeros(0, int)}, "frames must be one or more indices"),
+        ({"frames": np.array([0, 10**6])}, r"frames has 1000000 in row 1; valid: 0 to \d+$"),
+        (
+            {"frames": np.array([3, 166, 165])},
+            "frames has 165 after 166 in row 2; valid: one or more indices of observations",
+        ),
+        ({"frames": np.array([7, 7])}, "frames has 7 after 7 in row 1; valid: .* from 0 and ascending"),
+        ({"frames": np.array([-1, 7])}, "frames has -1 in row 0; valid: one or more indices of observations, from 0"),
+        ({"frames": np.array([7, 3], np.uint8)}, "frames has 3 after 7 in row 1"),
+        ({"frames": np.zeros(0, int)}, "frames is empty; valid: one or more indices of observations"),
         ({"T_W_B": lambda slam: np.full((len(slam.frames), 4, 4), np.nan)}, "T_W_B is not finite in row 0"),
         (
             {"loops": one_loop(query=np.array([10**6]))},
