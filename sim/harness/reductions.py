@@ -288,7 +288,7 @@ def _names(faults: tuple[object, ...]) -> str:
 
 def _house_differences(before: HouseSpec, after: HouseSpec) -> Iterator[str]:
     old, new = _rooms_by_id(before), _rooms_by_id(after)
-    if gone := [f"{old[key].label} {key!r}" for key in old if key not in new]:
+    if gone := [f"{key!r}" for key in old if key not in new]:
         yield f"without {', '.join(gone)}"
     both = [key for key in old if key in new]
     if moved := [f"{key!r}" for key in both if old[key].polygon_m != new[key].polygon_m]:

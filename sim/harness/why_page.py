@@ -10,6 +10,7 @@ from sim.harness.blame_table import BlameTable
 from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.failure_signature import FailureTest, Observed
 from sim.harness.first_wrong import WrongFrame, crash_frame, first_wrong
+from sim.harness.nearest_changes import nearest
 from sim.harness.reducer import Reduction
 from sim.harness.reductions import ScenarioSize, difference, relabelled_rooms
 from sim.harness.runner import Run, scene_of
@@ -18,7 +19,7 @@ from sim.report.frame_picture import camera_image, place_image
 from sim.session import Session
 
 _LISTED = 8
-"""Largest number of listed scenarios that pass although they are only one step smaller than the smallest failing one."""
+"""Largest number of listed changes by which the failure goes away."""
 _IMAGE, _PLAN = "first-wrong.png", "first-wrong-plan.png"
 _UNITS = {
     "rooms": "rooms (stairs count on each storey)",
@@ -202,14 +203,15 @@ def _needs(reduction: Reduction) -> Iterator[str]:
     yield "## What the failure needs"
     yield ""
     if not reduction.passing:
-        yield "No scenario that is one step smaller passes."
+        yield "Every smaller scenario that was run fails as well."
         if reduction.last_passing is not None:
             larger, change = reduction.last_passing
             yield f"In a larger scenario, this change made the failure go away: {difference(larger, change.scenario)}."
         return
     yield "The failure goes away with any one of these changes:"
     yield ""
-    unique = list(dict.fromkeys(difference(reduction.scenario, change.scenario) for change in reduction.passing))
+    changed = nearest(reduction.scenario, [change.scenario for change in reduction.passing])
+    unique = list(dict.fromkeys(difference(reduction.scenario, other) for other in changed))
     yield from (f"- {text}" for text in unique[:_LISTED])
     if len(unique) > _LISTED:
         yield f"- and {len(unique) - _LISTED} more"

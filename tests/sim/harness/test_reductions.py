@@ -106,7 +106,7 @@ def test_differences_name_what_changed():
     room = LISTED.house.storeys[-1].rooms[0]
     ids = {r.id for storey in LISTED.house.storeys for r in storey.rooms} - {room.id}
     said = difference(LISTED, replace(LISTED, house=steps.keep_rooms(LISTED.house, ids)))
-    assert f"without {room.label} {room.id!r}" in said
+    assert said.startswith(f"without {room.id!r}")
 
 
 def test_rooms_with_another_label_are_named_by_their_ids():
