@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Any, Literal, get_type_hints
 
 from sim.errors import SimError
-from sim.harness.results import RunResult
+from sim.harness.results import RunResult, figure_meant
 
 _OPERATORS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
     {"<=": operator.le, ">=": operator.ge, "==": operator.eq, "!=": operator.ne, "<": operator.lt, ">": operator.gt}
@@ -133,7 +133,7 @@ def _check_name(claim: str, name: str) -> None:
             return
         types = get_type_hints(kind)
         if part not in types:
-            raise SimError(f"claim {claim!r}: {name!r}: no figure {part!r}; valid: {', '.join(types)}")
+            raise SimError(f"claim {claim!r}: no figure {part!r}{figure_meant(kind, part)}; valid: {', '.join(types)}")
         kind = types[part]
     if is_dataclass(kind):
         raise SimError(f"claim {claim!r}: {name} is no number; valid: the name of a figure below it")

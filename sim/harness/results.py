@@ -1,12 +1,15 @@
 """The result of a run as typed values, named as in result.json. A figure that a run cannot have is None."""
 
+import difflib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
-from typing import Any
+from dataclasses import asdict, dataclass, field, is_dataclass
+from typing import Any, get_type_hints
 
 from sim.errors import SimError
 
 SCHEMA = 1
+_SHORT = 3
+"""Words of at most this length need less likeness to a name, because one wrong letter changes much of them."""
 
 
 @dataclass(frozen=True)
@@ -206,3 +209,26 @@ class RunResult:
                 raise KeyError(f"{name!r}: no figure {part!r}; valid: {', '.join(choices)}")
             value = choices[part]
         return value
+
+
+def figure_meant(kind: Any, word: str) -> str:
+    """Return a guess at the figure that a misspelt word means, such as " (did you mean 'pq'?)"; "" without a guess.
+
+    `kind` is the class of results that has no figure of this name. The guess may be a figure deeper in this class. If
+    several figures there have the same last name, the guess names all of them: 'labels.accuracy' and 'floors.accuracy'.
+    """
+    names = _figures(kind)
+    near, deep = [*get_type_hints(kind), *names], [name.rpartition(".")[2] for name in names]
+    likeness = 0.5 if len(word) <= _SHORT else 0.6
+    for guess in difflib.get_close_matches(word, near + deep, n=1, cutoff=likeness):
+        meant = [guess] if guess in near else [name for name, last in zip(names, deep, strict=True) if last == guess]
+        return f" (did you mean {' or '.join(map(repr, meant))}?)"
+    return ""
+
+
+def _figures(kind: Any) -> list[str]:
+    """Return the dotted names of all figures of a class of results."""
+    found = []
+    for name, hint in get_type_hints(kind).items():
+        found += [f"{name}.{inner}" for inner in _figures(hint)] if is_dataclass(hint) else [name]
+    return found

@@ -15,7 +15,6 @@ from sim.harness.last_run import LastRun, watched
 from sim.harness.world_tests import World
 from sim.pytest_plugin.drawn_tests import replay_of_draws
 from sim.pytest_plugin.options import replayed_file
-from worlds.valid_names import did_you_mean
 
 if TYPE_CHECKING:
     from sim.harness.runner import Run
@@ -61,8 +60,10 @@ class Reason:
         error = self.error
         if not isinstance(error, AttributeError) or type(error.obj).__module__ != "sim.harness.results":
             return ""
+        from sim.harness.results import figure_meant
+
         name, valid = error.name or "", list(vars(error.obj))
-        return f"no figure {name!r}{did_you_mean(name, valid)}; valid: {', '.join(valid)}"
+        return f"no figure {name!r}{figure_meant(type(error.obj), name)}; valid: {', '.join(valid)}"
 
     @property
     def text(self) -> str:

@@ -169,7 +169,7 @@ def test_a_program_fails_a_check_by_name(folder, capsys):
     ("words", "hint"),
     [
         (["--fails", "labels.accuracy"], "is not understood; valid: a figure"),
-        (["--fails", "labels.acc < 0.7"], "no figure 'acc'; valid: accuracy, accuracy_baseline"),
+        (["--fails", "labels.acc < 0.7"], "no figure 'acc' (did you mean 'accuracy'?); valid: accuracy, accuracy_baseline"),
         (["--slam", "own_slam_here"], "is no MODULE:CLASS; valid: such as my_slam:MySlam"),
         (["--slam", "no_such_module:Slam"], "cannot be imported: ModuleNotFoundError: No module named 'no_such_module'"),
         (["--slam", "own_slam_broken:Slam"], "cannot be imported: OSError: no licence"),
