@@ -179,8 +179,9 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     gate_share: Annotated[float, Ge(0)] = 0.03
     """Distance that is added to `gate_m` for every metre of path between the two keyframes of the loop edge [m/m]."""
     gate_height_share: Annotated[float, Ge(0)] = 0.01
-    """The same for the vertical part of the difference [m/m]. It is smaller, because gravity limits the drift in height, and
-    because storeys that look alike are only a few metres apart."""
+    """Distance that is added to `gate_m` for every metre of path, as a limit for the difference in height alone [m/m]. It is
+    smaller than `gate_share`, because odometry that knows the vertical drifts less in height, and because storeys that look
+    alike are only a few metres apart."""
     gate_rad: Annotated[float, Ge(0)] = 0.1
     """A loop edge is rejected if its rotation differs from the current estimate by more than this limit [rad]. The limit
     grows with the path by `gate_rad_m`."""

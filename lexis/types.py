@@ -209,7 +209,9 @@ class Verdict:
     cells: int | None = None
     """Number of cells of a 6 x 6 grid on the image that contain an inlier; with several cameras, the largest number."""
     misfit_m: float | None = None
-    """Distance between the measured position of the new keyframe and its position in the estimate at that time [m]."""
+    """Distance between the measured position of the new keyframe and its position in the estimate at that time [m].
+
+    A loop may be refused for its difference in height although this distance is within its limit."""
     misfit_rad: float | None = None
     """Angle between the measured rotation of the new keyframe and its rotation in the estimate when the candidate was
     verified [rad]."""
