@@ -66,7 +66,7 @@ class _Clocked(Lexis):
 def measure_scale(
     rooms: int, length_m: float, seed: int, laps: int | None = None, portions: int = 10
 ) -> tuple[list[Portion], LexisMap]:
-    """Walk through the rooms of a home again and again; return `portions` parts of the walk and the finished map.
+    """Walk through the rooms of a home again and again; return at most `portions` parts of the walk and the finished map.
 
     The walk is a random one of `length_m` or, with `laps`, repeats one circuit of `LAP_M`. The run uses the feature sensor,
     so that no time is spent on rendering. Raises `WorldsError` if there is no house with that many rooms.

@@ -155,7 +155,7 @@ BENCHMARKS = (
             argument("--rooms", type=positive, default=10, help="number of rooms of the home (default: %(default)s)"),
             argument("--length", type=float, default=1000.0, help="length of the walk in metres (default: %(default)s)"),
             argument("--laps", type=positive, help="walk one circuit of 40 m this many times, whatever --length says"),
-            argument("--portions", type=positive, default=10, help="number of rows of the table (default: %(default)s)"),
+            argument("--portions", type=positive, default=10, help="largest number of rows (default: %(default)s)"),
             SEED,
         ),
     ),
