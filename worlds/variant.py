@@ -12,6 +12,8 @@ from worlds.spec import FurnitureSpec, HouseSpec, StoreySpec, WindowSpec
 from worlds.stairs.cells import openings_of
 
 _DIGITS = 6
+Replacement = Literal["lift", "spiral"]
+"""What may take the place of all stairs."""
 
 
 def variant(
@@ -23,7 +25,7 @@ def variant(
     rotate: int = 0,
     repaint: int | None = None,
     add_storey: bool = False,
-    climb: Literal["lift", "spiral"] | None = None,
+    climb: Replacement | None = None,
 ) -> HouseSpec:
     """Return a house that differs from `spec` in the properties given as arguments, and in nothing else.
 
@@ -81,7 +83,7 @@ def _looking(spec: HouseSpec, **appearance: str | int) -> HouseSpec:
     return spec.model_copy(update={"appearance": spec.appearance.model_copy(update=appearance)})
 
 
-def _with_climb(storey: StoreySpec, climb: Literal["lift", "spiral"]) -> StoreySpec:
+def _with_climb(storey: StoreySpec, climb: Replacement) -> StoreySpec:
     """Return the storey with another way to climb in its rooms of stairs, of which each keeps its first opening."""
     rooms = [room.model_copy(update={"climb": climb}) if room.label == STAIRS else room for room in storey.rooms]
     surplus = {place for room in rooms if room.label == STAIRS for place, _ in list(openings_of(storey, room))[1:]}

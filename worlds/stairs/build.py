@@ -118,7 +118,7 @@ def _spiral(spec: HouseSpec, floors_m: Sequence[float], level: int, room: RoomSp
     if not spiral.is_walkable:
         raise HouseError(
             f"spiral {room.id!r}: {frame.length:.2f} x {frame.width:.2f} m is too small to rise {spiral.rise:.2f} m; "
-            f"valid: at least {2 * MIN_RADIUS_M + 2 * INSET_M + MIN_FRONT_M:.2f} m away from its openings and "
+            f"valid: at least {2 * MIN_RADIUS_M + INSET_M + MIN_FRONT_M:.2f} m away from its openings and "
             f"{2 * MIN_RADIUS_M + 2 * INSET_M:.2f} m across, and more for a greater rise"
         )
     line = spiral.line(*(frame.plan(*end.middle[:2])[1] for end in (foot, head)))

@@ -1,6 +1,7 @@
 """Spiral stairs in generated houses: walkable steps, head room, tours that climb them, and stairs for LEXIS."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -94,5 +95,8 @@ def test_a_spiral_is_refused_with_what_is_wrong():
     with pytest.raises(HouseError, match="openings are in different sides"):
         build_house(variant(sample_house("home", 101, clutter=0.0), climb="spiral"))
     spec = variant(sample_house("home", 100, clutter=0.0), climb="spiral")
-    with pytest.raises(HouseError, match=r"too small to rise 4.50 m; valid: at least 2.60 m away"):
+    with pytest.raises(HouseError, match=r"too small to rise 4.50 m; valid: at least 2.55 m away") as refused:
         build_stairs(spec, [0.0, 4.5])
+    length, width = map(float, re.findall(r"(\d\.\d\d) m (?:away|across)", str(refused.value)))
+    assert Spiral(length, width, 2.4).is_walkable
+    assert not Spiral(length - 0.01, width, 2.4).is_walkable and not Spiral(length, width - 0.01, 2.4).is_walkable
