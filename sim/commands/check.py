@@ -10,6 +10,7 @@ from sim.commands.arguments import add_scenario, folder, scenario_of_arguments
 from sim.commands.check_suite import add_suite, refuse_suite_options, run_suite
 from sim.commands.run import print_result, progress_bar
 from sim.commands.slams import add_slam, check_claimable, replay_of, runner_of
+from sim.errors import SimError
 
 if TYPE_CHECKING:
     from sim.harness import Claim, RunResult
@@ -46,8 +47,13 @@ def _check(arguments: argparse.Namespace) -> int:
     refuse_suite_options(arguments)
     from sim.harness import Claim, evaluate, write_run
     from sim.harness.crash import Crash, attempt, attempt_plans
+    from sim.harness.failure_signature import CRASH
     from sim.harness.outputs import MARKERS
 
+    if CRASH in arguments.fails:
+        raise SimError(
+            f"--fails {CRASH}: a crash always fails check; valid: without it, or lexis-sim shrink --fails {CRASH}"
+        )
     claims = [Claim.parse(text) for text in arguments.fails]
     for claim in claims:
         check_claimable(arguments, claim)
@@ -79,7 +85,7 @@ def _crashed(crash: "Crash", arguments: argparse.Namespace) -> int:
     from sim.harness.why_page import crash_page
 
     print(crash.traceback, end="", file=sys.stderr)
-    print(one_line(f"failed: the SLAM {crash.what}: {crash.error}", MAX_LINE), file=sys.stderr)
+    print(one_line(f"failed: {crash.sentence}", MAX_LINE), file=sys.stderr)
     if arguments.out is not None:
         replay = replay_test(None, replay_of(arguments))
         page = crash_page(f"The SLAM {crash.what}", crash)

@@ -5,6 +5,7 @@ import importlib
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lexis.errors import one_line
@@ -132,6 +133,9 @@ def _imported(text: str) -> "Callable[[], SlamUnderTest]":
     module_name, colon, class_name = text.partition(":")
     if not (module_name and colon and class_name):
         raise SimError(f"--slam {text!r:.80}: is no MODULE:CLASS; valid: such as my_slam:MySlam")
+    if module_name.endswith(".py"):
+        module = ".".join(Path(module_name).with_suffix("").parts)
+        raise SimError(f"--slam {text!r:.80}: names a file; leave out .py: {module}:{class_name}")
     if "" not in sys.path:
         sys.path.insert(0, "")  # the current folder, as in `python -m`
     try:

@@ -47,6 +47,13 @@ class Crash:
         return one_line(f"{type(self.error).__name__}: {self.error}", _MESSAGE)
 
     @property
+    def sentence(self) -> str:
+        """What went wrong: "the SLAM raises RuntimeError: lost", or what the error says about a program."""
+        if isinstance(self.error, ProgramError):
+            return str(self.error)
+        return f"the SLAM {self.what}: {self.error}"
+
+    @property
     def place(self) -> str:
         """The innermost line of the user's own code, such as ", in my_slam.py:12"; "" if there is none."""
         frames = traceback.extract_tb(self.error.__traceback__)

@@ -189,7 +189,7 @@ def _execute(words: Sequence[str], work: Path, timeout_s: float, memory_mb: floa
     if status:
         how = f"exit status {status}" if status > 0 else f"signal {-status} ({signal.strsignal(-status)})"
         last = told.strip().rpartition("\n")[2] or "nothing on stderr"
-        message = f"command: {words[0]} ended with {how}: {one_line(last, 160)}; valid: exit status 0"
+        message = f"command: {words[0]} ended with {how}: {one_line(last, 160)}"
         raise ProgramError(message, f"ends with {how}", told)
     return printed, errors
 

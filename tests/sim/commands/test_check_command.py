@@ -165,11 +165,24 @@ def test_a_program_fails_a_check_by_name(folder, capsys):
     assert capsys.readouterr().err.startswith("failed: trajectory.ate_m is 0.")
 
 
+def test_a_program_that_fails_is_told_once(folder, capsys):
+    small = Scenario(**{**vars(SCENARIO), "fidelity": "render", "rig": RigConfig("wide", 16, 16)})
+    small.save(folder / "small.json")
+    (folder / "slam.py").write_text("import sys\nprint('no vocabulary', file=sys.stderr)\nsys.exit(3)")
+    command = f"'{sys.executable}' slam.py {{dataset}} {{out}}"
+    assert status_of(["check", "--scenario", "small.json", "--command", command]) == 1
+    told = f"no vocabulary\nfailed: command: {sys.executable} ended with exit status 3: no vocabulary\n"
+    assert capsys.readouterr().err == told
+
+
 @pytest.mark.parametrize(
     ("words", "hint"),
     [
         (["--fails", "labels.accuracy"], "is not understood; valid: a figure"),
         (["--fails", "labels.acc < 0.7"], "no figure 'acc' (did you mean 'accuracy'?); valid: accuracy, accuracy_baseline"),
+        (["--fails", "crash"], "--fails crash: a crash always fails check; valid: without it, or lexis-sim shrink"),
+        (["--slam", "own_slam_here.py:Mine"], "names a file; leave out .py: own_slam_here:Mine"),
+        (["--slam", "./slams/own.py:Mine"], "names a file; leave out .py: slams.own:Mine"),
         (["--slam", "own_slam_here"], "is no MODULE:CLASS; valid: such as my_slam:MySlam"),
         (["--slam", "no_such_module:Slam"], "cannot be imported: ModuleNotFoundError: No module named 'no_such_module'"),
         (["--slam", "own_slam_broken:Slam"], "cannot be imported: OSError: no licence"),

@@ -156,7 +156,7 @@ QUIET = "import sys; sys.exit(0)"
     ("content", "message"),
     [
         (QUIET, "the program wrote no {out}/trajectory.tum"),
-        ("import sys\nprint('no', 'vocabulary', file=sys.stderr)\nsys.exit(3)", "exit status 3: no vocabulary; valid"),
+        ("import sys\nprint('no', 'vocabulary', file=sys.stderr)\nsys.exit(3)", "ended with exit status 3: no vocabulary"),
         ("import sys; sys.exit(4)", "exit status 4: nothing on stderr"),
         ("import os; os.kill(os.getpid(), 11)", "ended with signal 11"),
         ("import time; time.sleep(600)", "took longer than 0.5 s"),
