@@ -32,6 +32,9 @@ _LAST_M, _LAST_FIT_M, _LAST_RATIO = 1.0, 0.07, 2.5
 """Length of the end of the walk [m]; largest typical difference there between a trusted loop closure and the poses that it
 joins [m]; and how many times the typical difference of the other trusted loop closures it may be, for SLAMs whose loop
 closures are less accurate. The typical difference is the median. For LEXIS it is at most 0.056 m in 98 % of the runs."""
+_REVISIT_S, _REVISITING_SHARE = 10.0, 0.9
+"""Least time between the two frames of a loop closure [s], as in the definition of `loops.recall`, and the least share of
+the loop closures that keep it."""
 _TRUSTED = 0.5
 """A loop closure counts as trusted if its weight is larger than this."""
 _FLOOR_M = 1.0
@@ -94,6 +97,17 @@ def trusted_loops_fit(run: Run) -> CheckFinding:
         f"of {trusted.sum()} trusted loop closures, one contradicts the trajectory by {moved.max():.2g} m, one by "
         f"{turned.max():.2g} rad",
     )
+
+
+def loops_join_visits(run: Run) -> CheckFinding:
+    """Look for loop closures between frames of one visit, which the odometry constrains better than a loop closure does."""
+    loops = run.estimate.loops
+    if loops is None or not len(loops.query):
+        return CheckFinding(None, "the SLAM claims no loop closure")
+    stamps = run.stamps
+    share = float((np.abs(stamps[loops.query] - stamps[loops.match]) >= _REVISIT_S - 1e-6).mean())
+    found = f"of {len(loops.query)} loop closures, {share:.0%} join frames that are at least {_REVISIT_S:g} s apart"
+    return CheckFinding(share >= _REVISITING_SHARE, found)
 
 
 def last_loops_fit(run: Run) -> CheckFinding:
@@ -206,6 +220,12 @@ CONSISTENCY = (
         "trusted loops fit the trajectory",
         f"The trajectory satisfies every trusted loop closure within {_LOOP_M} m and {_LOOP_RAD} rad.",
         trusted_loops_fit,
+    ),
+    Consistent(
+        "loops join separate visits",
+        f"At least {_REVISITING_SHARE:.0%} of the loop closures join frames that are {_REVISIT_S:g} s apart or more. A SLAM "
+        "that also counts frames of one visit as loop closures breaks this law on purpose.",
+        loops_join_visits,
     ),
     Consistent(
         "the last loops fit the trajectory",

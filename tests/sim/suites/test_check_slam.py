@@ -4,6 +4,7 @@ import json
 import multiprocessing
 import pickle
 import re
+import runpy
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +19,7 @@ from sim.errors import SimError
 from sim.harness import Lexis, Scenario, run
 from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.harness.claims import Claim
+from sim.harness.failure_folder import Replay
 from sim.programs import Program
 from sim.suites.catalogue import OPENNESS, SUITES, suite_named
 from sim.suites.checks import CheckFinding, NotWorse, SameClaims
@@ -29,7 +31,7 @@ from sim.suites.laws import LAWS
 from sim.suites.openness_chart import openness_chart
 from sim.suites.pytest_items import slam_checks
 from sim.suites.report import CheckVerdict, SuiteReport, check_slam
-from sim.suites.smallest import finding_of, smallest_failure
+from sim.suites.smallest import finding_of, smallest_failure, write_smallest
 from sim.suites.stream_changes import NoChange
 from sim.suites.suite import Suite, SuitePart, claims
 from sim.verdicts import load_results
@@ -455,6 +457,20 @@ def test_the_command_keeps_the_smallest_failing_scenario(tmp_path, capsys, monke
     code["FloorsByHeight"] = BrokenNow
     with pytest.raises(AssertionError):  # a SLAM that crashes has not been mended
         code["test_replay"]()
+
+
+RELATIVE = "trajectory.ate_m <= 0.66 * trajectory.ate_odometry_m"
+
+
+def test_the_smallest_failure_of_a_claim_relative_to_the_odometry_is_one_that_a_mended_slam_passes(tmp_path):
+    part = SuitePart("long", "A flat.", lambda *_: replace(OPEN_FLAT, length_m=40.0), claims(0.95, RELATIVE), n=1)
+    suite = Suite("long", "A flat.", (part,))
+    (verdict,) = (each for each in check_slam(OdometryOnly, suite).verdicts if each.check == RELATIVE)
+    replay = Replay("from sim.harness import Lexis, run", "run(scenario, Lexis('oracle'))")
+    write_smallest(verdict, OdometryOnly, lambda scenario, progress: run(scenario, OdometryOnly()), replay, False, tmp_path)
+    (folder,) = tmp_path.iterdir()
+    assert json.loads((folder / "result.json").read_text())["trajectory"]["ate_odometry_m"] > 0.01
+    runpy.run_path(str(folder / "test_replay.py"))["test_replay"]()
 
 
 def test_a_replayed_check_that_no_suite_has_is_refused():
