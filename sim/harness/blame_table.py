@@ -201,6 +201,8 @@ def _judged(substitution: Substitution, test: FailureTest, signature: Signature 
     observed = changed.observe(substitution.scenario)
     if observed.value is None:
         return BlameRow(name, "cannot be told", detail=f"{changed.claim.figure} is null")
+    if observed.signature not in (None, signature):
+        return BlameRow(name, "cannot be told", observed.value, "a good SLAM fails there, too")
     return BlameRow(name, "does not mend" if observed.signature else "mends", observed.value)
 
 

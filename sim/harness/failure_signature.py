@@ -1,12 +1,13 @@
 """Decides whether and how a run fails: a condition such as "labels.accuracy < 0.7" is true, or the SLAM crashes."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from sim.errors import SimError
 from sim.fidelity import Fidelity
 from sim.harness.claims import Claim
 from sim.harness.crash import Crash, Runner, attempt, attempt_plans
 from sim.harness.figures import evaluate
+from sim.harness.good_slam import Reference
 from sim.harness.planning import Trial
 from sim.harness.reductions import with_listed_house
 from sim.harness.results import RunResult
@@ -26,6 +27,11 @@ class Signature:
     in a crash, such as "raises RuntimeError"."""
     value: float | None = field(default=None, compare=False)
     """Value of the figure in the claim `what`, in the run that failed; None if `what` is an exception."""
+
+    @property
+    def unavoidable(self) -> "Signature":
+        """The signature of the same failure in a scenario in which a good SLAM fails, too; see `sim.harness.good_slam`."""
+        return replace(self, what=f"{self.what}, where a good SLAM fails, too")
 
     def __str__(self) -> str:
         return self.what
@@ -53,12 +59,18 @@ class Observed:
 class FailureTest:
     """Runs a SLAM on a scenario and says whether it fails.
 
-    A run fails if the claim is true or, without a claim, if the SLAM crashes. The test keeps the last failing run of each
-    fidelity. After a search by `reduce`, the kept run is the run of the smallest scenario, which need not be run again.
+    A run fails if the claim is true or, without a claim, if the SLAM crashes. At its first failure, the test chooses a good
+    SLAM that does not fail there (`sim.harness.good_slam`). A later failure in a scenario in which this good SLAM fails,
+    too, has another signature, `Signature.unavoidable`.
+
+    The test keeps the last failing run of each fidelity. After a search by `reduce`, the kept run is the run of the smallest
+    scenario, which need not be run again.
     """
 
     claim: Claim | None
     runner: Runner
+    _reference: Reference = field(default_factory=Reference, repr=False)
+    """The good SLAM, which copies made by `replace` share."""
     _kept: dict[Fidelity, Observed | Crash] = field(default_factory=dict, init=False, repr=False)
 
     @staticmethod
@@ -111,7 +123,7 @@ class FailureTest:
         """Return whether an outcome is the failure that is looked for. If a crash is kept, only an equal crash counts."""
         if isinstance(outcome, Crash):
             return self.claim is None and (not isinstance(kept, Crash) or kept.what == outcome.what)
-        return outcome.signature is not None
+        return self.claim is not None and outcome.signature == Signature(str(self.claim))
 
     def observe(self, scenario: Scenario, progress: Progress | None = None) -> Observed:
         """Run the SLAM like `outcome`, but return completed runs only.
@@ -133,7 +145,12 @@ class FailureTest:
             return Observed(finished, result, tuple(trials), None, None)
         failing, value = self.claim.outcome(result) == "holds", self.claim.value(result)
         signature = Signature(str(self.claim), value) if failing else None
+        if signature is not None and not self._reference.avoids(finished, trials, self._passes):
+            signature = signature.unavoidable
         return Observed(finished, result, tuple(trials), value, signature)
+
+    def _passes(self, result: RunResult) -> bool:
+        return self.claim is not None and self.claim.outcome(result) == "fails"
 
     def __str__(self) -> str:
         return CRASH if self.claim is None else str(self.claim)

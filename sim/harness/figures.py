@@ -43,6 +43,8 @@ from sim.harness.slam_under_test import SlamUnderTest
 from worlds.truth import ambiguity_at, floor_area, openness
 
 _MATCHES = (1, 3, 5)
+_ROUNDING_M = 1e-9
+"""Least error of a trajectory that is reported [m]. Smaller errors come from rounding, and are reported as 0."""
 _REVISIT = PlaceRecognitionConfig()
 """Settings that say how old a frame must be so that a return to its place counts as a revisit; the same for every SLAM."""
 
@@ -169,7 +171,8 @@ def _trajectory(run: Run) -> TrajectoryFigures:
     def errors(poses: Poses) -> tuple[float | None, ...]:
         truth = run.true_poses
         ate_m = ate_rmse(poses[:, :3, 3], truth[:, :3, 3])
-        return ate_m, rpe_translation(poses, truth, 8.0), rpe_translation(poses, truth, 24.0)
+        found = ate_m, rpe_translation(poses, truth, 8.0), rpe_translation(poses, truth, 24.0)
+        return tuple(0.0 if error is not None and error < _ROUNDING_M else error for error in found)
 
     ate_odometry_m, rpe_8m_odometry_m, rpe_24m_odometry_m = errors(run.odometry_poses)
     claimed = run.estimate.T_W_B

@@ -104,7 +104,7 @@ class CoverageFigures:
 
 @dataclass(frozen=True)
 class TrajectoryFigures:
-    """Figures on errors of the poses; see `lexis.evaluation.trajectory`."""
+    """Figures on errors of the poses; see `lexis.evaluation.trajectory`. Errors below 1e-9 m are 0."""
 
     ate_odometry_m: float | None = None
     """Absolute trajectory error (ATE) of the odometry that the SLAM was given [m]."""

@@ -17,6 +17,7 @@ from sim.pytest_plugin.drawn_tests import replay_of_draws
 from sim.pytest_plugin.options import replayed_file
 
 if TYPE_CHECKING:
+    from sim.harness.results import RunResult
     from sim.harness.runner import Run
     from sim.harness.scenario import Scenario
 
@@ -79,6 +80,8 @@ class Execution:
     """The world in which a decorated test runs; None for other tests."""
     scenario: "Scenario | None" = None
     """The scenario of a decorated test; None until it is built."""
+    given: "RunResult | None" = None
+    """What the fixture `run` returns without running the SLAM; None: the result of the SLAM."""
     last: LastRun = field(default_factory=LastRun)
     raised: Raised | None = None
     failure: Reason | None = None
@@ -123,10 +126,15 @@ EXECUTION = pytest.StashKey[Execution]()
 """Key under which pytest stores the current execution of a test."""
 
 
-def execute(item: pytest.Item, nextitem: pytest.Item | None, world: World) -> tuple[list[pytest.TestReport], Execution]:
-    """Set up, run and tear down a decorated test in one world; return pytest's reports and the record of the execution."""
+def execute(
+    item: pytest.Item, nextitem: pytest.Item | None, world: World, given: "RunResult | None" = None
+) -> tuple[list[pytest.TestReport], Execution]:
+    """Set up, run and tear down a decorated test in one world; return pytest's reports and the record of the execution.
+
+    With `given`, the SLAM is not run, and this is its result.
+    """
     item._report_sections.clear()  # otherwise the printed output of all executions adds up
-    execution = item.stash[EXECUTION] = Execution(world)
+    execution = item.stash[EXECUTION] = Execution(world, given=given)
     try:
         return runtestprotocol(item, log=False, nextitem=nextitem), execution
     except KeyboardInterrupt:  # pytest stops here and would leave the fixtures set up

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from sim.harness.failed_test import Search
     from sim.harness.failure_signature import Signature
     from sim.harness.reducer import Fails, Reduction
+    from sim.harness.results import RunResult
     from sim.harness.scenario import Scenario
 
 
@@ -37,15 +38,22 @@ def shrunk(
     returned. After Ctrl-C, the smallest failure so far is returned, and pytest is told to stop after this test.
     """
     from sim.harness.failed_test import Search
+    from sim.harness.good_slam import Reference
     from sim.harness.reducer import reduce
     from worlds.errors import WorldsError
 
-    signature, last = _signature(found), found
+    signature, last, reference = _signature(found), found, Reference()
 
     def fails(candidate: "Scenario") -> "Signature | None":
         nonlocal last
+
+        def passes(result: "RunResult") -> bool:
+            return all(report.passed for report in execute(item, nextitem, _Chosen(candidate), result)[0])
+
         reports, tried = execute(item, nextitem, _Chosen(candidate))
-        if _signature(tried) == signature:
+        if signature is not None and _signature(tried) == signature:
+            if tried.run is not None and not reference.avoids(tried.run, tried.last.trials, passes):
+                return signature.unavoidable
             last = tried
         if tried.failure is None and any(report.failed for report in reports):
             raise SimError("the test cannot be set up in this scenario; valid: a scenario that can run")

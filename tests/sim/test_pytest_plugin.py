@@ -329,6 +329,35 @@ def test_the_report_of_a_failure_points_to_the_failing_line(pytester, inner):
     assert (crash.path, crash.lineno) == (str(file), line)
 
 
+RELATIVE = """
+from sim.harness import Lexis
+
+class TestLoops:
+    @pytest.fixture
+    def slam(self, scenario):
+        return Lexis(scenario.encoder) if os.environ.get("MENDED") else Stub()
+
+    @small
+    def test_loops_help(self, run):
+        error, before = run.trajectory.ate_m, run.trajectory.ate_odometry_m
+        assert error < before
+"""
+
+
+def test_a_test_relative_to_the_odometry_is_shrunk_to_a_scenario_that_a_mended_slam_passes(pytester, inner, monkeypatch):
+    steps = {name: sim.harness.reductions.STEPS[name] for name in ("drop rooms", "drop drift", "shorten the tour")}
+    monkeypatch.setattr(sim.harness.reducer, "reduce", partial(sim.harness.reducer.reduce, steps=steps))
+    pytester.makepyfile(test_slam=SLAM + RELATIVE)
+    inner().assert_outcomes(failed=1)
+    (folder,) = (pytester.path / ".lexis-failures").iterdir()
+    small, original = (json.loads((folder / f"{name}.json").read_text()) for name in ("scenario", "original"))
+    assert small["length_m"] < 20.0 and small["odometry"] == original["odometry"] != "perfect"
+    assert "| perfect odometry | unknown: it fails differently: " in (folder / "why.md").read_text()
+    inner("--lexis-replay", str(folder), "--no-lexis-shrink").assert_outcomes(failed=1)
+    monkeypatch.setenv("MENDED", "1")
+    inner("--lexis-replay", str(folder)).assert_outcomes(passed=1)
+
+
 INTERRUPTED = """
 executions = []
 

@@ -1,10 +1,13 @@
 """The plain adapters claim what they say and no more; they are right where their rule holds and wrong where it does not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers.documentation import blocks
 
 from lexis.errors import ObservationError
+from lexis.maths.se3 import between
 from lexis.types import Camera, Intrinsics, Observation
 from sim.errors import SimError
 from sim.faults.delivery import Duplicated
@@ -12,7 +15,7 @@ from sim.faults.poses import OdometryNaN
 from sim.harness import Scenario, check, run
 from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.harness.adapters.geometric_rooms import ROOM_M, STAIRS, floors_by_height, rooms_by_distance
-from sim.harness.results import FloorFigures, LabelFigures, LoopFigures, RoomFigures
+from sim.harness.results import FloorFigures, LabelFigures, LoopFigures, RoomFigures, TrajectoryFigures
 from worlds.presets import sample_from_rooms
 
 SCENARIO = Scenario(
@@ -28,6 +31,17 @@ def observation(index, x, y=0.0, z=0.0):
     return Observation(index, 0.1 * index, BLACK, pose, np.zeros((6, 6)))
 
 
+class Chained(OdometryOnly):
+    """Adds up the steps between the poses of the odometry."""
+
+    def finish(self):
+        estimate = super().finish()
+        poses = estimate.T_W_B[:1]
+        for step in between(estimate.T_W_B[:-1], estimate.T_W_B[1:]):
+            poses = np.concatenate([poses, poses[-1:] @ step])
+        return replace(estimate, T_W_B=poses)
+
+
 def test_odometry_only_claims_poses_alone():
     result = check(SCENARIO, OdometryOnly())
     assert result.trajectory.ate_m == result.trajectory.ate_odometry_m > 0.0
@@ -35,6 +49,12 @@ def test_odometry_only_claims_poses_alone():
         LabelFigures(), RoomFigures(), FloorFigures(), LoopFigures(),
     )  # fmt: skip
     assert result.planning.success is None and result.encoder is None and result.slam == "OdometryOnly"
+
+
+@pytest.mark.parametrize("slam", [OdometryOnly, Chained])
+def test_the_error_of_poses_that_are_right_up_to_rounding_is_zero(slam):
+    result = check(replace(SCENARIO, odometry="perfect"), slam())
+    assert result.trajectory == TrajectoryFigures(0.0, 0.0, 0.0, 0.0, None, None)
 
 
 def test_keyframes_are_half_a_metre_of_path_apart():

@@ -7,7 +7,8 @@ import pytest
 
 from sim.bench.planted_bugs import drift, floors, no_bug, open_plan, planted
 from sim.errors import SimError
-from sim.harness import Claim, FailureTest, Scenario, Signature, blame, reduce
+from sim.harness import Claim, FailureTest, Lexis, Scenario, Signature, blame, evaluate, reduce, run
+from sim.harness.adapters import OdometryOnly
 from sim.harness.reducer import is_valid
 from sim.harness.reductions import STEPS, size, with_listed_house
 from worlds.presets import sample_from_rooms
@@ -41,6 +42,20 @@ def test_a_planted_bug_is_shrunk_and_blamed(name):
     assert after.drift == (name == "drift")
     assert reduction.ended == "smallest" and test(reduction.scenario) == reduction.signature == Signature(str(test.claim))
     assert set(blame(reduction.scenario, test).named("mends")) == BUGS[name][3]
+
+
+def odometry_alone(scenario, progress):
+    return run(scenario, OdometryOnly())
+
+
+@pytest.mark.parametrize("factor", ["", "0.66 * "])
+def test_a_failure_to_be_better_than_the_odometry_is_shrunk_to_a_scenario_where_loop_closures_mend_it(factor):
+    test = FailureTest(Claim.parse(f"trajectory.ate_m >= {factor}trajectory.ate_odometry_m"), odometry_alone)
+    reduction = reduce(FLAT, test, deadline_s=1e9)
+    after = size(reduction.scenario)
+    assert after.rooms == 1 and after.drift == 1 and after.length_m < size(reduction.original).length_m
+    assert test.claim.outcome(evaluate(run(reduction.scenario, Lexis("oracle")))) == "fails"
+    assert "perfect odometry" in blame(reduction.scenario, test).named("cannot be told")
 
 
 def test_accepted_scenarios_shrink_all_the_way_and_are_valid():
