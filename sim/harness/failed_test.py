@@ -19,23 +19,13 @@ from sim.harness.world_tests import SCENARIO, TEST_REPLAY, slug_of
 
 _REPLAY = '''"""Replays a failure of {test}: run pytest on this file, anywhere below the folder that holds {file}."""
 
-import subprocess
-import sys
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-TEST_FILE = {file!r}
-TEST = {test!r}
-OPTIONS = {options!r}
+from sim.pytest_plugin.replay import replay
 
 
 def test_replay():
-    places = [*HERE.parents, Path.cwd(), *Path.cwd().parents]
-    top = next((place for place in places if (place / TEST_FILE).exists()), None)
-    assert top is not None, f"{{TEST_FILE}} is not found from {{HERE}}; valid: a place below the folder that holds the file"
-    command = [sys.executable, "-m", "pytest", TEST, *OPTIONS, "--lexis-replay", str(HERE), "--lexis-out", str(HERE.parent)]
-    done = subprocess.run(command, cwd=top, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
+    replay(Path(__file__).parent, {test!r}, {options!r})
 '''
 
 

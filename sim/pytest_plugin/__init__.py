@@ -13,6 +13,7 @@ in these modules:
 - `protocol`: executes a decorated test, also in further houses within the budget, and reports its outcome.
 - `shrinking`: executes a failing test in smaller and smaller scenarios.
 - `explanation`: what the terminal shows of a failure, and its folder.
+- `replay`: replays a failure from its folder.
 """
 
 from sim.pytest_plugin.collection import pytest_collection_finish as pytest_collection_finish

@@ -183,7 +183,18 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
     assert claimed["labels"]["accuracy"] < 0.99 and claimed["scenario"] == folder.name[-16:]
 
     replayed = inner(str(folder / "test_replay.py"))
-    replayed.stdout.fnmatch_lines([f"*assert {claimed['labels']['accuracy']} > 0.99", f"*folder: *kept/{folder.name}"])
+    replayed.stdout.fnmatch_lines(
+        [
+            "*_ test_replay _*",
+            f"AssertionError: assert {claimed['labels']['accuracy']} > 0.99",
+            "    test_slam.py:*: assert run.labels.accuracy > float(*",
+            "first wrong: in * at * s: labelled kitchen, is *",
+            f"folder: *kept/{folder.name}",
+            "replay: pytest -p sim.pytest_plugin test_slam.py::test_labels --lexis-replay *",
+            "=*",
+        ],
+        consecutive=True,
+    )
     monkeypatch.setenv("LIMIT", "0.0")
     moved = (pytester.path / "a folder").joinpath("moved")
     shutil.copytree(folder, moved)
@@ -227,8 +238,14 @@ def test_folders_are_replayed_in_one_session_each_with_the_parameters_of_its_fai
     monkeypatch.setenv("BROKEN", "left")
     result = start(*replays)
     result.assert_outcomes(passed=1, failed=1)
-    result.stdout.fnmatch_lines(["*RuntimeError: lost*"])
+    result.stdout.fnmatch_lines(["RuntimeError: lost"])
     start(str(right)).assert_outcomes(passed=1)
+    (pytester.path / "test_slam.py").unlink()
+    result = start(str(right))
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(["test_slam.py is not found from *; valid: a place below the folder that holds the file"])
+    pytester.makepyfile(test_slam="")
+    start(str(right)).stdout.fnmatch_lines(["ERROR: not found: *test_slam.py::test_eye*"])
     assert sorted(path.name for path in left.parent.iterdir()) == ["renamed", right.name]
 
 

@@ -1,0 +1,40 @@
+"""`replay`: what the file test_replay.py in the folder of a failure calls to run the failed test of the user again."""
+
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from xml.etree import ElementTree
+
+import pytest
+
+
+def replay(folder: Path, test: str, options: Sequence[str] = ()) -> None:
+    """Run a test in a pytest session of its own on the scenario in `folder`; fail with the text of its failure.
+
+    `test` is the name of the test, such as "tests/test_slam.py::test_rooms", and `options` are further options of pytest.
+    The session runs in the folder that holds the file of the test. This folder is sought among the parents of `folder` and
+    of the current folder.
+    """
+    folder, file = folder.resolve(), test.partition("::")[0]
+    places = [*folder.parents, Path.cwd(), *Path.cwd().parents]
+    top = next((place for place in places if (place / file).exists()), None)
+    if top is None:
+        problem = f"{file} is not found from {folder}; valid: a place below the folder that holds the file"
+        pytest.fail(problem, pytrace=False)
+    command = [sys.executable, "-m", "pytest", test, *options]
+    command += ["--lexis-replay", str(folder), "--lexis-out", str(folder.parent)]
+    with TemporaryDirectory(prefix="lexis-replay-") as work:
+        report = Path(work) / "report.xml"
+        done = subprocess.run([*command, f"--junitxml={report}"], cwd=top, capture_output=True, text=True)
+        if done.returncode != 0:
+            pytest.fail(_failures(report) or done.stdout + done.stderr, pytrace=False)
+
+
+def _failures(report: Path) -> str:
+    """Return the texts of all failures and errors in a JUnit report; "" without a report."""
+    if not report.is_file():
+        return ""
+    cases = ElementTree.parse(report).iter()
+    return "\n".join(case.text.rstrip() for case in cases if case.tag in ("failure", "error") and case.text)
