@@ -18,8 +18,8 @@ the steps of `reductions` and `house_reductions`. `blame_table` replaces one par
 causes the failure. `failure_folder` writes these results to a folder, with the page why.md that `why_page` makes.
 
 `world_tests` holds the decorator `worlds` for tests in pytest; the plugin `sim.pytest_plugin` runs the decorated tests.
-`first_wrong` finds where in a run the SLAM first went wrong, and `failed_test` writes the files that replay a failed test.
-Through `last_run` the plugin learns which run a test has started.
+`first_wrong` finds where in a run the SLAM first went wrong, and `claimed_frames` what a plan shows of its claims.
+`failed_test` writes the files that replay a failed test. Through `last_run` the plugin learns which run a test has started.
 """
 
 import lazy_loader

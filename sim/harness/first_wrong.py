@@ -3,10 +3,10 @@
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
-from jaxtyping import Float64, Int
+from jaxtyping import Bool, Float64, Int
 
 from lexis.evaluation.trajectory import aligned
 from lexis.types import Poses
@@ -68,7 +68,7 @@ def first_wrong(run: Run, figure: str | None = None) -> WrongFrame | None:
     stamps, frames = run.session.tour.stamps, run.estimate.frames.tolist()
     similar = run.most_similar(row, _TOP) if kind in ("", "labels", "rooms") else ()
     begin = None if since is None else frames[since]
-    room = _room(run, int(run.true_rooms[row])) if kind not in _WITHOUT_LABELS else _room_id(run, row)
+    room = _room(run, int(run.true_rooms[row])) if kind not in WITHOUT_LABELS else _room_id(run, row)
     return WrongFrame(frames[row], room, float(stamps[frames[row]] - stamps[0]), what, begin, similar)
 
 
@@ -87,6 +87,14 @@ def crash_frame(session: Session, done: float) -> WrongFrame:
     where = "in start() or at the first frame" if done == 0.0 else "in process()" if done < 1.0 else "after the last frame"
     room = session.house.rooms[session.truths[frame].room].id
     return WrongFrame(frame, room, float(stamps[frame] - stamps[0]), f"the SLAM raised {where}")
+
+
+def wrong_claims(run: Run, claim: Literal["labels", "rooms", "floors"]) -> Bool[np.ndarray, "n"]:
+    """Return for every frame whether its label, its room instance or its floor is wrong; for none if it is not claimed."""
+    search = {"labels": _label, "rooms": _instance, "floors": _floor}[claim]
+    wrong = np.zeros(len(run.estimate.frames), bool)
+    wrong[[found.row for found in search(run)]] = True
+    return wrong
 
 
 def position_errors(claimed: Poses, truth: Poses) -> Float64[np.ndarray, "n"]:
@@ -150,13 +158,18 @@ def _loop(run: Run) -> Iterator[_Wrong]:
             yield _Wrong(query, f"a false loop closure with {place}")
 
 
+def _label_or_instance(run: Run) -> Iterator[_Wrong]:
+    """Yield the frames with a wrong label, then the frames in a wrong room instance."""
+    yield from _label(run)
+    yield from _instance(run)
+
+
 def _instance(run: Run) -> Iterator[_Wrong]:
-    """Yield the frames with a wrong label, then the frames in a wrong room instance.
+    """Yield the frames in no room instance or in a wrong one.
 
     The room instance of a frame is wrong in two cases: most of the instance lies in another true room than the frame, or
     most frames of the frame's true room belong to another instance.
     """
-    yield from _label(run)
     claims, truth = run.estimate.rooms, run.true_rooms
     if claims is not None:
         main_room, main_claim = _most_frequent(claims, truth), _most_frequent(truth, claims)
@@ -180,9 +193,9 @@ def _most_frequent(groups: Int[np.ndarray, "n"], values: Int[np.ndarray, "n"]) -
     return chosen
 
 
-_WITHOUT_LABELS = ("trajectory", "floors", "loops")
+WITHOUT_LABELS = ("trajectory", "floors", "loops")
 """First parts of the names of figures that no label affects."""
 _SEARCHES: Mapping[str, Callable[[Run], Iterator[_Wrong]]] = MappingProxyType(
-    {"floors": _floor, "trajectory": _position, "loops": _loop, "rooms": _instance}
+    {"floors": _floor, "trajectory": _position, "loops": _loop, "rooms": _label_or_instance}
 )
 """Searches for wrong rows of the estimate, by the first part of a figure's name. `_label` is used for all other figures."""

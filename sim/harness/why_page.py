@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from sim.errors import GraphicsError
 from sim.fidelity import Fidelity
 from sim.harness.blame_table import BlameTable
+from sim.harness.claimed_frames import claimed_frames
 from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.failure_signature import FailureTest, Observed
 from sim.harness.first_wrong import WrongFrame, crash_frame, first_wrong
@@ -15,7 +16,7 @@ from sim.harness.reducer import Reduction
 from sim.harness.reductions import ScenarioSize, difference, relabelled_rooms
 from sim.harness.runner import Run, scene_of
 from sim.render.image_files import encoded
-from sim.report.frame_picture import camera_image, place_image
+from sim.report.frame_picture import FrameClaims, camera_image, place_image
 from sim.session import Session
 
 _LISTED = 8
@@ -128,7 +129,20 @@ def wrong_frame_page(run: Run, figure: str | None = None) -> Page:
     title = "## Where it first went wrong"
     if frame is None:
         return Page((title, "", f"No single frame shows what is wrong with {figure or 'this run'}."), {})
-    return _frame_page(title, run.session, frame, run.scenario.fidelity)
+    claims = claimed_frames(run, figure, frame)
+    return _frame_page(title, run.session, frame, run.scenario.fidelity, claims, "".join(_how_drawn(run, frame, claims)))
+
+
+def _how_drawn(run: Run, frame: WrongFrame, claims: FrameClaims) -> Iterator[str]:
+    """Yield sentences on what the plan shows of the claims, each with a space before it."""
+    if claims.T_W_B is not None:
+        since_s = run.session.tour.stamps[frame.since or 0] - run.session.tour.stamps[0]
+        agrees = (
+            f"so that it agrees with the true path at {since_s:.1f} s" if frame.since is not None else "onto the true path"
+        )
+        yield f" The estimated path is moved as a whole {agrees}."
+    if claims.groups:
+        yield " Each dot is a frame at its true position, in the colour of the SLAM's claim."
 
 
 def _crash_frame_page(crash: Crash) -> Page:
@@ -139,14 +153,21 @@ def _crash_frame_page(crash: Crash) -> Page:
     return _frame_page("## Where it happened", session, crash_frame(session, crash.done), crash.scenario.fidelity)
 
 
-def _frame_page(title: str, session: Session, frame: WrongFrame, fidelity: Fidelity) -> Page:
+def _frame_page(
+    title: str,
+    session: Session,
+    frame: WrongFrame,
+    fidelity: Fidelity,
+    claims: FrameClaims | None = None,
+    how_drawn: str = "",
+) -> Page:
     lines = [title, "", f"{str(frame)[0].upper()}{str(frame)[1:]}."]
     if frame.similarities:
         lines.append(f"Most similar room names: {', '.join(f'{name} {value:.3f}' for name, value in frame.similarities)}.")
-    pictures = {_PLAN: encoded(place_image(session, frame.frame), ".png")}
+    pictures = {_PLAN: encoded(place_image(session, frame.frame, claims), ".png")}
     shown = f"![the place on the plan]({_PLAN})"
     storey = f"storey {session.truths[frame.frame].storey}" if len(session.house.storeys) > 1 else "the storey"
-    caption = f"The plan shows {storey}, the walk up to this frame in grey, and the camera's field of view in red."
+    caption = f"The plan shows {storey}, and the camera's place and field of view in red.{how_drawn}"
     try:
         pictures[_IMAGE] = encoded(camera_image(session, frame.frame), ".png")
         shown = f"![the image of the camera]({_IMAGE}) {shown}"

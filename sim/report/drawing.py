@@ -58,6 +58,9 @@ STYLES: dict[str, Style] = {
     "swing": Style(stroke="#59626c", width=1.0),
     "leaf": Style(fill="#ffffff", stroke="#2b3138", width=1.2),
     "scale": Style(stroke="#59626c", width=3.0),
+    "walk": Style(stroke="#6b7178", width=1.3),
+    "walked": Style(stroke="#6b7178", width=4.0),
+    "belief": Style(stroke="#6aa0f2", width=1.3),
     "odometry": Style(stroke="#c77700", width=2.5, dash=(14.0, 8.0)),
     "true": Style(stroke="#2b3138", width=2.5, opacity=0.5),
     "estimated": Style(stroke="#1f6feb", width=2.5),
@@ -65,6 +68,7 @@ STYLES: dict[str, Style] = {
     "plan": Style(stroke="#8b3fd1", width=3.0, opacity=0.3),
     "path": Style(stroke="#8b3fd1", width=5.0, opacity=0.75),
     "name": Style(fill="#3a4149"),
+    "error": Style(stroke="#d5202a", width=3.0),
     "heading": Style(stroke="#2b3138", width=2.2),
     "right": Style(fill="#ffffff", stroke="#ffffff", width=1.6, radius=0.085),
     "loop-false": Style(stroke="#d5202a", width=4.5, dash=(14.0, 8.0)),
@@ -72,6 +76,7 @@ STYLES: dict[str, Style] = {
     "plan-end": Style(stroke="#d5202a", width=6.0),
     "plan-number": Style(fill="#d5202a"),
     "wrong": Style(fill="#ffffff", stroke="#d5202a", width=4.0, radius=0.115),
+    "camera": Style(fill="#d5202a", stroke="#ffffff", width=1.6, radius=0.07),
 }
 """Styles by name, in painting order. For readers who cannot tell green from red, marks of errors are not only red, but also
 larger, dashed or with a thick outline."""

@@ -1,17 +1,42 @@
-"""Pictures of one frame of a session: the image of the camera, and the place of the camera on the floor plan."""
+"""Pictures of one frame of a session: the image of the camera, and what was true and claimed there on the floor plan."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
+from jaxtyping import Bool, Float64, Int
 
-from lexis.types import Image
+from lexis.types import Image, Pose, Poses
 from sim.report.drawing import Mark
 from sim.report.house_plan import marked_plan_image
+from sim.report.legend import LegendEntry
 from sim.session import Session
 
 _SIGHT_M = 1.2
 """Length of the sector that shows the field of view [m]."""
-_RED = "#d5202a"
+_HEADING_M = 0.5
+"""Length of the line that shows where the estimated camera looks [m]."""
+_RED, _BLUE = "#d5202a", "#1f6feb"
+_LISTED = 12
+"""Largest number of claims in the legend."""
+
+
+@dataclass(frozen=True, eq=False)
+class FrameClaims:
+    """What a SLAM claims about its frames, for a plan. Arrays have one row for each frame."""
+
+    frames: Int[np.ndarray, "n"]
+    """Indices of the frames in the tour, ascending."""
+    T_W_B: Poses | None = None
+    """Estimated poses, moved as a whole into the true world frame; None if they are not claimed."""
+    groups: tuple[str, ...] = ()
+    """What is claimed about each frame, in words, such as "claimed room 2"; empty if the plan shows no such claims."""
+    wrong: Bool[np.ndarray, "n"] | None = None
+    """For each frame, whether the claim in `groups` is wrong; None if no claim is."""
+    colours: Mapping[str, str] = field(default_factory=dict)
+    """Colour `#rrggbb` of each claim in `groups`. The legend lists the claims in this order."""
+    names_labels: bool = False
+    """Whether the plan names the rooms by their true labels, too, and not by their ids alone."""
 
 
 def camera_image(session: Session, frame: int) -> Image:
@@ -19,20 +44,86 @@ def camera_image(session: Session, frame: int) -> Image:
     return session.picture(frame)
 
 
-def place_image(session: Session, frame: int) -> Image:
-    """Draw the plan of the frame's storey, with the walk so far in grey, and the camera's place and field of view in red."""
-    storeys = np.array([truth.storey for truth in session.truths[: frame + 1]])
-    walked = session.tour.T_W_B[: frame + 1, :2, 3]
-    here = np.flatnonzero(storeys == storeys[frame])
-    marks = [Mark("line", "true", walked[part]) for part in np.split(here, np.flatnonzero(np.diff(here) > 1) + 1)]
-    return marked_plan_image(session.house, int(storeys[frame]), [*marks, *_sight(session, frame)])
+def place_image(session: Session, frame: int, claims: FrameClaims | None = None) -> Image:
+    """Draw the plan of the frame's storey with the true path, the camera's place, the claims and a legend."""
+    named = claims is not None and claims.names_labels
+    return marked_plan_image(session.house, session.truths[frame].storey, *frame_marks(session, frame, claims), named)
+
+
+def frame_marks(session: Session, frame: int, claims: FrameClaims | None = None) -> tuple[list[Mark], list[LegendEntry]]:
+    """Return the marks of a frame on the plan of its storey, and the entries of their legend.
+
+    The true path on this storey is grey, the estimated path is blue, and both are thick up to the frame. The camera's place
+    and field of view are red. With `claims.groups`, dots at the true positions of the frames show these claims. Otherwise,
+    a line leads from the true to the estimated position of the frame.
+    """
+    storeys = np.array([truth.storey for truth in session.truths])
+    here, positions = storeys == storeys[frame], session.tour.T_W_B[:, :2, 3]
+    so_far = here & (np.arange(len(here)) <= frame)
+    marks = [Mark("line", "walk", positions[part]) for part in _parts(here)]
+    marks += [Mark("line", "walked", positions[part]) for part in _parts(so_far)]
+    legend = [LegendEntry("line", "walked", "true path, thick up to this frame")]
+    more: list[LegendEntry] = []
+    if claims is not None:
+        shown = here[claims.frames]
+        marks += _estimate(claims, shown, so_far[claims.frames])
+        legend += [] if claims.T_W_B is None else [LegendEntry("line", "estimated", "estimated path")]
+        if claims.groups:
+            marks += _dots(claims, positions[claims.frames], shown)
+            more = list(_dot_entries(claims, shown))
+        elif claims.T_W_B is not None and (claims.frames == frame).any():
+            marks += _error(session, frame, claims.T_W_B[claims.frames == frame][0])
+            more = [LegendEntry("line", "error", "from the true to the estimated position")]
+    marks += _sight(session, frame)
+    return marks, [*legend, LegendEntry("dot", "camera", "the camera at this frame"), *more]
+
+
+def _parts(here: Bool[np.ndarray, "n"]) -> list[Int[np.ndarray, "k"]]:
+    """Return the indices of each sequence of successive frames for which `here` is true."""
+    rows = np.flatnonzero(here)
+    return np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1) if len(rows) else []
+
+
+def _estimate(claims: FrameClaims, shown: Bool[np.ndarray, "n"], so_far: Bool[np.ndarray, "n"]) -> Iterator[Mark]:
+    if claims.T_W_B is not None:
+        yield from (Mark("line", "belief", claims.T_W_B[part, :2, 3]) for part in _parts(shown))
+        yield from (Mark("line", "estimated", claims.T_W_B[part, :2, 3]) for part in _parts(so_far))
+
+
+def _dots(claims: FrameClaims, positions: Float64[np.ndarray, "n 2"], shown: Bool[np.ndarray, "n"]) -> Iterator[Mark]:
+    for k in np.flatnonzero(shown).tolist():
+        style = "wrong" if claims.wrong is not None and claims.wrong[k] else "right"
+        yield Mark("dot", style, positions[k : k + 1], claims.colours[claims.groups[k]], claims.groups[k])
+
+
+def _dot_entries(claims: FrameClaims, shown: Bool[np.ndarray, "n"]) -> Iterator[LegendEntry]:
+    present = {claims.groups[k] for k in np.flatnonzero(shown)}
+    listed = [LegendEntry("dot", "right", group, colour) for group, colour in claims.colours.items() if group in present]
+    yield from listed[:_LISTED]
+    if claims.wrong is not None and (claims.wrong & shown).any():
+        yield LegendEntry("dot", "wrong", "ringed: wrong")
+
+
+def _error(session: Session, frame: int, T_W_B: Pose) -> Iterator[Mark]:
+    """Yield a line from the true to the estimated position, and the estimated position and line of sight in blue."""
+    yield Mark("line", "error", np.stack([session.tour.T_W_B[frame, :2, 3], T_W_B[:2, 3]]))
+    ahead = _ahead(T_W_B @ session.camera.T_B_C)
+    yield Mark("line", "heading", T_W_B[:2, 3] + np.outer([0.0, _HEADING_M], ahead), _BLUE)
+    yield Mark("dot", "right", T_W_B[None, :2, 3], _BLUE)
+
+
+def _ahead(T_W_C: Pose) -> Float64[np.ndarray, "2"]:
+    """Return the horizontal direction in which a camera looks, as a vector of length 1 (0 if it looks up or down)."""
+    ahead = T_W_C[:2, 2]
+    return np.asarray(ahead / max(float(np.linalg.norm(ahead)), 1e-9))
 
 
 def _sight(session: Session, frame: int) -> Iterator[Mark]:
     k = session.camera.intrinsics
-    T_W_C = session.tour.T_W_B[frame] @ session.camera.T_B_C
-    forward, half = T_W_C[:2, 2], np.arctan(k.width / 2 / k.fx)
+    T_W_B = session.tour.T_W_B[frame]
+    T_W_C = T_W_B @ session.camera.T_B_C
+    forward, half = _ahead(T_W_C), np.arctan(k.width / 2 / k.fx)
     angles = np.arctan2(forward[1], forward[0]) + np.linspace(-half, half, 17)
     arc = T_W_C[:2, 3] + _SIGHT_M * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     yield Mark("line", "heading", np.concatenate([T_W_C[None, :2, 3], arc, T_W_C[None, :2, 3]]), _RED)
-    yield Mark("dot", "wrong", T_W_C[None, :2, 3], _RED)
+    yield Mark("dot", "camera", T_W_B[None, :2, 3])

@@ -1,6 +1,7 @@
 """Makes the floor plans of a house, as data for reports and as pictures."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -10,6 +11,7 @@ from shapely.geometry import Polygon, box
 
 from sim.report.data import FloorPlan, PlannedLeaf, PlannedOpening, PlannedRoom
 from sim.report.drawing import Drawing, Mark
+from sim.report.legend import LegendEntry, with_legend
 from sim.report.palette import label_colours
 from sim.report.plan import plan_drawing
 from sim.report.png import to_image
@@ -20,6 +22,14 @@ from worlds.spec import RoomSpec
 from worlds.walls import WALL_THICKNESS_M
 
 _PIXELS_PER_METRE = 60
+_PLAN_PX = (480, 640)
+"""Usual width and height of the plan of one storey with a legend, without the legend [px]."""
+_LEGIBLE, _LARGEST = 45, 100
+"""Smallest and largest usual scale of these plans [px/m]. At the smallest one, names of rooms can still be read."""
+_WIDEST_PX = 1000
+"""Largest width of these plans [px]; the scale of very wide ones is therefore smaller."""
+_LETTER_PX = 13
+"""Height of the letters in the legend of these plans [px]."""
 _MOST_PIXELS = 12e6
 """Largest number of pixels of one storey's picture; larger plans are drawn at a smaller scale."""
 
@@ -49,10 +59,20 @@ def plan_image(house: House, pixels_per_metre: int = _PIXELS_PER_METRE) -> UInt8
     return np.hstack([np.pad(p, ((height - len(p), 0), (0, 0), (0, 0)), constant_values=255) for p in pictures])
 
 
-def marked_plan_image(house: House, level: int, marks: Sequence[Mark], width_px: int = 480) -> UInt8[np.ndarray, "h w 3"]:
-    """Draw the plan of one storey with further marks. The picture is about `width_px` pixels wide."""
-    drawing = _drawings(house)[level].with_marks(marks)
-    return to_image(drawing, pixels_per_metre=_scale(drawing, round(width_px / float(drawing.high[0] - drawing.low[0]))))
+def marked_plan_image(
+    house: House, level: int, marks: Sequence[Mark], legend: Sequence[LegendEntry] = (), names_labels: bool = True
+) -> UInt8[np.ndarray, "h w 3"]:
+    """Draw the plan of one storey with further marks, and with a legend of these marks below the plan.
+
+    The picture is at least about 480 pixels wide, which is enough for the legend, and up to 1000 in wide houses. The letters
+    of the legend have the same size in all pictures. `names_labels` says whether labels stand beside the ids of rooms.
+    """
+    drawing = _drawings(house, names_labels)[level].with_marks(marks)
+    width_m, height_m = (float(side) for side in drawing.high - drawing.low)
+    fitting = min(_PLAN_PX[0] / width_m, _PLAN_PX[1] / height_m, _LARGEST)
+    scale = _scale(drawing, max(1, round(min(max(fitting, _LEGIBLE), _WIDEST_PX / width_m))))
+    drawing = replace(drawing, high=np.array([drawing.low[0] + max(width_m, _PLAN_PX[0] / scale), drawing.high[1]]))
+    return to_image(with_legend(drawing, legend, _LETTER_PX / scale), pixels_per_metre=scale)
 
 
 def _scale(drawing: Drawing, pixels_per_metre: int) -> int:
@@ -61,10 +81,10 @@ def _scale(drawing: Drawing, pixels_per_metre: int) -> int:
     return int(min(pixels_per_metre, np.sqrt(_MOST_PIXELS / area)))
 
 
-def _drawings(house: House) -> list[Drawing]:
+def _drawings(house: House, names_labels: bool = True) -> list[Drawing]:
     plans = floor_plans(house)
     colours = label_colours(room.label for plan in plans for room in plan.rooms)
-    return [plan_drawing(plan, colours) for plan in plans]
+    return [plan_drawing(plan, colours, names_labels) for plan in plans]
 
 
 def _plan(house: House, level: int) -> FloorPlan:

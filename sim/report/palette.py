@@ -1,4 +1,4 @@
-"""Assigns one colour to each room label, for all pictures of a report."""
+"""Assigns one colour to each room label, and to each claimed room, for all pictures of a report."""
 
 from collections.abc import Iterable
 
@@ -25,6 +25,12 @@ _OTHERS = (
     "#00a39a", "#a65628", "#d81b78", "#7a9a01", "#4b3f9e", "#ff6f4d", "#577590", "#b07aa1", "#2a7f3f", "#94672a", "#c14d9b",
 )  # fmt: skip
 
+_INSTANCES = (
+    "#0072b2", "#e69f00", "#009e73", "#cc79a7", "#8a4b08", "#56b4e9", "#5e3c99", "#7a9a01", "#b0005e", "#00868b", "#a98f7a",
+    "#303f9f",
+)  # fmt: skip
+"""Colours of room instances, in an order in which neighbours differ clearly. None is as red as marks of errors."""
+
 
 def label_colours(labels: Iterable[str]) -> dict[str, str]:
     """Map each label to a colour `#rrggbb`. Common labels have fixed colours; the others take colours from a list."""
@@ -32,3 +38,13 @@ def label_colours(labels: Iterable[str]) -> dict[str, str]:
     unusual = [label for label in labels if label not in _USUAL]
     spare = {label: _OTHERS[i % len(_OTHERS)] for i, label in enumerate(unusual)}
     return {label: _USUAL.get(label) or spare[label] for label in labels}
+
+
+def instance_colours(names: Iterable[str], none: str) -> dict[str, str]:
+    """Map the name of each room instance to a colour `#rrggbb`, and the name `none`, for no room, to grey if it occurs.
+
+    Colours repeat where there are many instances.
+    """
+    names = tuple(dict.fromkeys(names))
+    numbers = {name: i for i, name in enumerate(name for name in names if name != none)}
+    return {name: _INSTANCES[numbers[name] % len(_INSTANCES)] if name in numbers else _USUAL[NO_LABEL] for name in names}

@@ -20,8 +20,11 @@ _LEGEND_TEXT_M = 0.2
 _GLYPH_ASPECT = 0.58  # width over height of an average letter
 
 
-def plan_drawing(plan: FloorPlan, colours: Mapping[str, str]) -> Drawing:
-    """Draw the plan of a storey. `colours` maps room labels to colours. Raises `SimError` for a storey without rooms."""
+def plan_drawing(plan: FloorPlan, colours: Mapping[str, str], names_labels: bool = True) -> Drawing:
+    """Draw the plan of a storey. `colours` maps room labels to colours. Raises `SimError` for a storey without rooms.
+
+    `names_labels` says whether the label of a room is written beside a name that does not contain it.
+    """
     if not plan.rooms:
         raise SimError(f"plan of storey {plan.level}: it has no rooms; at least one is needed")
     corners = np.concatenate([room.outline for room in plan.rooms])
@@ -39,19 +42,19 @@ def plan_drawing(plan: FloorPlan, colours: Mapping[str, str]) -> Drawing:
         *(mark for opening in plan.openings for mark in opening_marks(opening)),
         *(mark for ends in plan.windows for mark in window_marks(ends)),
         *(mark for leaf in plan.leaves for mark in leaf_marks(leaf)),
-        *(mark for room in plan.rooms for mark in _name(room)),
+        *(mark for room in plan.rooms for mark in _name(room, names_labels)),
         *notes,
     ]
     return Drawing(marks, low, high, title=f"storey {plan.level}, floor at {plan.floor_m:.2f} m")
 
 
-def _name(room: PlannedRoom) -> Iterator[Mark]:
+def _name(room: PlannedRoom, names_label: bool) -> Iterator[Mark]:
     """Yield the room's name in an upper left corner of the room, where few paths run.
 
     The name has one or two lines. The corner and the line break are chosen so that the text is as large as possible. A name
     that would be too small to read is left out.
     """
-    text = room.name if room.label in room.name else f"{room.name} ({room.label})"
+    text = room.name if room.label in room.name or not names_label else f"{room.name} ({room.label})"
     (size, _, lines), corner = max(
         (
             ((_fitting_size(lines, width), corner[1], lines), corner)

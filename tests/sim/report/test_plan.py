@@ -82,8 +82,8 @@ def test_marks_widen_a_drawing_but_only_so_far(plan):
     np.testing.assert_allclose(wider.low, drawing.low)
 
 
-def test_wrong_keyframes_are_painted_last():
-    assert list(STYLES)[-1] == "wrong"
+def test_nothing_but_the_camera_of_a_failure_is_painted_over_wrong_keyframes():
+    assert list(STYLES)[-2:] == ["wrong", "camera"]
 
 
 def test_labels_have_colours_of_their_own():

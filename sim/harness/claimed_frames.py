@@ -1,0 +1,64 @@
+"""`claimed_frames`: the claims of a SLAM that show on a plan why a run is wrong."""
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Int
+
+from lexis.evaluation.trajectory import aligned
+from lexis.maths.se3 import inverse
+from lexis.types import Poses
+from sim.harness.first_wrong import WITHOUT_LABELS, WrongFrame, wrong_claims
+from sim.harness.runner import Run
+from sim.report.data import NO_LABEL
+from sim.report.frame_picture import FrameClaims
+from sim.report.palette import instance_colours, label_colours
+
+
+def claimed_frames(run: Run, figure: str | None, wrong: WrongFrame) -> FrameClaims:
+    """Return the estimated path and the claims that the figure is about: rooms, floors, labels, or none for a trajectory.
+
+    If `wrong` is a wrong motion, the estimated path is moved as a whole so that it agrees with the truth where this motion
+    begins. Otherwise it is aligned with the true path as for the absolute trajectory error.
+    """
+    kind = "" if figure is None else figure.partition(".")[0]
+    named = run.estimate.labels is not None and kind not in WITHOUT_LABELS
+    claims = FrameClaims(run.estimate.frames, _in_world(run, wrong), names_labels=named)
+    if kind in ("trajectory", "loops"):
+        return claims
+    if kind == "rooms" and run.estimate.rooms is not None:
+        return _numbered(run, claims, "rooms", run.estimate.rooms, "claimed room {}", "in no claimed room")
+    if kind == "floors" and run.estimate.floors is not None:
+        return _numbered(run, claims, "floors", run.estimate.floors, "claimed floor {}", "claimed to be on stairs")
+    return _labelled(run, claims)
+
+
+def _in_world(run: Run, wrong: WrongFrame) -> Poses | None:
+    if run.estimate.T_W_B is None:
+        return None
+    claimed, truth = np.asarray(run.estimate.T_W_B, np.float64), run.true_poses
+    if wrong.since is None:
+        return aligned(claimed, truth)
+    row = int(np.searchsorted(run.estimate.frames, wrong.since))
+    return np.asarray(truth[row] @ inverse(claimed[row]) @ claimed)
+
+
+def _labelled(run: Run, claims: FrameClaims) -> FrameClaims:
+    """Add the labels, unless none is wrong."""
+    wrong = wrong_claims(run, "labels")
+    if run.estimate.labels is None or not wrong.any():
+        return claims
+    names = (*run.room_names, NO_LABEL)  # index -1, for no label, is the last entry
+    said = tuple(NO_LABEL if k < 0 else f"labelled {names[k]}" for k in run.estimate.labels.tolist())
+    colours = {name if name == NO_LABEL else f"labelled {name}": colour for name, colour in label_colours(names).items()}
+    return replace(claims, groups=said, wrong=wrong, colours=colours)
+
+
+def _numbered(
+    run: Run, claims: FrameClaims, name: Literal["rooms", "floors"], numbers: Int[np.ndarray, "n"], form: str, none: str
+) -> FrameClaims:
+    """Add claims that are numbers from 0, or -1 for `none`. Other numbers `k` are put into words by `form.format(k)`."""
+    words = {k: form.format(k) if k >= 0 else none for k in sorted(set(numbers.tolist()), key=lambda k: (k < 0, k))}
+    said = tuple(words[k] for k in numbers.tolist())
+    return replace(claims, groups=said, wrong=wrong_claims(run, name), colours=instance_colours(words.values(), none))

@@ -1,0 +1,110 @@
+"""The plan of a wrong frame shows the true path, the estimate and the claims, each with an entry of the legend."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sim.harness import Scenario
+from sim.harness.runner import scene_of
+from sim.report.drawing import STYLES, Drawing, Mark
+from sim.report.frame_picture import FrameClaims, frame_marks, place_image
+from sim.report.legend import LegendEntry, with_legend
+from worlds.presets import sample_from_rooms, sample_house
+
+FRAME = 20
+
+
+@pytest.fixture(scope="module")
+def session():
+    house = sample_from_rooms(("kitchen", "bedroom"), seed=21)
+    return scene_of(Scenario(house=house, seed=5, length_m=15.0, frame_rate_hz=4.0, fidelity="features"))
+
+
+@pytest.fixture(scope="module")
+def claims(session):
+    """Every second frame, claimed half a metre north of the truth, in two rooms; the last frame is in a wrong one."""
+    frames = np.arange(0, len(session), 2)
+    poses = session.tour.T_W_B[frames].copy()
+    poses[:, 1, 3] += 0.5
+    groups = tuple(f"room {k % 2}" for k in range(len(frames)))
+    wrong = np.arange(len(frames)) == len(frames) - 1
+    return FrameClaims(frames, poses, groups, wrong, {"room 0": "#0072b2", "room 1": "#e69f00"})
+
+
+def of_style(marks, style):
+    return [mark for mark in marks if mark.style == style]
+
+
+def test_the_whole_true_path_and_the_walk_so_far_are_drawn(session):
+    marks, legend = frame_marks(session, FRAME)
+    whole, so_far = (np.concatenate([mark.points for mark in of_style(marks, style)]) for style in ("walk", "walked"))
+    np.testing.assert_array_equal(whole, session.tour.T_W_B[:, :2, 3])
+    np.testing.assert_array_equal(so_far, session.tour.T_W_B[: FRAME + 1, :2, 3])
+    assert not of_style(marks, "estimated") and "estimated path" not in [entry.text for entry in legend]
+
+
+def test_a_line_leads_from_the_true_to_the_estimated_position(session, claims):
+    marks, legend = frame_marks(session, FRAME, replace(claims, groups=()))
+    (line,) = of_style(marks, "error")
+    np.testing.assert_array_equal(line.points[0], session.tour.T_W_B[FRAME, :2, 3])
+    np.testing.assert_allclose(line.points[1] - line.points[0], [0.0, 0.5])
+    (whole,), (so_far,) = of_style(marks, "belief"), of_style(marks, "estimated")
+    np.testing.assert_array_equal(whole.points, claims.T_W_B[:, :2, 3])
+    np.testing.assert_array_equal(so_far.points, claims.T_W_B[: FRAME // 2 + 1, :2, 3])
+    assert {"estimated path", "from the true to the estimated position"} <= {entry.text for entry in legend}
+
+
+def test_every_frame_is_a_dot_in_the_colour_of_its_claim_at_its_true_position(session, claims):
+    marks, legend = frame_marks(session, FRAME, claims)
+    dots = [mark for mark in marks if mark.kind == "dot" and mark.colour in claims.colours.values()]
+    assert [mark.colour for mark in dots] == [claims.colours[group] for group in claims.groups]
+    np.testing.assert_array_equal(np.concatenate([mark.points for mark in dots]), session.tour.T_W_B[claims.frames, :2, 3])
+    assert [mark.style for mark in dots] == ["right"] * (len(dots) - 1) + ["wrong"]
+    assert {("room 0", "#0072b2"), ("room 1", "#e69f00")} <= {(entry.text, entry.colour) for entry in legend}
+    assert "ringed: wrong" in [entry.text for entry in legend]
+
+
+def test_a_turned_estimate_has_another_line_of_sight(session, claims):
+    claims = replace(claims, groups=())
+    turned = claims.T_W_B.copy()
+    turned[:, :2, :2] = turned[:, :2, :2] @ np.array([[0.0, -1.0], [1.0, 0.0]])
+    (ahead,), (left,) = (
+        [mark for mark in frame_marks(session, FRAME, each)[0] if mark.style == "heading" and len(mark.points) == 2]
+        for each in (claims, replace(claims, T_W_B=turned))
+    )
+    assert np.diff(ahead.points, axis=0)[0] @ np.diff(left.points, axis=0)[0] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_only_what_is_on_the_storey_of_the_frame_is_drawn():
+    session = scene_of(Scenario(house=sample_house("home", 3), seed=5, fidelity="features", frame_rate_hz=2.0))
+    storeys = np.array([truth.storey for truth in session.truths])
+    assert set(storeys) == {0, 1}
+    frames = np.arange(len(session))
+    claims = FrameClaims(frames, session.tour.T_W_B, ("floor 0",) * len(frames), storeys == 1, {"floor 0": "#0072b2"})
+    for level in (0, 1):
+        marks, legend = frame_marks(session, int(np.argmax(storeys == level)), claims)
+        assert len([mark for mark in marks if mark.colour == "#0072b2"]) == np.sum(storeys == level)
+        assert ("ringed: wrong" in [entry.text for entry in legend]) == (level == 1)
+
+
+def test_a_picture_is_wide_enough_for_its_legend(session, claims):
+    image = place_image(session, FRAME, claims)
+    assert 480 <= image.shape[1] <= 1000
+    assert len(image) > len(place_image(session, FRAME))
+
+
+@pytest.mark.parametrize("width_m", [4.8, 12.0, 60.0])
+def test_the_legend_is_below_the_drawing_and_no_wider(width_m):
+    drawing = Drawing([Mark("line", "true", np.array([[0.0, 0.0], [width_m, 1.0]]))], np.zeros(2), np.array([width_m, 1.0]))
+    entries = [LegendEntry("dot", "right", f"claimed room {k}", "#0072b2") for k in range(9)]
+    entries.append(LegendEntry("line", "error", "from the true to the estimated position"))
+    shown = with_legend(drawing, entries, letter_m=width_m * 13 / 480)
+    added = shown.marks[1:]
+    texts = [mark for mark in added if mark.kind == "text"]
+    assert [mark.text for mark in texts] == [entry.text for entry in entries]
+    assert max(mark.points[:, 1].max() for mark in added) < 0.0
+    for mark in added:
+        reach = 0.58 * mark.size * len(mark.text) if mark.kind == "text" else STYLES[mark.style].radius
+        assert mark.points[:, 0].min() >= 0.0 and mark.points[:, 0].max() + reach <= width_m
+        assert mark.points[:, 1].min() - STYLES[mark.style].radius > shown.low[1]
