@@ -35,6 +35,8 @@ class Crash:
     error: BaseException
     done: float | None
     """Share of the frames that the SLAM had processed, in [0, 1]; None if the frame is unknown, as with programs."""
+    slam: str = ""
+    """Name of the class of the SLAM; "" for programs."""
 
     @property
     def what(self) -> str:
@@ -86,7 +88,7 @@ def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None
         except (Exception, SystemExit) as error:
             if not last.in_slam:
                 raise
-            return Crash(scenario, error, last.done)
+            return Crash(scenario, error, last.done, last.slam_name)
 
 
 def attempt_plans(finished: Run) -> Sequence[Trial] | Crash:
@@ -96,4 +98,4 @@ def attempt_plans(finished: Run) -> Sequence[Trial] | Crash:
     except SimError:
         raise
     except (Exception, SystemExit) as error:
-        return Crash(finished.scenario, error, None)
+        return Crash(finished.scenario, error, None, type(finished.slam).__name__)

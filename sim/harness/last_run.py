@@ -24,6 +24,8 @@ class LastRun:
     """The scenario that is run in place of every other, for replays; None: every run gets its own scenario."""
     scenario: "Scenario | None" = None
     """The scenario of the last run; None if no run has begun."""
+    slam: object = None
+    """The SLAM of the last run; None if no run has begun, and while a program is run instead of a SLAM."""
     done: float | None = None
     """Share of the frames that the SLAM has processed, in [0, 1]; None until the SLAM is started."""
     in_slam: bool = False
@@ -41,8 +43,13 @@ class LastRun:
         Returns the scenario to run: `instead` if it is set, otherwise `scenario`.
         """
         self.scenario = self.instead or scenario
-        self.done, self.in_slam, self.run, self.result, self.trials = None, False, None, None, ()
+        self.slam, self.done, self.in_slam, self.run, self.result, self.trials = None, None, False, None, None, ()
         return self.scenario
+
+    @property
+    def slam_name(self) -> str:
+        """Name of the class of the SLAM; "" without a SLAM."""
+        return "" if self.slam is None else type(self.slam).__name__
 
     def evaluated(self, run: "Run", result: "RunResult", trials: "Sequence[Trial]") -> None:
         """Record the figures of a run, unless another run has begun since."""

@@ -145,6 +145,7 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     scenario = last.begin(scenario)
     if slam is None:
         slam = Lexis(scenario.encoder)
+    last.slam = slam
     check_slam_methods(slam)
     timed = StageTimer()
     with timed("house_s"):

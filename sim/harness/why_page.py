@@ -15,6 +15,7 @@ from sim.harness.nearest_changes import nearest
 from sim.harness.reducer import Reduction
 from sim.harness.reductions import ScenarioSize, difference, relabelled_rooms
 from sim.harness.runner import Run, scene_of
+from sim.programs.command import CommandSlam
 from sim.render.image_files import encoded
 from sim.report.frame_picture import FrameClaims, camera_image, place_image
 from sim.session import Session
@@ -60,7 +61,7 @@ def why_page(reduction: Reduction, test: FailureTest, blamed: BlameTable, smalle
         return crash_page(f"The SLAM {smallest.what}", smallest, reduction, blamed)
     assert test.claim is not None
     figure = test.claim.figure
-    head = [f"# {test.claim}", "", *_failure(reduction, test, smallest)]
+    head = [f"# {test.claim}", *_under_test(_name_of(smallest.run)), "", *_failure(reduction, test, smallest)]
     return _page(head, wrong_frame_page(smallest.run, figure), _search_sections(reduction, blamed, figure), _WHOLE_RUN)
 
 
@@ -81,7 +82,7 @@ def failed_test_page(
     failure. `message` is what pytest says about the failure, if it is known, and `found` what it said in the scenario in
     which the failure was found; `found_place` says where that run first went wrong.
     """
-    head = [f"# {name} fails", *_quoted(message)]
+    head = [f"# {name} fails", *_under_test(_name_of(run)), *_quoted(message)]
     if found and found != message:
         head += ["", "In the scenario in which the failure was found, pytest said:", *_quoted(found)]
         if found_place:
@@ -91,6 +92,16 @@ def failed_test_page(
                 "probably fails for another reason; `pytest --no-lexis-shrink` then shows the failure as it was found.",
             ]
     return _page(head, wrong_frame_page(run, figure), _search_sections(reduction, blamed), _WHOLE_RUN)
+
+
+def _name_of(run: Run) -> str:
+    """Return the name of the class of the SLAM, or the command of a program."""
+    return run.slam.command if isinstance(run.slam, CommandSlam) else type(run.slam).__name__
+
+
+def _under_test(slam: str) -> list[str]:
+    """Return the lines that name the SLAM under test; none for an unknown SLAM."""
+    return ["", f"SLAM under test: `{slam}`"] if slam else []
 
 
 def _quoted(message: str) -> list[str]:
@@ -104,7 +115,7 @@ def crash_page(title: str, crash: Crash, reduction: Reduction | None = None, bla
     failure.
     """
     more = f" More is in `{TRACEBACK}`." if crash.traceback else ""
-    head = [f"# {title}", "", f"`{crash.message.replace('`', '')}`.{more}"]
+    head = [f"# {title}", *_under_test(crash.slam), "", f"`{crash.message.replace('`', '')}`.{more}"]
     return _page(head, _crash_frame_page(crash), _search_sections(reduction, blamed))
 
 

@@ -1,7 +1,8 @@
 """Executes a test once, and records its runs and the reason for its failure."""
 
+import inspect
 import re
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
 from os.path import relpath
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 from _pytest.runner import runtestprotocol
 
+from sim.errors import ClaimError
 from sim.harness.last_run import LastRun, watched
 from sim.harness.world_tests import World
 from sim.pytest_plugin.drawn_tests import replay_of_draws
@@ -185,16 +187,31 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
         yield
 
 
-def reason_of(item: pytest.Item, error: pytest.ExceptionInfo[BaseException]) -> Reason:
-    """Describe a failure by its exception and by the last line of the user's own code in the traceback."""
+def reason_of(item: pytest.Item, error: pytest.ExceptionInfo[BaseException], slam: object = None) -> Reason:
+    """Describe a failure by its exception and by the last line of the user's own code in the traceback.
+
+    If the harness refuses the claims of `slam`, no such line is in the traceback; the line is then that of `finish`, which
+    returned the claims.
+    """
     own = [entry for entry in error.traceback if _is_own(Path(entry.path), item.config.rootpath)]
     entry = own[-1] if own else error.traceback[-1]
-    file, line = str(entry.path), entry.lineno + 1
+    file, line, statement = str(entry.path), entry.lineno + 1, str(entry.statement)
+    if not own and isinstance(error.value, ClaimError) and (finish := getattr(type(slam), "finish", None)) is not None:
+        file, line, statement = _definition(finish) or (file, line, statement)
     where = f"{relpath(file, item.config.invocation_params.dir)}:{line}"
     lines = error.exconly(tryshort=True).splitlines()
     said = next((k for k, text in enumerate(lines) if text.lstrip().startswith("+")), len(lines))
-    statement, message = " ".join(str(entry.statement).split()), "\n".join(lines[:said])
-    return Reason(error.typename, file, line, where, statement, message, error.value)
+    return Reason(error.typename, file, line, where, " ".join(statement.split()), "\n".join(lines[:said]), error.value)
+
+
+def _definition(method: Callable[..., object]) -> tuple[str, int, str] | None:
+    """Return file, line and text of the line that begins the definition of a method; None without source code."""
+    try:
+        file, (lines, first) = inspect.getsourcefile(method), inspect.getsourcelines(method)
+    except (OSError, TypeError):
+        return None
+    found = next((k for k, text in enumerate(lines) if text.lstrip().startswith("def ")), 0)  # decorators come before
+    return (file, first + found, lines[found]) if file else None
 
 
 def _is_own(path: Path, project: Path) -> bool:

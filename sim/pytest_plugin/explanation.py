@@ -55,8 +55,9 @@ def _without_traceback(lines: list[str], failure: Reason) -> ExceptionRepr:
 def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search: "Search | None") -> list[str]:
     """Write the folder of a failure; return lines with the first wrong frame, the folder and the command for a replay."""
     error = _error(execution)
+    lines = [f"SLAM under test: {execution.last.slam_name}"] if execution.last.slam_name else []
     unknown = execution.failure.unknown_figure if execution.failure else ""
-    lines = [f"note: {unknown}"] if unknown else []
+    lines += [f"note: {unknown}"] if unknown else []
     if execution.run is not None and isinstance(error, TypeError) and "NoneType" in str(error):
         lines.append("note: a figure is None if the SLAM makes no claim that it could be computed from")
     if isinstance(error, AttributeError | TypeError) and "Percept" in str(error):
@@ -134,6 +135,6 @@ def _outcome(execution: Execution, scenario: "Scenario") -> "FinishedRun | Crash
     from sim.harness.figures import evaluate
 
     if execution.run is None:
-        return Crash(scenario, _error(execution), execution.crashed_at)
+        return Crash(scenario, _error(execution), execution.crashed_at, execution.last.slam_name)
     result, trials = execution.last.result, execution.last.trials
     return FinishedRun(execution.run, result or evaluate(execution.run, trials), trials)

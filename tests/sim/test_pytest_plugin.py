@@ -155,6 +155,7 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
         [
             "RuntimeError: lost",
             '    test_slam.py:*: raise RuntimeError("lost")',
+            "SLAM under test: Lost",
             "first wrong: in * at 10.0 s: the SLAM raised in process()",
             "folder: kept/test_slam-TestLost-test_lost-*",
             "replay: pytest -p sim.pytest_plugin test_slam.py::TestLost::test_lost --lexis-replay kept/test_slam-*",
@@ -165,6 +166,7 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
         [
             "AssertionError: assert 0.* > 0.99",
             "    test_slam.py:*: assert run.labels.accuracy > float(*",
+            "SLAM under test: Stub",
             "first wrong: in * at * s: labelled kitchen, is *",
             "folder: kept/test_slam-test_labels-*",
             "replay: pytest -p sim.pytest_plugin test_slam.py::test_labels --lexis-replay kept/test_slam-test_labels-*",
@@ -179,6 +181,8 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
     assert {"scenario.json", "test_replay.py", "first-wrong-plan.png"} <= {path.name for path in lost.iterdir()}
     assert "RuntimeError: lost" in (lost / "failure-traceback.txt").read_text()
     assert "the SLAM raised in process()" in (lost / "why.md").read_text()
+    for page, slam in ((folder, "Stub"), (lost, "Lost")):
+        assert (page / "why.md").read_text().splitlines()[2] == f"SLAM under test: `{slam}`"
     claimed = json.loads((folder / "result.json").read_text())
     assert claimed["labels"]["accuracy"] < 0.99 and claimed["scenario"] == folder.name[-16:]
 
@@ -188,6 +192,7 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
             "*_ test_replay _*",
             f"AssertionError: assert {claimed['labels']['accuracy']} > 0.99",
             "    test_slam.py:*: assert run.labels.accuracy > float(*",
+            "SLAM under test: Stub",
             "first wrong: in * at * s: labelled kitchen, is *",
             f"folder: *kept/{folder.name}",
             "replay: pytest -p sim.pytest_plugin test_slam.py::test_labels --lexis-replay *",
@@ -279,6 +284,34 @@ def test_the_first_wrong_frame_is_wrong_for_the_figure_in_the_assertion(pytester
     for name in ("why.md", "report.html"):
         pages = [page.read_text() for page in sorted(pytester.path.glob(f"kept/*/{name}"))]
         assert "floor 9 claimed" in pages[0] and "m off" in pages[1]
+
+
+BEYOND = """
+class Beyond(Stub):
+    def finish(self):
+        estimate = super().finish()
+        return Estimate(estimate.frames + 10**6)
+
+@pytest.fixture
+def slam():
+    return Beyond()
+
+@small
+def test_beyond(run):
+    pass
+"""
+
+
+def test_claims_that_the_harness_refuses_are_shown_at_the_method_that_returned_them(pytester, inner):
+    pytester.makepyfile(test_slam=SLAM + BEYOND)
+    inner("--no-lexis-shrink").stdout.fnmatch_lines(
+        [
+            "sim.errors.ClaimError: estimate: frames has 1000000 in row 0; valid: 0 to *",
+            "    test_slam.py:*: def finish(self):",
+            "SLAM under test: Beyond",
+        ],
+        consecutive=True,
+    )
 
 
 DRIFTS = """
