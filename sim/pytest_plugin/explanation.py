@@ -20,16 +20,24 @@ if TYPE_CHECKING:
     from sim.harness.scenario import Scenario
 
 
-def add_text(item: pytest.Item, execution: Execution, report: pytest.TestReport, search: "Search | None" = None) -> None:
+def add_text(
+    item: pytest.Item,
+    execution: Execution,
+    report: pytest.TestReport,
+    search: "Search | None" = None,
+    problem: Exception | None = None,
+) -> None:
     """Write the folder of a failure, and add to the report what failed, where, in which folder, and how to replay it.
 
     For a decorated test this text replaces the traceback, unless the user has chosen a style with `--tb`. A test that is not
-    decorated keeps its traceback. `search` is the search that found the scenario, if there was one.
+    decorated keeps its traceback. `search` is the search that found the scenario, if there was one. `problem` is the
+    exception that ended the search without a result.
     """
     failure, scenario = execution.failure, execution.tested
     assert failure is not None and scenario is not None
     lines = [failure.message, f"    {failure.where}: {failure.statement}"]
-    rest = _lines(item, execution, scenario, search)
+    rest = [] if problem is None else [f"not shrunk: {one_line(f'{type(problem).__name__}: {problem}', 160)}"]
+    rest += _lines(item, execution, scenario, search)
     before = search.found if search is not None and search.found != failure.text else ""
     if family_of(item) is not None and item.config.option.tbstyle == "auto":
         original = [f"in the original scenario: {before.splitlines()[0]}"] if before else []

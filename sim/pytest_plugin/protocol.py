@@ -28,10 +28,13 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
     reports, execution = _within_budget(item, nextitem, family)
     original = execution.scenario
     if execution.failure is not None and original is not None:
-        search = None
+        search, problem = None, None
         if wants_to_shrink(item.config) and not execution.failure.unknown_figure:
-            execution, search = shrunk(item, nextitem, execution, original)
-        add_text(item, execution, next(report for report in reports if report.failed), search)
+            try:
+                execution, search = shrunk(item, nextitem, execution, original)
+            except Exception as error:  # whatever it is, the failure of the test must not be lost
+                problem = error
+        add_text(item, execution, next(report for report in reports if report.failed), search, problem)
     for report in reports:
         item.ihook.pytest_runtest_logreport(report=report)
     item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)

@@ -437,6 +437,23 @@ def test_a_failure_that_does_not_come_back_is_shown_as_it_was_found(pytester, in
     result.stdout.fnmatch_lines(["AssertionError: assert 1 > 1", "folder: .lexis-failures/test_slam-test_once-*"])
 
 
+def test_a_search_that_breaks_does_not_lose_the_failure(pytester, inner, monkeypatch):
+    def broken(*_):
+        raise RuntimeError("no smaller house")
+
+    monkeypatch.setattr(sim.harness.reducer, "reduce", broken)
+    pytester.makepyfile(test_slam=SLAM + DRIFTS)
+    result = inner()
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(
+        [
+            "AssertionError: assert 0.* > 2.0",
+            "not shrunk: RuntimeError: no smaller house",
+            "folder: .lexis-failures/test_slam-test_drift-*",
+        ]
+    )
+
+
 @pytest.mark.parametrize("in_ci", [False, True])
 def test_common_mistakes_cost_a_line_and_no_traceback(pytester, start, monkeypatch, in_ci):
     mistakes = """
