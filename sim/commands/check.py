@@ -70,7 +70,7 @@ def _check(arguments: argparse.Namespace) -> int:
     result = evaluate(finished, trials)
     if arguments.out is not None:
         write_run(finished, result, trials, arguments.out)
-    print_result(finished, result, nulls=False)
+    print_result(finished, result, nulls=False, keys=True)
     if arguments.out is not None:
         print(f"report: {arguments.out / 'report.html'}")
     failures = [line for claim in claims if (line := failure(claim, result))]

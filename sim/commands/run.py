@@ -89,13 +89,13 @@ def progress_bar(work: str) -> Iterator["Progress"]:
         yield lambda share: bar.update(task, completed=share)
 
 
-def print_result(finished: "Run", result: "RunResult", nulls: bool = True) -> None:
+def print_result(finished: "Run", result: "RunResult", nulls: bool = True, keys: bool = False) -> None:
     """Print the table of figures; on a wide terminal, the table also explains each figure.
 
-    Without `nulls`, figures that are None are left out.
+    Without `nulls`, figures that are None are left out. With `keys`, the table has the names of the figures in result.json.
     """
     from sim.report import result_table, result_title
 
     console, figures = Console(), result.data()
     print(result_title(figures, finished.house.spec.name))
-    console.print(result_table(figures, meanings=console.width >= _WIDE, nulls=nulls))
+    console.print(result_table(figures, meanings=console.width >= _WIDE, nulls=nulls, keys=keys))

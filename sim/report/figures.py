@@ -24,6 +24,8 @@ class Figure:
     name: str
     value: str
     meaning: str
+    key: str
+    """Name of the figure in result.json and in conditions, such as "rooms.pq"."""
 
 
 _SHARE, _COUNT, _METRES, _SECONDS, _SCORE = "{:.1%}", "{:,}", "{:.3f} m", "{:.2f} s", "{:.3f}"
@@ -187,10 +189,10 @@ def figures(result: Mapping[str, Any], section: str) -> list[Figure]:
         return _places(result)
     known, values = SECTIONS[section], result.get(section) or {}
     keys = [*(key for key in known if key in values), *(key for key in values if key not in known)]
-    rows = ((known.get(key, Definition(key.replace("_", " "), "{}")), values[key]) for key in keys)
+    rows = ((key, known.get(key, Definition(key.replace("_", " "), "{}")), values[key]) for key in keys)
     return [
-        Figure(definition.name, shown(value, definition.form), definition.meaning)
-        for definition, value in rows
+        Figure(definition.name, shown(value, definition.form), definition.meaning, f"{section}.{key}")
+        for key, definition, value in rows
         if not isinstance(value, Mapping | list | tuple | str)
     ]
 
@@ -202,6 +204,7 @@ def _places(result: Mapping[str, Any]) -> list[Figure]:
             f"found, N = {n}",
             f"{shown(counts.get('tp'), _COUNT)} of {shown(counts.get('possible'), _COUNT)}",
             f"queries with {n} or more right proposals, of those with {n} or more earlier keyframes within 1 m and 0.5 rad",
+            f"{PLACES}.{n}.tp",
         )
         for n, counts in (result.get(PLACES) or {}).items()
     ]

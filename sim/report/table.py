@@ -17,19 +17,23 @@ def result_title(result: Mapping[str, Any], house: str | None = None) -> str:
     return line.format_map(_Absent({**result, "house": result.get("preset") or house or "?"}))
 
 
-def result_table(result: Mapping[str, Any], meanings: bool = True, nulls: bool = True) -> Table:
+def result_table(result: Mapping[str, Any], meanings: bool = True, nulls: bool = True, keys: bool = False) -> Table:
     """Make a table of the figures of a result.json, for `rich.console.Console.print`.
 
-    `meanings` adds a column that explains the figures. Without `nulls`, figures that are null are left out.
+    `meanings` adds a column that explains the figures. Without `nulls`, figures that are null are left out. With `keys`, the
+    first column holds the names of the figures in result.json, such as "rooms.pq"; otherwise, it holds the sections.
     """
-    table = Table("", "figure", box=SIMPLE_HEAD)
+    table = Table(box=SIMPLE_HEAD)
+    table.add_column("name" if keys else "", no_wrap=keys)
+    table.add_column("figure")
     table.add_column("value", justify="right", no_wrap=True, style="bold")
     if meanings:
         table.add_column("meaning", style="dim")
     for section in SECTIONS:
-        rows = [row for row in figures(result, section) if nulls or row.value != MISSING]
+        rows = [row for row in figures(result, section) if nulls or not row.value.startswith(MISSING)]
         for i, row in enumerate(rows):
-            cells = (section.replace("_", " ") if i == 0 else "", row.name, row.value, row.meaning)
+            first = row.key if keys else section.replace("_", " ") if i == 0 else ""
+            cells = (first, row.name, row.value, row.meaning)
             table.add_row(*cells[: len(table.columns)], end_section=i == len(rows) - 1)
     return table
 

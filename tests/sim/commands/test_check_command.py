@@ -1,6 +1,7 @@
 """`lexis-sim check`: exit 0 if nothing failed, 1 with a line for each figure that failed, 2 for bad input."""
 
 import json
+import re
 import runpy
 import sys
 
@@ -51,7 +52,8 @@ def status_of(argv):
 def test_a_check_in_which_nothing_fails(capsys):
     assert status_of(["check", "--scenario", "scenario.json", *GEOMETRIC, "--fails", "floors.accuracy < 0.5"]) == 0
     printed = capsys.readouterr()
-    assert "panoptic quality" in printed.out and printed.err == ""
+    assert re.search(r"^ *rooms\.pq +panoptic quality +0\.\d+", printed.out, re.MULTILINE)
+    assert printed.err == ""
 
 
 def test_each_figure_that_fails_costs_one_line(capsys):

@@ -5,6 +5,7 @@ import io
 import pytest
 from rich.console import Console
 
+from sim.harness.claims import Claim
 from sim.report.figures import MISSING, SECTIONS, figures, shown
 from sim.report.table import result_table, result_title
 
@@ -60,6 +61,25 @@ def test_unknown_figures_are_shown_by_their_key_and_groups_are_left_out():
 @pytest.mark.parametrize(("preset", "name"), [("home", "home"), (None, "my [old] house")])
 def test_a_house_of_no_preset_goes_by_its_name(preset, name):
     assert result_title({"preset": preset, "seed": 3}, "my [old] house").startswith(f"house {name}, seed 3: ? encoder, ")
+
+
+def test_figures_that_are_null_can_be_left_out():
+    console = Console(width=140, record=True, file=io.StringIO())
+    nothing = {"loops": {"precision": None}, "place_recognition": {"3": {"tp": None, "possible": None}}}
+    console.print(result_table(nothing | {"rooms": {"pq": 0.5}}, nulls=False))
+    text = console.export_text()
+    assert "panoptic quality" in text and MISSING not in text
+
+
+def test_the_names_of_figures_are_those_of_conditions():
+    console = Console(width=80, record=True, file=io.StringIO())
+    figures_of_a_run = {section: dict.fromkeys(known, 0) for section, known in CONTRACT.items()}
+    figures_of_a_run["place_recognition"] = {"3": {"tp": 17, "fp": 150, "possible": 20}}
+    console.print(result_table(figures_of_a_run, meanings=False, keys=True))
+    named = [line.split()[0] for line in console.export_text().splitlines() if "." in line]
+    assert {"rooms.pq", "trajectory.rpe_24m_odometry_m", "place_recognition.3.tp"} <= set(named)
+    assert len(named) == sum(map(len, CONTRACT.values())) + 1
+    assert [str(Claim.parse(f"{name} < 1")) for name in named] == [f"{name} < 1" for name in named]
 
 
 def test_the_table_holds_every_figure():
