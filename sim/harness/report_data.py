@@ -38,6 +38,7 @@ def report_data(
         unseen_rooms=run.unseen_rooms,
         candidates=_candidates(run),
         failure=failure,
+        claims_poses=run.estimate.T_W_B is not None,
     )
 
 

@@ -209,6 +209,8 @@ class ReportData:
     candidates: tuple[CandidateMark, ...] = ()
     failure: ShownFailure | None = None
     """Why the run counts as a failure; None for a run without a verdict."""
+    claims_poses: bool = True
+    """Whether the SLAM claims poses. If not, the estimated poses of the keyframes are those of the odometry."""
 
     @property
     def claims_loops(self) -> bool:

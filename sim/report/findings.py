@@ -156,7 +156,7 @@ def _loops(data: ReportData) -> Iterator[Finding]:
 
 def _trajectory(data: ReportData) -> Iterator[Finding]:
     table = data.keyframes
-    if len(table.stamps) < LEAST_POSES:
+    if len(table.stamps) < LEAST_POSES or not data.claims_poses:
         return
     worst = int(np.argmax(table.estimated_errors))
     off, drift = table.estimated_errors[worst], table.odometry_errors[worst]

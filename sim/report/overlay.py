@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float, Float64, Int
 
 from sim.report.data import PlanPath, ReportData
 from sim.report.drawing import Mark
+from sim.report.palette import claimed_room_colours
 from worlds.truth import storey_of
 
 _HEADING_M = 0.28
@@ -24,7 +25,7 @@ def run_marks(data: ReportData, level: int, colours: Mapping[str, str]) -> list[
     return [
         *_trajectory(table.true_poses, table.storeys == level, "true"),
         *_trajectory(table.odometry_poses, table.storeys == level, "odometry"),
-        *_trajectory(table.estimated_poses, table.storeys == level, "estimated"),
+        *(_trajectory(table.estimated_poses, table.storeys == level, "estimated") if data.claims_poses else ()),
         *_plans(data, level),
         *_loops(data, level),
         *_keyframes(data, level, colours),
@@ -77,11 +78,15 @@ def _loops(data: ReportData, level: int) -> Iterator[Mark]:
 
 
 def _keyframes(data: ReportData, level: int, colours: Mapping[str, str]) -> Iterator[Mark]:
-    """Yield a dot in the colour of the predicted label at each keyframe's estimated position, with a tick for heading."""
-    table, wrong = data.keyframes, data.keyframes.wrong
+    """Yield a dot at each keyframe's estimated position, with a tick for heading.
+
+    The dot has the colour of the predicted label or, without any labels, of the claimed room.
+    """
+    table, wrong, rooms = data.keyframes, data.keyframes.wrong, claimed_room_colours(data.keyframes)
     for k in np.flatnonzero(table.storeys == level):
         pose = table.estimated_poses[k]
-        colour = colours[data.shown_labels[table.predicted_labels[k]]]
+        label = data.shown_labels[table.predicted_labels[k]]
+        colour = rooms[table.predicted_rooms[k]] if rooms else colours[label]
         yield Mark("line", "heading", pose[:2, 3] + np.outer([0, _HEADING_M], pose[:2, 0]), colour)
         style, text = "wrong" if wrong[k] else "right", describe(data, int(k))
         yield Mark("dot", style, pose[None, :2, 3], colour, text, keyframe=int(k))
@@ -96,6 +101,11 @@ def describe(data: ReportData, k: int) -> str:
         before = f" (before refinement {names[table.baseline_labels[k]]})" if table.is_labelled_before else ""
         parts.append(f"says {names[table.predicted_labels[k]]}{before}")
     if table.has_rooms:
-        parts.append(f"claimed room {table.predicted_rooms[k] or 'none'}")
-    parts.append(f"off by {table.estimated_errors[k]:.2f} m (odometry {table.odometry_errors[k]:.2f} m)")
+        parts.append(f"claimed room {table.predicted_rooms[k].removeprefix('room ') or 'none'}")
+    odometry = f"{table.odometry_errors[k]:.2f} m"
+    parts.append(
+        f"off by {table.estimated_errors[k]:.2f} m (odometry {odometry})"
+        if data.claims_poses
+        else f"odometry off by {odometry}"
+    )
     return " · ".join(parts)

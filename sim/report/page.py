@@ -12,12 +12,12 @@ from lexis.files.replace import replaced_file
 from sim.report.confusion import confusion
 from sim.report.data import NO_LABEL, UNKNOWN, ReportData, SampleFrame
 from sim.report.drawing import Drawing
-from sim.report.figures import SECTIONS, figure, figures, shown
+from sim.report.figures import PLACES, SECTIONS, figure, figures, shown
 from sim.report.findings import findings
 from sim.report.inline_image import data_uri
 from sim.report.loop_candidates import candidate_lists, reason_counts
 from sim.report.overlay import describe, run_marks
-from sim.report.palette import label_colours
+from sim.report.palette import claimed_room_colours, label_colours
 from sim.report.plan import plan_drawing
 from sim.report.svg import styles_css, to_svg
 from sim.report.timeline import LEFT, WIDTH, positions, timeline_svg
@@ -78,6 +78,9 @@ def render_report(data: ReportData) -> str:
         plan_css=styles_css("figure svg"),
         failed=data.failed,
         colours={name: colours[name] for name in _present(data)},
+        claimed_rooms={name or "no room": colour for name, colour in claimed_room_colours(data.keyframes).items()},
+        layers=_layers(data),
+        claims_poses=data.claims_poses,
         timeline=timeline_svg(data, colours),
         is_labelled=is_labelled,
         claims_loops=data.claims_loops,
@@ -85,7 +88,7 @@ def render_report(data: ReportData) -> str:
         right=right,
         wrong=wrong,
         sections=[(name, figures(claimed, name)) for name in SECTIONS if figures(claimed, name)],
-        place_recognition=result.get("place_recognition") or {},
+        place_recognition=claimed.get(PLACES) or {},
         reasons=reason_counts(data),
         candidate_lists=candidate_lists(data),
         per_room=(result.get("labels") or {}).get("per_room") or {},
@@ -96,9 +99,41 @@ def render_report(data: ReportData) -> str:
 
 
 def _without_nulls(result: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Return the sections of result.json without the figures that the run does not have."""
+    """Return the sections of result.json without the figures that the run does not have.
+
+    A section about plans is empty if no plan was requested.
+    """
     sections = {name: value for name, value in result.items() if isinstance(value, Mapping)}
-    return {name: {key: value for key, value in values.items() if value is not None} for name, values in sections.items()}
+    if not (sections.get("planning") or {}).get("queries"):
+        sections.pop("planning", None)
+    return {name: {key: value for key, value in values.items() if not _is_null(value)} for name, values in sections.items()}
+
+
+def _is_null(value: object) -> bool:
+    """Return whether a figure is null. A group of figures is null if it has figures and all of them are null."""
+    return value is None or (isinstance(value, Mapping) and bool(value) and all(map(_is_null, value.values())))
+
+
+def _layers(data: ReportData) -> list[tuple[str, str, bool]]:
+    """Return id, name and initial state of each switch that shows or hides a part of the plans.
+
+    There are no switches for what the SLAM does not claim.
+    """
+    loops, plans = data.claims_loops, bool(data.paths)
+    every = (
+        ("keyframes", "keyframes", True, True),
+        ("only-wrong", "only those with a wrong label", False, data.keyframes.is_labelled),
+        ("true", "true path", True, True),
+        ("odometry", "odometry", True, True),
+        ("estimated", "estimated path", True, data.claims_poses),
+        ("loop-true", "true loop edges", True, loops),
+        ("loop-false", "false loop edges", True, loops),
+        ("plan", "plans that arrived", False, plans),
+        ("plan-failed", "plans that failed", True, plans),
+        ("furniture", "furniture", True, True),
+        ("name", "names", True, True),
+    )
+    return [(key, name, on) for key, name, on, is_claimed in every if is_claimed]
 
 
 def _headlines(result: Mapping[str, Any]) -> list[Headline]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from sim.report.data import NO_LABEL
+from sim.report.data import NO_LABEL, KeyframeTable
 
 _USUAL = {
     "kitchen": "#e8891c",
@@ -48,3 +48,13 @@ def instance_colours(names: Iterable[str], none: str) -> dict[str, str]:
     names = tuple(dict.fromkeys(names))
     numbers = {name: i for i, name in enumerate(name for name in names if name != none)}
     return {name: _INSTANCES[numbers[name] % len(_INSTANCES)] if name in numbers else _USUAL[NO_LABEL] for name in names}
+
+
+def claimed_room_colours(table: KeyframeTable) -> dict[str, str]:
+    """Map the name of each claimed room to the colour of its keyframes, and "" to the colour of keyframes in no room.
+
+    Empty if keyframes have the colours of their labels, because there are labels, or if no rooms are claimed.
+    """
+    if table.is_labelled or not table.has_rooms:
+        return {}
+    return instance_colours(sorted(set(table.predicted_rooms), key=lambda name: (name == "", len(name), name)), "")

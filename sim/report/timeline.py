@@ -1,12 +1,13 @@
 """Draws a run over time: strips of true, baseline and refined labels, then wrong labels, position errors and loop edges."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 
 import numpy as np
 from jaxtyping import Float, Float64, Int
 
 from sim.report.data import ReportData
+from sim.report.palette import claimed_room_colours
 
 WIDTH = 1000.0
 LEFT = 84.0
@@ -27,7 +28,9 @@ def timeline_svg(data: ReportData, colours: Mapping[str, str]) -> str:
         rows["refined" if table.is_labelled_before else "claimed"] = table.predicted_labels
     body: list[str] = []
     for i, (name, labels) in enumerate(rows.items()):
-        body += _strip(i * (_STRIP + _GAP), name, labels, edges, data.shown_labels, colours)
+        body += _strip(i * (_STRIP + _GAP), name, labels, data.shown_labels, edges, colours)
+    if rooms := claimed_room_colours(table):
+        body += _strip(len(rows) * (_STRIP + _GAP), "claimed", *_numbered(table.predicted_rooms), edges, rooms)
     if table.is_labelled:
         body += _wrong(3 * (_STRIP + _GAP), edges, data)
     body += _error_chart(data)
@@ -52,8 +55,8 @@ def _edges(stamps: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n_plus_1"]:
 
 
 def _strip(
-    y: float, name: str, labels: Int[np.ndarray, "n"], edges: Float64[np.ndarray, "m"],
-    label_names: tuple[str, ...], colours: Mapping[str, str],
+    y: float, name: str, labels: Int[np.ndarray, "n"], label_names: Sequence[str],
+    edges: Float64[np.ndarray, "m"], colours: Mapping[str, str],
 ) -> Iterator[str]:  # fmt: skip
     yield _row_name(name, y + _STRIP / 2)
     starts = np.concatenate([[0], np.flatnonzero(np.diff(labels)) + 1])
@@ -61,8 +64,14 @@ def _strip(
         label = label_names[labels[start]]
         yield (
             f'<rect x="{edges[start]:.1f}" y="{y:.1f}" width="{edges[stop] - edges[start]:.1f}" height="{_STRIP}" '
-            f'fill="{colours[label]}"><title>{name}: {escape(label)}</title></rect>'
+            f'fill="{colours[label]}"><title>{name}: {escape(label or "none")}</title></rect>'
         )
+
+
+def _numbered(rooms: Sequence[str]) -> tuple[Int[np.ndarray, "n"], list[str]]:
+    """Return the rooms as indices into a list of their names."""
+    names, numbers = np.unique(np.array(rooms), return_inverse=True)
+    return numbers, names.tolist()
 
 
 def _wrong(y: float, edges: Float64[np.ndarray, "m"], data: ReportData) -> Iterator[str]:
@@ -79,7 +88,10 @@ def _error_chart(data: ReportData) -> Iterator[str]:
         y = _CHART_TOP + _CHART * (1 - fraction)
         yield f'<line class="grid" x1="{LEFT}" x2="{WIDTH - 6}" y1="{y:.1f}" y2="{y:.1f}"/>'
         yield f'<text class="tick" x="{LEFT - 8}" y="{y + 4:.1f}" text-anchor="end">{fraction * top:g} m</text>'
-    for name, errors in (("odometry", table.odometry_errors), ("estimated", table.estimated_errors)):
+    curves = {"odometry": table.odometry_errors, "estimated": table.estimated_errors}
+    for name, errors in curves.items():
+        if name == "estimated" and not data.claims_poses:
+            continue
         points = _points(x, _CHART_TOP + _CHART * (1 - errors / top))
         yield f'<polyline class="error-{name}" points="{points}"><title>position error, {name}</title></polyline>'
 

@@ -245,6 +245,65 @@ def test_what_the_slam_does_not_claim_is_left_out(rng):
     assert "0.100 m" in page and page.count("<dt>") == 1
 
 
+def rooms_only(data: ReportData) -> ReportData:
+    """The same walk with a SLAM that claims rooms without labels, and no loops; the last keyframe is in no room."""
+    table = data.keyframes
+    rooms = (*(f"room {k // 10}" for k in range(len(table.stamps) - 1)), "")
+    return replace(silent(data), keyframes=replace(silent(data).keyframes, predicted_rooms=rooms))
+
+
+def test_without_labels_the_dots_have_the_colours_of_the_claimed_rooms(rng):
+    data = rooms_only(example(rng))
+    dots = [mark for level in (0, 1) for mark in run_marks(data, level, {NO_LABEL: "#000000"}) if mark.kind == "dot"]
+    colours = dict(zip(data.keyframes.predicted_rooms, [mark.colour for mark in dots], strict=True))
+    assert len(set(colours.values())) == len(colours) == 5
+    for mark, room in zip(dots, data.keyframes.predicted_rooms, strict=True):
+        assert mark.colour == colours[room] and mark.style == "right"
+    page = render_report(data)
+    assert all(f'"background:{colour}"' in page for colour in colours.values())
+    for text in (
+        "that of its claimed room",
+        ">claimed</text>",
+        ">no room</li>",
+        "claimed room 0 ·",
+        "claimed room none ·",
+    ):
+        assert text in page
+    assert "room room" not in page and "label of the true room" in page
+    assert ">claimed</text>" not in render_report(example(rng))
+
+
+def test_layers_and_tables_of_what_is_not_claimed_are_hidden(rng):
+    nulls = {"tp": None, "fp": None, "possible": None, "precision": None}
+    data = rooms_only(example(rng))
+    data = replace(data, result={**data.result, "place_recognition": {"1": nulls, "3": nulls}, "planning": {"queries": 0}})
+    page = render_report(data)
+    for text in ("only those with a wrong label", "loop edges", "plans that", "Place recognition", "found, N", "queries"):
+        assert text not in page
+    counts = {"place_recognition": {"1": {"tp": 3, "fp": 1, "possible": 5, "precision": 0.75}}, "planning": {"queries": 2}}
+    shown = render_report(replace(example(rng), result={**data.result, **counts}))
+    for text in (
+        "only those with a wrong label",
+        "true loop edges",
+        "plans that failed",
+        "Place recognition",
+        "found, N = 1",
+    ):
+        assert text in shown
+
+
+def test_without_poses_the_dots_are_at_the_positions_of_the_odometry_and_nothing_is_said_to_be_estimated(rng):
+    data = rooms_only(example(rng))
+    data = replace(
+        data, claims_poses=False, keyframes=replace(data.keyframes, estimated_poses=data.keyframes.odometry_poses)
+    )
+    assert not any(mark.style == "estimated" for mark in run_marks(data, 0, {NO_LABEL: "#000000"}))
+    page = render_report(data)
+    body = " ".join(page[page.index("<body>") : page.index("<script")].split())
+    assert "estimated" not in body and "at the positions of the odometry" in body and "odometry off by " in body
+    assert not any("position error" in finding.text for finding in findings(data))
+
+
 def test_a_slam_that_claims_to_close_no_loop_is_told_of_it(rng):
     data = silent(example(rng))
     none = replace(data, result={**data.result, "loops": {"verified": 0}})
