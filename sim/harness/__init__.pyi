@@ -19,6 +19,7 @@ from .results import RunResult as RunResult
 from .runner import Run as Run
 from .runner import run as run
 from .scenario import Scenario as Scenario
+from .slam_under_test import CommandSlam as CommandSlam
 from .slam_under_test import SlamUnderTest as SlamUnderTest
 from .walk import Walk as Walk
 from .world_tests import worlds as worlds

@@ -85,6 +85,20 @@ class SavesFiles(Protocol):
         """Write files into `folder`. The harness calls this method after `finish`."""
 
 
+@dataclass(frozen=True)
+class CommandSlam:
+    """A program that has run. It takes the place of a SLAM object in `Run.slam`, and saves what the program printed."""
+
+    command: str
+    stdout: bytes
+    stderr: bytes
+
+    def save(self, folder: Path) -> None:
+        """Write what the program printed to `program.out` and `program.err`."""
+        (folder / "program.out").write_bytes(self.stdout)
+        (folder / "program.err").write_bytes(self.stderr)
+
+
 @dataclass(frozen=True, eq=False)
 class FeatureInput:
     """What the harness gives to a SLAM in a run of fidelity "features": the feature model and a loop verifier.

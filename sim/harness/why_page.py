@@ -15,7 +15,7 @@ from sim.harness.nearest_changes import nearest
 from sim.harness.reducer import Reduction
 from sim.harness.reductions import ScenarioSize, difference, relabelled_rooms
 from sim.harness.runner import Run, scene_of
-from sim.programs.command import CommandSlam
+from sim.harness.slam_under_test import CommandSlam
 from sim.render.image_files import encoded
 from sim.report.frame_picture import FrameClaims, camera_image, place_image
 from sim.session import Session

@@ -1,3 +1,2 @@
-from .command import CommandSlam as CommandSlam
 from .command import Program as Program
 from .command import run_command as run_command

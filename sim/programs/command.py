@@ -20,6 +20,7 @@ from sim.errors import ClaimError, ProgramError, SimError
 from sim.harness.last_run import last_run
 from sim.harness.runner import Given, Progress, Run
 from sim.harness.scenario import Scenario
+from sim.harness.slam_under_test import CommandSlam
 from sim.programs.program_files import AT_REST, RecordedTimes, read_estimate
 from sim.record.recording import check_format, write_take
 from sim.record.take import RecordedFrame, Take, prepare
@@ -30,20 +31,6 @@ TIMEOUT_S, MEMORY_MB = 600.0, 8192.0
 DATASET, OUT = "{dataset}", "{out}"
 """Placeholders in a command for the folder of the recording and the folder of the claims."""
 _KEPT_BYTES = 1_000_000
-
-
-@dataclass(frozen=True)
-class CommandSlam:
-    """A program that has run. It takes the place of a SLAM object in `Run.slam`, and saves what the program printed."""
-
-    command: str
-    stdout: bytes
-    stderr: bytes
-
-    def save(self, folder: Path) -> None:
-        """Write what the program printed to `program.out` and `program.err`."""
-        (folder / "program.out").write_bytes(self.stdout)
-        (folder / "program.err").write_bytes(self.stderr)
 
 
 @dataclass(frozen=True)

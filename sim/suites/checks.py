@@ -22,9 +22,9 @@ from sim.harness.last_run import last_run
 from sim.harness.results import RunResult
 from sim.harness.runner import Progress, Run, run
 from sim.harness.scenario import Scenario
-from sim.harness.slam_under_test import SlamUnderTest, check_slam_methods
+from sim.harness.slam_under_test import CommandSlam, SlamUnderTest, check_slam_methods
 from sim.harness.walk import walk
-from sim.programs.command import CommandSlam, Program
+from sim.programs.command import Program
 from sim.suites.agreement import ClaimAgreement, agreement
 from sim.suites.changed_stream import changed
 from sim.suites.stream_changes import StreamChange
