@@ -136,8 +136,15 @@ def _compared(substitution: Substitution, fails: Fails, signature: Signature | N
     """
     found = fails(substitution.scenario)
     if found is not None and found != signature:
-        return BlameRow(substitution.name, "cannot be told", detail=f"it fails differently: {found}")
+        return BlameRow(substitution.name, "cannot be told", detail=_differently(found, signature))
     return BlameRow(substitution.name, "mends" if found is None else "does not mend")
+
+
+def _differently(found: Signature, signature: Signature | None) -> str:
+    """Return why a failure with another signature than `signature` tells nothing about the blame."""
+    if signature is not None and found == signature.unavoidable:
+        return "a good SLAM fails there, too"
+    return f"it fails differently: {found}"
 
 
 def _lexis_of(scenario: Scenario, test: FailureTest) -> Lexis:
@@ -201,8 +208,8 @@ def _judged(substitution: Substitution, test: FailureTest, signature: Signature 
     observed = changed.observe(substitution.scenario)
     if observed.value is None:
         return BlameRow(name, "cannot be told", detail=f"{changed.claim.figure} is null")
-    if observed.signature not in (None, signature):
-        return BlameRow(name, "cannot be told", observed.value, "a good SLAM fails there, too")
+    if observed.signature is not None and observed.signature != signature:
+        return BlameRow(name, "cannot be told", observed.value, _differently(observed.signature, signature))
     return BlameRow(name, "does not mend" if observed.signature else "mends", observed.value)
 
 

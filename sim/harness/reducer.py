@@ -32,7 +32,8 @@ Clock = Callable[[], float]
 """A function that returns the time [s], like `time.monotonic`."""
 Ending = Literal["smallest", "deadline", "interrupted"]
 """Why a search ended: no step led to a smaller failure, time was up, or the user interrupted it."""
-Outcome = Literal["fails", "passes", "fails differently", "cannot run", "invalid"]
+Outcome = Literal["fails", "passes", "unavoidable", "fails differently", "cannot run", "invalid"]
+"""What a candidate does. "unavoidable": it fails in the same way, but so does a good SLAM; see `Signature.unavoidable`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +77,8 @@ class Reduction:
     candidate passed."""
     tried: int
     """Number of candidates that were tried; equal candidates count once."""
+    unavoidable: int
+    """Number of these candidates that do not count, because a good SLAM fails there, too."""
     ended: Ending
     """Why the search ended."""
     searched_on: Fidelity
@@ -99,12 +102,15 @@ class Reduction:
             "interrupted": "the search was interrupted, so a smaller one may exist",
         }[self.ended]
         how = f"{self.tried} candidates, {len(self.accepted)} steps; {why}."
+        if self.unavoidable:
+            how += f" {self.unavoidable} candidates do not count, because a good SLAM fails there, too."
         if self.original.fidelity != "render":
             return how
         if self.searched_on == "render":
             reason = {
                 None: "nothing was run on feature fidelity",
                 "cannot run": "the SLAM cannot run on feature fidelity",
+                "unavoidable": "a good SLAM fails on feature fidelity, too",
                 "fails": "no smaller scenario was found that fails on feature fidelity and on images",
             }.get(self.on_features, "the failure does not exist on feature fidelity")
             return f"{how} The search ran on rendered images, because {reason}."
@@ -248,6 +254,8 @@ class _Search:
             return "cannot run"
         if signature is None:
             return "passes"
+        if signature == self.signature.unavoidable:
+            return "unavoidable"
         return "fails" if signature == self.signature else "fails differently"
 
     def descend_on_features(self, start: Scenario, found: list[Change], path: list[Change]) -> None:
@@ -291,6 +299,7 @@ class _Search:
             tuple(self._passing(best)),
             self.last_passing,
             len(self.outcomes),
+            list(self.outcomes.values()).count("unavoidable"),
             ended,
             "features" if on_features else original.fidelity,
             not unconfirmed,
