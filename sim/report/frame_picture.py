@@ -100,6 +100,8 @@ def _dot_entries(claims: FrameClaims, shown: Bool[np.ndarray, "n"]) -> Iterator[
     present = {claims.groups[k] for k in np.flatnonzero(shown)}
     listed = [LegendEntry("dot", "right", group, colour) for group, colour in claims.colours.items() if group in present]
     yield from listed[:_LISTED]
+    if len(listed) > _LISTED:
+        yield LegendEntry("dot", "right", f"and {len(listed) - _LISTED} more", "#ffffff")
     if claims.wrong is not None and (claims.wrong & shown).any():
         yield LegendEntry("dot", "wrong", "ringed: wrong")
 

@@ -65,6 +65,13 @@ def test_every_frame_is_a_dot_in_the_colour_of_its_claim_at_its_true_position(se
     assert "ringed: wrong" in [entry.text for entry in legend]
 
 
+def test_the_legend_says_how_many_claims_it_leaves_out(session, claims):
+    groups = tuple(f"room {k}" for k in range(len(claims.groups)))
+    many = replace(claims, groups=groups, colours=dict.fromkeys(groups, "#0072b2"))
+    shown = [entry.text for entry in frame_marks(session, FRAME, many)[1]]
+    assert len(groups) > 12 and f"and {len(groups) - 12} more" in shown and "room 12" not in shown
+
+
 def test_a_turned_estimate_has_another_line_of_sight(session, claims):
     claims = replace(claims, groups=())
     turned = claims.T_W_B.copy()
