@@ -28,7 +28,7 @@ _FITS_M, _FITS_RAD = 0.06, 0.02
 _FITTING_SHARE, _FITTING_LOOPS = 0.5, 5
 """Least share of the fitting loops that has to be trusted, and least number of fitting loops for a judgement. LEXIS trusts
 all fitting loops."""
-_LAST_M, _LAST_FIT_M, _LAST_RATIO = 1.0, 0.07, 2.5
+_LAST_M, _LAST_FIT_M, _LAST_RATIO = 1.0, 0.07, 2.0
 """Length of the end of the walk [m]; largest typical difference there between a trusted loop closure and the poses that it
 joins [m]; and how many times the typical difference of the other trusted loop closures it may be, for SLAMs whose loop
 closures are less accurate. The typical difference is the median. For LEXIS it is at most 0.056 m in 98 % of the runs."""

@@ -4,7 +4,7 @@ import math
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
 from typing import Any, Literal
@@ -13,7 +13,7 @@ from sim.harness.results import RunResult
 from sim.harness.runner import Progress
 from sim.programs.command import Program
 from sim.suites.catalogue import suite_named
-from sim.suites.checks import NewSlam
+from sim.suites.checks import ClaimCheck, NewSlam
 from sim.suites.examination import COMPLETES, Examination, examinations, jobs_of
 from sim.suites.suite import Suite, SuitePart
 from sim.suites.suite_means import SuiteMean
@@ -25,6 +25,8 @@ checks of a suite failed LEXIS for five of eight seeds."""
 SEED = 7
 """Default seed of the scenarios of a suite; `lexis-sim check --suite` uses the same."""
 SuiteOutcome = Literal["holds", "fails", "undecided", "not claimed", "not examined"]
+ALL_PARTS = "all parts"
+"""Stands for the name of a part in a verdict about the scenarios of several parts."""
 _EXAMPLES = 3
 """Number of failing scenarios that the text of a report names for each check."""
 
@@ -104,7 +106,9 @@ class CheckVerdict:
     def _independent(self) -> Iterator[bool]:
         """Yield, for each complete group of scenarios, whether the check holds in at least half of the group's scenarios."""
         last = len(self.examined) - 1
-        for group, members in groupby(enumerate(self.examined), lambda row: row[1].number // self.part.group):
+        for (_, group), members in groupby(
+            enumerate(self.examined), lambda row: (row[1].part, row[1].number // self.part.group)
+        ):
             rows = list(members)
             end = min((group + 1) * self.part.group, self.part.n) - 1
             if rows[-1][0] == last and rows[-1][1].number < end:
@@ -123,8 +127,8 @@ class SuiteReport:
 
     @cached_property
     def verdicts(self) -> tuple[CheckVerdict, ...]:
-        """One verdict for each check of each part, in the order of the suite."""
-        return tuple(verdict for part in self.suite.parts for verdict in self._of_part(part))
+        """One verdict for each check of each part, in the order of the suite, and one for each law that parts share."""
+        return (*(verdict for part in self.suite.parts for verdict in self._of_part(part)), *self._of_shared_laws())
 
     @property
     def failed(self) -> tuple[CheckVerdict, ...]:
@@ -174,6 +178,24 @@ class SuiteReport:
         for name, says, rate in rows + [(check.name, check.says, check.rate) for check in part.checks]:
             told = tuple(each for each in own if name in each.findings and each.findings[name].holds is not None)
             yield CheckVerdict(part, name, says, rate, told, bool(own))
+
+    def _of_shared_laws(self) -> Iterator[CheckVerdict]:
+        """Yield a verdict for each law with a rate that several parts have, over the scenarios of all these parts.
+
+        A law that is broken now and then shows sooner in all scenarios together than in the few of one part. Parts with
+        groups of scenarios are left out.
+        """
+        parts = [part for part in self.suite.parts if part.group == 1]
+        laws = {check.name: check for part in parts for check in part.checks if not isinstance(check, ClaimCheck)}
+        for name, law in laws.items():
+            sharing = [part for part in parts if law in part.checks]
+            if law.rate is None or len(sharing) < 2:
+                continue
+            about = f"The scenarios of {', '.join(part.name for part in sharing)}."
+            whole = replace(sharing[0], name=ALL_PARTS, about=about, checks=(law,), n=sum(part.n for part in sharing))
+            own = tuple(each for each in self.examined if each.part in {part.name for part in sharing})
+            told = tuple(each for each in own if name in each.findings and each.findings[name].holds is not None)
+            yield CheckVerdict(whole, name, law.says, law.rate, told, bool(own))
 
 
 def check_slam(

@@ -98,7 +98,7 @@ def _written(verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: R
     else:
         reduction = smallest_failure(check, scenario, new_slam)
         imports = "" if replay == LEXIS_REPLAY else replay.imports
-        names = {"name": verdict.name, "part": verdict.part.name, "check": verdict.check}
+        names = {"name": verdict.name, "part": verdict.failures[0].part, "check": verdict.check}
         measured = finding(check, reduction.scenario, new_slam).measured
         with replaced_folder(folder, SCENARIO) as beside:
             reduction.scenario.save(beside / SCENARIO)

@@ -502,6 +502,24 @@ def test_one_of_several_failed_claims_about_a_figure_is_searched(tmp_path, capsy
     assert [folder.name for folder in tmp_path.iterdir()] == ["flat-labels.accuracy-1.1"]
 
 
+def test_a_law_that_is_broken_now_and_then_shows_in_all_parts_together():
+    law = replace(ORIGIN, rate=0.95)
+    parts = tuple(SuitePart(name, "", flat, (law,), n=20) for name in ("first", "second", "third"))
+    suite = Suite("three", "", parts)
+
+    def report(broken):
+        """One scenario in `broken` breaks the law, in each part; the parts take turns."""
+        jobs = jobs_of(suite, seed=0)
+        held = {job: job.number % broken != broken - 1 for job in jobs}
+        found = (Examination(j.part.name, j.number, OPEN_FLAT, None, {law.name: CheckFinding(held[j], "")}) for j in jobs)
+        return SuiteReport(suite, 0, tuple(found))
+
+    assert [each.name for each in report(5).failed] == ["all parts: origin"]
+    assert not report(20).failed
+    alone = SuiteReport(replace(suite, parts=parts[:1]), 0, ())
+    assert [each.name for each in alone.verdicts if each.check == law.name] == ["first: origin"]
+
+
 def test_an_exception_is_reported_with_the_line_of_the_slam_that_raises_it():
     (found,) = check_slam(Broken, FLAT, stop_at_failure=True).failed[0].failures
     assert re.search(r"the SLAM raises RuntimeError: .*, in test_check_slam\.py:\d+$", found.findings[COMPLETES].measured)
