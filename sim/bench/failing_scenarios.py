@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from lexis.errors import LexisError
-from sim.bench.planted_bugs import BUGS, no_bug, planted
+from sim.bench.planted_bugs import BUGS, MENDED, planted
 from sim.errors import SimError
 from sim.faults import parse_fault
 from sim.fidelity import ORACLE
@@ -82,6 +82,7 @@ FAMILIES = (
     Family("twins", "rooms.merges > 0", 2),
     Family("revisits", "rooms.splits > 0", 2),
     Family("drift", "trajectory.ate_m > 0.05", 1, settings=MappingProxyType({"odometry": "degraded"})),
+    Family("wrong side", "trajectory.ate_m > 1.01 * trajectory.ate_odometry_m", 1),
     Family("kidnap", "trajectory.ate_m > 0.3", 1, settings=_faulty("kidnap:10,skip_s=8")),
     Family("gaps", "trajectory.ate_m > 0.3", 1, settings=_faulty("dropped:0.3,burst=5")),
     Family("long walks", "trajectory.ate_m > 0.3", 1),
@@ -104,7 +105,7 @@ def failing_scenario(family: Family, seed: int, number: int, most_rooms: int) ->
     for _ in range(_DRAWS):
         try:
             scenario = _drawn(family, most_rooms, rng)
-            if test(scenario) is not None and replace(test, runner=planted(no_bug))(scenario) is None:
+            if test(scenario) is not None and replace(test, runner=planted(BUGS[MENDED]))(scenario) is None:
                 return scenario
         except (SimError, WorldsError, LexisError):  # a walk too short for the house, or no room for so many storeys
             continue

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int
 
 from lexis.maths.paths import arc_length
+from lexis.maths.se3 import between
 from lexis.types import Camera, Observation
 from sim.harness.crash import Runner
 from sim.harness.estimate import Estimate
@@ -32,6 +33,7 @@ _LONG_M = 30.0
 _JUMP_M = 1.0
 _GAP_S = 1.2
 _TILT_RAD = 0.01
+_OFF_M = 0.005
 
 
 class _NoClaims:
@@ -66,6 +68,14 @@ def planted(bug: Bug) -> Runner:
 def no_bug(run: Run) -> Estimate:
     """Claim true poses, labels, rooms and floors."""
     return replace(run.estimate, T_W_B=run.true_poses, labels=run.true_labels, rooms=run.true_rooms, floors=run.true_storeys)
+
+
+def small_errors(run: Run) -> Estimate:
+    """Claim the truth, but positions that are 5 mm too high or too low in turn, since no real SLAM is exact."""
+    poses = run.true_poses.copy()
+    poses[::2, 2, 3] += _OFF_M
+    poses[1::2, 2, 3] -= _OFF_M
+    return replace(no_bug(run), T_W_B=poses)
 
 
 def open_plan(run: Run) -> Estimate:
@@ -141,6 +151,14 @@ def drift(run: Run) -> Estimate:
     return replace(no_bug(run), T_W_B=run.odometry_poses)
 
 
+def wrong_side(run: Run) -> Estimate:
+    """Claim the truth, but add up the steps of the odometry in the frame of the world instead of that of the body."""
+    poses = run.odometry_poses
+    for k, step in enumerate(between(poses[:-1], poses[1:])):
+        poses[k + 1] = step @ poses[k]
+    return replace(no_bug(run), T_W_B=poses)
+
+
 def kidnap(run: Run) -> Estimate:
     """Claim the truth, but miss every step of more than a metre that the odometry does not report."""
     jumps = (_steps_m(run.true_poses) > _JUMP_M) & (_steps_m(run.odometry_poses) < _JUMP_M)
@@ -184,16 +202,18 @@ BUGS: Mapping[str, Bug] = MappingProxyType(
     {
         bug.__name__.replace("_", " "): bug
         for bug in (
-            no_bug,
+            *(no_bug, small_errors),
             *(open_plan, small_rooms, corners, clutter),
             *(floors, third_floor),
             *(ring, twins, revisits),
-            *(drift, kidnap, gaps, long_walks, gait),
+            *(drift, wrong_side, kidnap, gaps, long_walks, gait),
             *(wet_rooms, nan_poses),
         )
     }
 )
 """All planted bugs by name: no bug, bugs of labels, floors, room instances and poses, and bugs that raise an exception."""
+MENDED = "small errors"
+"""The bug of a SLAM that counts as mended, a key of `BUGS`."""
 
 
 def _indices(run: Run) -> dict[str, int]:

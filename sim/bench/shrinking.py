@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from sim.bench.failing_scenarios import FAMILIES, Family, failing_scenario
+from sim.bench.planted_bugs import MENDED
 from sim.harness.blame_table import BlameTable
 from sim.harness.failure_folder import Replay, write_failure
 from sim.harness.failure_signature import FailureTest
@@ -24,7 +25,6 @@ from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
 from sim.processes import process_pool
 
-_NO_BUG = "no bug"
 _PYTEST_FAILED = 1
 """Exit status with which pytest says that a test failed."""
 
@@ -133,8 +133,8 @@ def broken_laws(reduction: Reduction, test: FailureTest, bug: str, folder: Path,
     """Yield the laws that a reduction breaks, in words, and write its failure folder to `folder`.
 
     The laws: the smallest scenario is valid, fails with the signature of the original, and is no larger than the original.
-    The test in the folder fails, but passes for a SLAM without the bug. If `own_pytest`, the test also fails if pytest runs
-    it in another process.
+    The test in the folder fails, but passes for a SLAM that has small errors instead of the bug. If `own_pytest`, the test
+    also fails if pytest runs it in another process.
     """
     if not is_valid(reduction.scenario):
         yield "valid: the house of the smallest scenario breaks a rule"
@@ -156,7 +156,7 @@ def broken_replays(folder: Path, bug: str, own_pytest: bool) -> Iterator[str]:
     if not _fails(replay):
         yield "replays: test_replay.py passes, although the bug is there"
     mended = folder / "test_mended.py"
-    mended.write_text(replay.read_text().replace(repr(bug), repr(_NO_BUG)))
+    mended.write_text(replay.read_text().replace(repr(bug), repr(MENDED)))
     if _fails(mended):
         yield "replays: test_replay.py fails without the bug"
     if own_pytest and (status := _pytest_status(replay)) != _PYTEST_FAILED:
