@@ -18,8 +18,8 @@ import numpy as np
 from sim.bench.failing_scenarios import FAMILIES, Family, failing_scenario
 from sim.bench.planted_bugs import MENDED
 from sim.harness.blame_table import BlameTable
-from sim.harness.failure_folder import Replay, write_failure
 from sim.harness.failure_signature import FailureTest
+from sim.harness.failures.failure_folder import Replay, write_failure
 from sim.harness.reducer import Reduction, is_valid, reduce
 from sim.harness.scenario import Scenario
 from sim.harness.walk import walk

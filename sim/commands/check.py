@@ -80,9 +80,9 @@ def _check(arguments: argparse.Namespace) -> int:
 
 def _crashed(crash: "Crash", arguments: argparse.Namespace) -> int:
     """Print the traceback of a crash and one line about it, and write its folder if `--out` is given; return status 1."""
-    from sim.harness.failure_folder import replay_test
+    from sim.harness.failures.failure_folder import replay_test
+    from sim.harness.failures.why_page import crash_page
     from sim.harness.outputs import write_crash
-    from sim.harness.why_page import crash_page
 
     print(crash.traceback, end="", file=sys.stderr)
     print(one_line(f"failed: {crash.sentence}", MAX_LINE), file=sys.stderr)

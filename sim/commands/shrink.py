@@ -40,8 +40,8 @@ def add_to(commands: Commands) -> None:
 
 def _shrink(arguments: argparse.Namespace) -> int:
     from sim.harness import Scenario, blame
-    from sim.harness.failure_folder import write_failure
     from sim.harness.failure_signature import FailureTest, check_fails
+    from sim.harness.failures.failure_folder import write_failure
     from sim.harness.outputs import MARKERS
     from sim.harness.reducer import DEADLINE_S, reduce
     from sim.harness.reductions import STEPS

@@ -16,7 +16,7 @@ from sim.errors import SimError
 if TYPE_CHECKING:
     from sim.harness.claims import Claim
     from sim.harness.crash import Runner
-    from sim.harness.failure_folder import Replay
+    from sim.harness.failures.failure_folder import Replay
     from sim.harness.slam_under_test import SlamUnderTest
     from sim.programs.command import Program
 
@@ -76,7 +76,7 @@ def replay_of(arguments: argparse.Namespace) -> "Replay":
 
     The test has to be started in the folder in which this command was started.
     """
-    from sim.harness.failure_folder import LEXIS_REPLAY, Replay
+    from sim.harness.failures.failure_folder import LEXIS_REPLAY, Replay
 
     if arguments.program is not None:
         given = ", ".join(map(repr, (arguments.program, *_settings(arguments))))

@@ -14,13 +14,12 @@ which `report_data` prepares the data.
 `crash` runs a SLAM, and distinguishes a crash of the SLAM from a scenario that cannot be run.
 
 `failure_signature` says whether and how a run fails, and `good_slam` whether a good SLAM fails there, too. `reducer`
-finds the smallest scenario that fails in the same way, by the steps of `reductions` and `house_reductions`.
-`blame_table` replaces one part of the run at a time to find the part that causes the failure. `failure_folder` writes
-these results to a folder, with the page why.md that `why_page` makes.
+finds the smallest scenario that fails in the same way, by the steps of `reductions` and `house_reductions`. `blame_table`
+replaces one part of the run at a time to find the part that causes the failure, and `nearest_changes` finds the smallest
+changes by which it goes away. The package `failures` writes all this into a folder.
 
 `world_tests` holds the decorator `worlds` for tests in pytest; the plugin `sim.pytest_plugin` runs the decorated tests.
-`first_wrong` finds where in a run the SLAM first went wrong, and `claimed_frames` what a plan shows of its claims.
-`failed_test` writes the files that replay a failed test. Through `last_run` the plugin learns which run a test has started.
+Through `last_run` the plugin learns which run a test has started.
 """
 
 import lazy_loader

@@ -5,9 +5,9 @@ from .claims import Claim as Claim
 from .estimate import Estimate as Estimate
 from .estimate import LoopClaims as LoopClaims
 from .estimate import VerdictClaim as VerdictClaim
-from .failure_folder import write_failure as write_failure
 from .failure_signature import FailureTest as FailureTest
 from .failure_signature import Signature as Signature
+from .failures.failure_folder import write_failure as write_failure
 from .figures import check as check
 from .figures import evaluate as evaluate
 from .outputs import write_run as write_run

@@ -29,8 +29,8 @@ _ERRORS = ("ate_m", "rpe_8m_m", "rpe_24m_m")
 _REVISIT = PlaceRecognitionConfig(min_gap_s=20.0, min_gap_m=10.0)
 """Least time and path between the two frames of a loop. They are twice those of LEXIS, so that a revisit which the good SLAM
 needs is one that other SLAMs notice, too."""
-_STEP_SIGMA = np.repeat([0.01, 0.02], 3)
-"""Standard deviation of the odometry after 1 m of path [rad, m], as a random walk."""
+_STEP_SIGMA = np.repeat([0.004, 0.03], 3)
+"""Standard deviation of the odometry after 1 m of path [rad, m], as a random walk: roughly that of the preset multicam."""
 _LEAST_M = 0.01
 """Least length of a step of the odometry for its covariance [m], which may not be zero."""
 _LOOP_SIGMA = np.repeat([VerificationConfig.rotation_sigma_rad, VerificationConfig.translation_sigma_m], 3)

@@ -114,7 +114,7 @@ class Execution:
     @property
     def first_wrong(self) -> str:
         """Room, time and kind of the first error that affects the figure of the failure, as text; "" if it is not known."""
-        from sim.harness.first_wrong import crash_frame, first_wrong
+        from sim.harness.failures.first_wrong import crash_frame, first_wrong
         from sim.harness.runner import scene_of
 
         if self.run is not None:

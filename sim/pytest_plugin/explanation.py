@@ -16,7 +16,7 @@ from sim.pytest_plugin.options import loading_options, out_folder, replayed_file
 
 if TYPE_CHECKING:
     from sim.harness.crash import Crash
-    from sim.harness.failed_test import FailedTest, FinishedRun, Search
+    from sim.harness.failures.failed_test import FailedTest, FinishedRun, Search
     from sim.harness.scenario import Scenario
 
 
@@ -88,7 +88,7 @@ def _folder(item: pytest.Item, execution: Execution, outcome: "FinishedRun | Cra
 
     Nothing is written if this folder is being replayed, or if the test itself is in it.
     """
-    from sim.harness.failed_test import folder_of, holds_failure, write_failed_test
+    from sim.harness.failures.failed_test import folder_of, holds_failure, write_failed_test
 
     if _is_in_its_folder(item, outcome.scenario):
         return item.path.parent
@@ -101,7 +101,7 @@ def _folder(item: pytest.Item, execution: Execution, outcome: "FinishedRun | Cra
 
 
 def _failed_test(item: pytest.Item, execution: Execution) -> "FailedTest":
-    from sim.harness.failed_test import FailedTest
+    from sim.harness.failures.failed_test import FailedTest
 
     failure, options = execution.failure, tuple(loading_options(item.config))
     if failure is None:
@@ -139,7 +139,7 @@ def _replayed(item: pytest.Item, execution: Execution) -> Path | None:
 def _outcome(execution: Execution, scenario: "Scenario") -> "FinishedRun | Crash":
     """Return the finished run with its figures, which are computed if need be, or the crash if no run was finished."""
     from sim.harness.crash import Crash
-    from sim.harness.failed_test import FinishedRun
+    from sim.harness.failures.failed_test import FinishedRun
     from sim.harness.figures import evaluate
 
     if execution.run is None:

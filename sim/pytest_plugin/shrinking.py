@@ -10,8 +10,8 @@ from sim.pytest_plugin.execution import Execution, execute
 
 if TYPE_CHECKING:
     from sim.harness.blame_table import BlameTable
-    from sim.harness.failed_test import Search
     from sim.harness.failure_signature import Signature
+    from sim.harness.failures.failed_test import Search
     from sim.harness.reducer import Fails, Reduction
     from sim.harness.results import RunResult
     from sim.harness.scenario import Scenario
@@ -37,7 +37,7 @@ def shrunk(
     Returns the execution of the test in this scenario, and the search. If the failure does not recur, `found` and None are
     returned. After Ctrl-C, the smallest failure so far is returned, and pytest is told to stop after this test.
     """
-    from sim.harness.failed_test import Search
+    from sim.harness.failures.failed_test import Search
     from sim.harness.good_slam import Reference
     from sim.harness.reducer import reduce
     from worlds.errors import WorldsError

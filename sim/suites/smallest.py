@@ -7,8 +7,8 @@ from sim.errors import SimError
 from sim.harness.adapters.lexis import Lexis
 from sim.harness.blame_table import blame
 from sim.harness.crash import Runner
-from sim.harness.failure_folder import LEXIS_REPLAY, Replay, write_failure
 from sim.harness.failure_signature import FailureTest, Signature
+from sim.harness.failures.failure_folder import LEXIS_REPLAY, Replay, write_failure
 from sim.harness.reducer import DEADLINE_S, Reduction, reduce
 from sim.harness.scenario import Scenario
 from sim.harness.world_tests import SCENARIO, slug_of

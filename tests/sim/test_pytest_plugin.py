@@ -116,7 +116,12 @@ def start(pytester, monkeypatch):
 @pytest.fixture(scope="module")
 def loaded():
     """Load what cannot be loaded twice, before `pytester` notes which modules are to stay."""
-    for module in ("sim.harness.failed_test", "sim.harness.first_wrong", "sim.harness.reducer", "worlds.strategies"):
+    for module in (
+        "sim.harness.failures.failed_test",
+        "sim.harness.failures.first_wrong",
+        "sim.harness.reducer",
+        "worlds.strategies",
+    ):
         importlib.import_module(module)
 
 
@@ -364,7 +369,7 @@ def test_a_failure_is_shown_even_if_it_cannot_be_found_where_the_original_run_we
 
     steps = {"shorten the tour": sim.harness.reductions.STEPS["shorten the tour"]}
     monkeypatch.setattr(sim.harness.reducer, "reduce", partial(sim.harness.reducer.reduce, steps=steps))
-    monkeypatch.setattr("sim.harness.first_wrong.first_wrong", unknown)
+    monkeypatch.setattr("sim.harness.failures.first_wrong.first_wrong", unknown)
     pytester.makepyfile(test_slam=SLAM + DRIFTS)
     result = inner()
     result.assert_outcomes(failed=1)

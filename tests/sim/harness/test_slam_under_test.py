@@ -11,8 +11,8 @@ from lexis.errors import ObservationError
 from sim.errors import SimError
 from sim.faults.delivery import Dropped
 from sim.harness import Estimate, LoopClaims, Scenario, check, run, try_plans, write_run
+from sim.harness.failures.first_wrong import first_wrong
 from sim.harness.figures import evaluate
-from sim.harness.first_wrong import first_wrong
 from sim.harness.report_data import report_data
 from sim.harness.results import FloorFigures, LabelFigures, LoopFigures, RoomFigures
 from sim.report.findings import findings

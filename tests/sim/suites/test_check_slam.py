@@ -19,7 +19,7 @@ from sim.errors import SimError
 from sim.harness import Lexis, Scenario, run
 from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.harness.claims import Claim
-from sim.harness.failure_folder import Replay
+from sim.harness.failures.failure_folder import Replay
 from sim.programs import Program
 from sim.suites.catalogue import OPENNESS, SUITES, suite_named
 from sim.suites.checks import CheckFinding, NotWorse, SameClaims

@@ -9,10 +9,10 @@ from sim.harness.blame_table import BlameTable
 from sim.harness.claims import Claim
 from sim.harness.crash import Crash
 from sim.harness.failure_signature import FailureTest
-from sim.harness.first_wrong import shown_failure
+from sim.harness.failures.first_wrong import shown_failure
+from sim.harness.failures.why_page import why_page
 from sim.harness.outputs import write_crash, write_run
 from sim.harness.reducer import Reduction
-from sim.harness.why_page import why_page
 
 
 @dataclass(frozen=True)

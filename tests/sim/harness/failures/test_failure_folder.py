@@ -10,9 +10,9 @@ from sim.cli import main
 from sim.errors import GraphicsError
 from sim.harness import Claim, FailureTest, Scenario, blame, reduce, write_failure
 from sim.harness.blame_table import BlameTable
-from sim.harness.failure_folder import Replay
+from sim.harness.failures.failure_folder import Replay
+from sim.harness.failures.why_page import wrong_frame_page
 from sim.harness.reductions import STEPS
-from sim.harness.why_page import wrong_frame_page
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +62,7 @@ def test_without_opengl_the_page_does_without_the_image(failure, monkeypatch):
     def lost(run, frame):
         raise GraphicsError("no off-screen OpenGL: install EGL")
 
-    monkeypatch.setattr("sim.harness.why_page.camera_image", lost)
+    monkeypatch.setattr("sim.harness.failures.why_page.camera_image", lost)
     page = wrong_frame_page(planted(open_plan)(failure[1].scenario, None), "labels.accuracy")
     assert list(page.pictures) == ["first-wrong-plan.png"]
     assert "The image of the camera is left out: no off-screen OpenGL: install EGL." in page.lines[-1]

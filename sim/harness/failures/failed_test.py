@@ -7,14 +7,14 @@ from pathlib import Path
 from lexis.files.replace import replaced_folder
 from sim.harness.blame_table import BlameTable
 from sim.harness.crash import Crash
-from sim.harness.first_wrong import shown_failure
+from sim.harness.failures.first_wrong import shown_failure
+from sim.harness.failures.why_page import crash_page, failed_test_page
 from sim.harness.outputs import fill_crash_folder, fill_run_folder
 from sim.harness.planning import Trial
 from sim.harness.reducer import Reduction
 from sim.harness.results import RunResult
 from sim.harness.runner import Run
 from sim.harness.scenario import Scenario
-from sim.harness.why_page import crash_page, failed_test_page
 from sim.harness.world_tests import SCENARIO, TEST_REPLAY, slug_of
 
 _REPLAY = '''"""Replays a failure of {test}: run pytest on this file, anywhere below the folder that holds {file}."""

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from sim.errors import GraphicsError
 from sim.fidelity import Fidelity
 from sim.harness.blame_table import BlameTable
-from sim.harness.claimed_frames import claimed_frames
 from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.failure_signature import FailureTest, Observed
-from sim.harness.first_wrong import WrongFrame, crash_frame, first_wrong
+from sim.harness.failures.claimed_frames import claimed_frames
+from sim.harness.failures.first_wrong import WrongFrame, crash_frame, first_wrong
 from sim.harness.nearest_changes import nearest
 from sim.harness.reducer import Reduction
 from sim.harness.reductions import ScenarioSize, difference, relabelled_rooms
