@@ -72,7 +72,7 @@ def limited(limit_m):
 def test_the_first_good_slam_that_passes_is_the_reference(drifting):
     before = run(replace(LONG, odometry="perfect"), OdometryOnly())
     short = run(replace(LONG, length_m=8.0, odometry="degraded"), OdometryOnly())
-    for limit_m, avoids in ((0.5, False), (0.15, True)):  # the second limit is beyond a SLAM that corrects the odometry
+    for limit_m, avoids in ((0.5, False), (0.1, True)):  # the second limit is beyond a SLAM that corrects the odometry
         reference = Reference()
         assert reference.avoids(drifting, (), limited(limit_m))
         assert not reference.avoids(before, (), limited(limit_m))
