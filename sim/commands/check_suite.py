@@ -114,10 +114,12 @@ def _by_figure(failed: "Sequence[CheckVerdict]") -> "list[tuple[CheckVerdict, li
 
     Claims of one part about one figure mostly fail for the same reason. The first of them stands for all.
     """
+    from sim.suites.checks import ClaimCheck
+
     groups: dict[tuple[str, str], list[CheckVerdict]] = {}
-    checks = ((verdict, {check.name: check for check in verdict.part.checks}.get(verdict.check)) for verdict in failed)
-    for verdict, check in checks:
-        figure = getattr(getattr(check, "claim", None), "figure", verdict.check)
+    for verdict in failed:
+        check = verdict.checked
+        figure = check.claim.figure if isinstance(check, ClaimCheck) else verdict.check
         groups.setdefault((verdict.part.name, figure), []).append(verdict)
     return [(first, others) for first, *others in groups.values()]
 

@@ -16,6 +16,7 @@ from sim.harness.reducer import Fails
 from sim.harness.reductions import with_features, with_listed_house
 from sim.harness.runner import run
 from sim.harness.scenario import Scenario
+from sim.harness.wording import joined
 from worlds.errors import WorldsError
 from worlds.spec import HouseSpec
 from worlds.validation import built_and_checked
@@ -85,7 +86,7 @@ class BlameTable:
         Empty if every substitution changes something.
         """
         nouns = [_NEEDLESS.get(name, f"error of {name}") for name in self.named("changes nothing")]
-        return f"no {' or '.join(filter(None, (', '.join(nouns[:-1]), nouns[-1])))}" if nouns else ""
+        return f"no {joined(nouns, 'or')}" if nouns else ""
 
 
 def blame(

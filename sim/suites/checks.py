@@ -277,10 +277,10 @@ def _made(new_slam: Callable[[], SlamUnderTest]) -> SlamUnderTest:
 
 def _described(crash: Crash) -> str:
     """Return in one line what the SLAM did and where."""
-    text = crash.what if isinstance(crash.error, ProgramError) else f"raises {crash.message}"
+    text = f"the SLAM {crash.what}" if isinstance(crash.error, ProgramError) else one_line(crash.sentence, 160)
     expects_images = crash.scenario.fidelity == "features" and Percept.__name__ in str(crash.error)
     hint = " (observations hold percepts here; --images or Suite.with_images() renders images)" if expects_images else ""
-    return f"the SLAM {text}{hint}{crash.place}"
+    return f"{text}{hint}{crash.place}"
 
 
 def _claims(estimate: Estimate, name: str) -> bool:

@@ -86,10 +86,10 @@ def steps_follow_odometry(run: Run) -> CheckFinding:
 
 def trusted_loops_fit(run: Run) -> CheckFinding:
     """Compare the relative poses of trusted loop closures with the relative poses in the trajectory."""
-    poses, loops = run.estimate.T_W_B, run.estimate.loops
-    if poses is None or loops is None or loops.weights is None:
-        return CheckFinding(None, "the SLAM does not say which loop closures it trusts")
-    if not (trusted := np.asarray(loops.weights) > _TRUSTED).any():
+    if (claims := _weighted_loops(run)) is None:
+        return _NO_WEIGHTS
+    poses, loops, weights = claims
+    if not (trusted := weights > _TRUSTED).any():
         return CheckFinding(None, "the SLAM trusts no loop closure")
     moved, turned = (errors[trusted] for errors in _loop_errors(loops, poses))
     return CheckFinding(
@@ -115,11 +115,11 @@ def last_loops_fit(run: Run) -> CheckFinding:
 
     They do not fit if a SLAM optimises its trajectory now and then, and forgets to do so at the end.
     """
-    poses, loops = run.estimate.T_W_B, run.estimate.loops
-    if poses is None or loops is None or loops.weights is None:
-        return CheckFinding(None, "the SLAM does not say which loop closures it trusts")
+    if (claims := _weighted_loops(run)) is None:
+        return _NO_WEIGHTS
+    poses, loops, weights = claims
     path = arc_length(run.odometry_poses[:, :3, 3])
-    trusted = np.asarray(loops.weights) > _TRUSTED
+    trusted = weights > _TRUSTED
     last = trusted & (path[np.maximum(loops.query, loops.match)] >= path[-1] - _LAST_M)
     others = trusted & ~last
     if not last.any() or not others.any():
@@ -134,16 +134,27 @@ def last_loops_fit(run: Run) -> CheckFinding:
 
 def fitting_loops_are_trusted(run: Run) -> CheckFinding:
     """Look for loop closures that the trajectory satisfies although the SLAM does not trust them."""
-    poses, loops = run.estimate.T_W_B, run.estimate.loops
-    if poses is None or loops is None or loops.weights is None:
-        return CheckFinding(None, "the SLAM does not say which loop closures it trusts")
+    if (claims := _weighted_loops(run)) is None:
+        return _NO_WEIGHTS
+    poses, loops, weights = claims
     moved, turned = _loop_errors(loops, poses)
     fits = (moved <= _FITS_M) & (turned <= _FITS_RAD)
     if fits.sum() < _FITTING_LOOPS:
         return CheckFinding(None, f"the trajectory satisfies {fits.sum()} loop closures, too few to judge")
-    trusted = (np.asarray(loops.weights)[fits] > _TRUSTED).mean()
+    trusted = (weights[fits] > _TRUSTED).mean()
     found = f"of {fits.sum()} loop closures that the trajectory satisfies, {trusted:.0%} are trusted"
     return CheckFinding(bool(trusted >= _FITTING_SHARE), found)
+
+
+_NO_WEIGHTS = CheckFinding(None, "the SLAM does not say which loop closures it trusts")
+
+
+def _weighted_loops(run: Run) -> tuple[Poses, LoopClaims, Float64[np.ndarray, "loops"]] | None:
+    """Return the claimed poses, loop closures and their weights; None if one of these is not claimed."""
+    poses, loops = run.estimate.T_W_B, run.estimate.loops
+    if poses is None or loops is None or loops.weights is None:
+        return None
+    return poses, loops, np.asarray(loops.weights, float)
 
 
 def _loop_errors(loops: LoopClaims, poses: Poses) -> tuple[Float64[np.ndarray, "loops"], Float64[np.ndarray, "loops"]]:

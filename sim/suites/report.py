@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,7 +13,7 @@ from sim.harness.results import RunResult
 from sim.harness.runner import Progress
 from sim.programs.command import Program
 from sim.suites.catalogue import suite_named
-from sim.suites.checks import ClaimCheck, NewSlam
+from sim.suites.checks import Check, ClaimCheck, NewSlam
 from sim.suites.examination import COMPLETES, Examination, examinations, jobs_of
 from sim.suites.suite import Suite, SuitePart
 from sim.suites.suite_means import SuiteMean
@@ -44,6 +44,11 @@ class CheckVerdict:
     """The scenarios in which the check holds or fails, in their order. Scenarios without a decision are left out."""
     is_begun: bool = True
     """Whether any scenario of the part has been examined."""
+
+    @property
+    def checked(self) -> Check | None:
+        """The check itself; None for the check that the run completes."""
+        return next((each for each in self.part.checks if each.name == self.check), None)
 
     @property
     def name(self) -> str:
@@ -176,8 +181,7 @@ class SuiteReport:
         first = (COMPLETES, "The SLAM raises no exception, and its claims are valid.", None)
         rows: list[tuple[str, str, float | None]] = [first]
         for name, says, rate in rows + [(check.name, check.says, check.rate) for check in part.checks]:
-            told = tuple(each for each in own if name in each.findings and each.findings[name].holds is not None)
-            yield CheckVerdict(part, name, says, rate, told, bool(own))
+            yield CheckVerdict(part, name, says, rate, _decided(own, name), bool(own))
 
     def _of_shared_laws(self) -> Iterator[CheckVerdict]:
         """Yield a verdict for each law with a rate that several parts have, over the scenarios of all these parts.
@@ -193,9 +197,8 @@ class SuiteReport:
                 continue
             about = f"The scenarios of {', '.join(part.name for part in sharing)}."
             whole = replace(sharing[0], name=ALL_PARTS, about=about, checks=(law,), n=sum(part.n for part in sharing))
-            own = tuple(each for each in self.examined if each.part in {part.name for part in sharing})
-            told = tuple(each for each in own if name in each.findings and each.findings[name].holds is not None)
-            yield CheckVerdict(whole, name, law.says, law.rate, told, bool(own))
+            own = [each for each in self.examined if each.part in {part.name for part in sharing}]
+            yield CheckVerdict(whole, name, law.says, law.rate, _decided(own, name), bool(own))
 
 
 def check_slam(
@@ -242,6 +245,11 @@ def runnable(suite: Suite, new_slam: NewSlam) -> Suite:
     Programs cannot read percepts (embeddings of views, which replace images). For any other SLAM, the suite does not change.
     """
     return suite.with_images() if isinstance(new_slam, Program) else suite
+
+
+def _decided(examined: Iterable[Examination], check: str) -> tuple[Examination, ...]:
+    """Return the scenarios in which a check holds or fails."""
+    return tuple(each for each in examined if check in each.findings and each.findings[check].holds is not None)
 
 
 def _check_data(each: CheckVerdict) -> Mapping[str, Any]:

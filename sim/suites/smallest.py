@@ -87,7 +87,7 @@ def write_smallest(
 
 def _written(verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: Replay, is_lexis: bool, out: Path) -> str:
     folder = out / slug_of(verdict.name)
-    check = {check.name: check for check in verdict.part.checks}.get(verdict.check)
+    check = verdict.checked
     scenario = verdict.failures[0].scenario
     if isinstance(check, ClaimCheck):
         test = FailureTest(check.claim.opposite, runner)

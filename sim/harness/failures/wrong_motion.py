@@ -3,7 +3,6 @@
 Motions are relative poses of the body, so that neither the alignment of the whole path nor earlier errors affect them.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from lexis.maths.se3 import between, rotation_angle
 from lexis.types import Poses
 from sim.harness.runner import Run
+from sim.harness.wording import joined
 
 _STRETCH_S = 0.5
 """Least duration of a compared motion [s]. At high frame rates, the motion from one frame to the next is too short."""
@@ -96,12 +96,12 @@ def _told(
     if moved:
         for clauses, parts in zip(told, _shown(claimed[:3, 3], true[:3, 3], _SHOWN_M), strict=True):
             said = [f"{abs(part):.2f} m {_MOVES[axis][part < 0]}" for axis, part in parts]
-            clauses.append(f"moves {_listed(said)}" if said else "does not move")
+            clauses.append(f"moves {joined(said, 'and')}" if said else "does not move")
     if turned:
         for clauses, parts in zip(told, _shown(_angles_deg(claimed), _angles_deg(true), _SHOWN_DEG), strict=True):
             said = [_TURNS[axis][part < 0].format(f"{abs(part):.0f}°") for axis, part in parts]
-            clauses.append(_listed(said) if said else "does not turn")
-    return _listed(told[0]), _listed(told[1])
+            clauses.append(joined(said, "and") if said else "does not turn")
+    return joined(told[0], "and"), joined(told[1], "and")
 
 
 def _angles_deg(T: Float64[np.ndarray, "4 4"]) -> Float64[np.ndarray, "3"]:
@@ -121,8 +121,3 @@ def _shown(
     ]
     first, second = ([(axis, float(v[axis])) for axis in axes if abs(v[axis]) >= least] for v in (claimed, true))
     return first, second
-
-
-def _listed(parts: Sequence[str]) -> str:
-    """Join parts by commas and "and"."""
-    return " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1] if parts else "")))
