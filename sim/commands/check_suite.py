@@ -16,9 +16,10 @@ from sim.durations import duration_s
 from sim.errors import SimError
 
 if TYPE_CHECKING:
-    from sim.harness.results import RunResult
     from sim.suites.checks import NewSlam
     from sim.suites.report import CheckVerdict, SuiteReport
+    from sim.suites.suite import Suite
+    from sim.suites.suite_means import SuiteMean
     from sim.verdicts.comparison import Comparison
 
 SUITE_HELP = "check by a suite in place of one run: pr, open-plan or another; an unknown name lists them all"
@@ -27,7 +28,10 @@ NO_LAWS_HELP = "with --suite: make claims about single runs only, which is sever
 IMAGES_HELP = "with --suite: render all scenarios, for a SLAM that does not accept features"
 EXIT_HELP = "with --suite: stop when the first check fails"
 JSON_HELP = "with --suite: write the verdicts and all results to a file, which lexis-sim compare reads"
-LIMIT_HELP = "with --suite: another limit of a claim, such as labels.accuracy=0.9; may be repeated"
+LIMIT_HELP = (
+    "with --suite: another limit of a claim, such as labels.accuracy=0.9; of several claims of a part about this figure, "
+    "only the one with the largest rate stays; may be repeated"
+)
 PICTURE_HELP = "with --suite: an SVG of room quality against openness, beside the plain SLAMs that are shipped"
 BUDGET_HELP = "with --suite: wall time after which no further scenario is begun, such as 12m (default: no limit)"
 WORKERS_HELP = "with --suite: number of processes (default: all processor cores)"
@@ -57,99 +61,146 @@ def refuse_suite_options(arguments: argparse.Namespace) -> None:
 
 
 def run_suite(arguments: argparse.Namespace) -> int:
-    """Check the chosen SLAM by the chosen suite, print the verdicts, and return 1 if a check fails."""
-    from sim.suites.catalogue import suite_named
-    from sim.suites.figure_table import figure_table
-    from sim.suites.openness_chart import openness_chart
-    from sim.suites.report import check_slam
-    from sim.suites.smallest import write_smallest
-    from sim.verdicts import load_results
+    """Check the chosen SLAM by the chosen suite, print the verdicts, and return 1 if a check fails or a figure got worse."""
+    from sim.suites.report import check_slam, runnable
 
     _refuse_scenario_options(arguments)
-    suite = suite_named(arguments.suite).with_limits(dict(arguments.limit or ()))
-    suite = suite.without_laws() if arguments.no_laws else suite
-    suite = suite.with_images() if arguments.images else suite
+    new_slam, workers = _new_slam(arguments), arguments.workers or os.cpu_count() or 1
+    suite = _suite(arguments)
     for path in (arguments.json, arguments.picture):
         if path is not None and not path.absolute().parent.is_dir():
             raise SimError(f"{path}: its folder does not exist; valid: a file in an existing folder")
-    before = None if arguments.against is None else load_results(arguments.against)
-    new_slam, workers = _new_slam(arguments), arguments.workers or os.cpu_count() or 1
+    if arguments.against is not None:
+        refuse_foreign(arguments.against, runnable(suite, new_slam), arguments.seed)
     with progress_bar("checking by the suite") as progress:
         budget_s = math.inf if arguments.budget is None else arguments.budget
         report = check_slam(new_slam, suite, arguments.seed, workers, bool(arguments.exitfirst), progress, budget_s)
-    for line in _lines(report.failed if arguments.exitfirst and report.failed else report.verdicts):
+    for line in _lines(report, failed_alone=bool(arguments.exitfirst)):
         print(line)
-    for mean in report.means:
-        print(f"{mean.outcome:11} {mean.name}")
-    print(figure_table(report))
-    print(f"{len(report.examined)} of {sum(part.n for part in report.suite.parts)} scenarios were examined")
-    comparison = None if before is None else _compared(report, before)
+    comparison = None if arguments.against is None else _compared(report, arguments.against)
     worse = () if comparison is None else comparison.worse
-    if arguments.json is not None:
-        _write_json(report, worse, arguments.json)
-    if arguments.picture is not None:
-        with replaced_file(arguments.picture) as beside:
-            beside.write_text(openness_chart(report, workers))
+    _write(report, worse, workers, arguments)
     for verdict in (*report.failed, *report.failed_means):
         print(f"failed: {verdict}", file=sys.stderr)
     if comparison is not None:
         print(comparison)
-    elif before is not None:
-        print(f"not compared with {arguments.against}, which has none of the scenarios that were completed", file=sys.stderr)
+    elif arguments.against is not None:
+        print(f"not compared with {arguments.against}: no scenario was completed in both runs", file=sys.stderr)
     if worse:
         print(f"failed: {', '.join(worse)} worse than in {arguments.against}", file=sys.stderr)
+    _search_smallest(report, new_slam, arguments)
+    return 0 if report.ok and not worse and (arguments.against is None or comparison is not None) else 1
+
+
+def _suite(arguments: argparse.Namespace) -> "Suite":
+    """Return the chosen suite, changed as the options say."""
+    from sim.suites.catalogue import suite_named
+
+    suite = suite_named(arguments.suite).with_limits(dict(arguments.limit or ()))
+    suite = suite.without_laws() if arguments.no_laws else suite
+    return suite.with_images() if arguments.images else suite
+
+
+def refuse_foreign(before: Path, suite: "Suite", seed: int) -> None:
+    """Raise SimError unless a file of results contains results of the scenarios of a suite."""
+    from sim.suites.examination import jobs_of, scenario_of
+    from sim.verdicts import load_results
+
+    known = {result.scenario for result in load_results(before)}
+    firsts = {job.part.name: job for job in reversed(jobs_of(suite, seed))}
+    if not any(scenario_of(job).content_hash in known for job in firsts.values()):
+        raise SimError(
+            f"{before}: has no results of the suite {suite.name} with seed {seed}; valid: a file of "
+            f"lexis-sim check --suite {suite.name} --seed {seed} --json {before}"
+        )
+
+
+def _lines(report: "SuiteReport", failed_alone: bool) -> Iterator[str]:
+    """Yield the lines that a run prints: verdicts, medians of figures, and the number of scenarios.
+
+    With `failed_alone`, the lines are only about the checks that fail, if there are any.
+    """
+    from sim.suites.figure_table import figure_table
+
+    if failed_alone and not report.ok:
+        yield from map(_verdict_line, report.failed)
+        yield from map(_mean_line, report.failed_means)
+    else:
+        yield from (_verdict_line(verdict) for verdict in report.verdicts if verdict.is_begun)
+        if missing := dict.fromkeys(verdict.part.name for verdict in report.verdicts if not verdict.examined):
+            yield f"not examined: {', '.join(missing)}"
+        yield from map(_mean_line, report.means)
+        yield figure_table(report)
+    yield f"{len(report.examined)} of {sum(part.n for part in report.suite.parts)} scenarios were examined"
+
+
+def _verdict_line(verdict: "CheckVerdict") -> str:
+    (held, decided), wanted = verdict.counts, 1.0 if verdict.rate is None else verdict.rate
+    return f"{verdict.outcome:11} {held:4.3g} of {decided:<3} wanted: {wanted:4.0%}  {verdict.name}"
+
+
+def _mean_line(mean: "SuiteMean") -> str:
+    low, high = mean.verdict.interval
+    margin = "" if mean.verdict.mean is None else f"  margin {mean.verdict.mean:+.3g} ({low:+.3g} to {high:+.3g})"
+    return f"{mean.outcome:11} {mean.name}{margin}"
+
+
+def _write(report: "SuiteReport", worse: Sequence[str], workers: int, arguments: argparse.Namespace) -> None:
+    """Write the verdicts and the picture to the files that the options name."""
+    from sim.suites.openness_chart import openness_chart
+    from sim.verdicts.stored_results import results_data
+
+    if arguments.json is not None:
+        data = results_data(report.results) | report.data() | {"worse": list(worse)}
+        with replaced_file(arguments.json) as beside:
+            beside.write_text(json.dumps(data, indent=1) + "\n")
+    if arguments.picture is not None:
+        with replaced_file(arguments.picture) as beside:
+            beside.write_text(openness_chart(report, workers))
+
+
+def _search_smallest(report: "SuiteReport", new_slam: "NewSlam", arguments: argparse.Namespace) -> None:
+    """Write the smallest scenario of each failed check into the folder that `--out` names, and print what was found."""
+    from sim.suites.smallest import write_smallest
+
     if report.failed and arguments.out is None:
         print("--out DIR writes the smallest scenario in which each failed check still fails", file=sys.stderr)
-    if arguments.out is not None:
-        how = runner_of(arguments), replay_of(arguments), is_lexis(arguments)
-        for verdict, others in _by_figure(report.failed):
-            print(write_smallest(verdict, new_slam, *how, arguments.out))
-            for other in others:
-                print(f"{other.name}: not searched, because it is about the same figure")
-    return 0 if report.ok and not worse and (before is None or comparison is not None) else 1
+    if not report.failed or arguments.out is None:
+        return
+    how = runner_of(arguments), replay_of(arguments), is_lexis(arguments)
+    for verdict, others in _by_cause(report.failed):
+        print(write_smallest(verdict, new_slam, *how, arguments.out))
+        for other in others:
+            print(f"{other.name}: not searched, because it is about the same figure or law")
 
 
-def _by_figure(failed: "Sequence[CheckVerdict]") -> "list[tuple[CheckVerdict, list[CheckVerdict]]]":
-    """Return the failed checks for which the smallest scenario is searched, each with the others of the same figure.
+def _by_cause(failed: "Sequence[CheckVerdict]") -> "list[tuple[CheckVerdict, list[CheckVerdict]]]":
+    """Return the failed checks for which the smallest scenario is searched, each with the others of the same cause.
 
-    Claims of one part about one figure mostly fail for the same reason. The first of them stands for all.
+    Claims of one part about one figure mostly fail for the same reason, and so does a law in several parts. The first of
+    them stands for all.
     """
     from sim.suites.checks import ClaimCheck
 
     groups: dict[tuple[str, str], list[CheckVerdict]] = {}
     for verdict in failed:
         check = verdict.checked
-        figure = check.claim.figure if isinstance(check, ClaimCheck) else verdict.check
-        groups.setdefault((verdict.part.name, figure), []).append(verdict)
+        cause = (verdict.part.name, check.claim.figure) if isinstance(check, ClaimCheck) else ("", verdict.check)
+        groups.setdefault(cause, []).append(verdict)
     return [(first, others) for first, *others in groups.values()]
 
 
-def _compared(report: "SuiteReport", before: "Sequence[RunResult]") -> "Comparison | None":
-    """Compare the results with earlier results of the same scenarios; None if no scenario has results of both."""
-    from sim.verdicts import compare_results
+def _compared(report: "SuiteReport", before: Path) -> "Comparison | None":
+    """Compare the results with earlier ones. Scenarios that only one of the runs began are left out.
 
-    examined = {each.scenario.content_hash for each in report.examined}
-    earlier = [result for result in before if result.scenario in examined]
-    common = {result.scenario for result in report.results} & {result.scenario for result in earlier}
-    return compare_results(earlier, report.results) if common else None
+    The result is None if there is nothing to compare, because the SLAM crashes or only one of the runs began a scenario.
+    """
+    from sim.verdicts import compare_results, load_results
+    from sim.verdicts.stored_results import begun_in, only_begun
 
-
-def _lines(verdicts: "Sequence[CheckVerdict]") -> Iterator[str]:
-    """Yield a line for each check of the parts that have begun, and a line with the names of the other parts."""
-    for verdict in verdicts:
-        if verdict.is_begun:
-            held, wanted = len(verdict.examined) - len(verdict.failures), 1.0 if verdict.rate is None else verdict.rate
-            yield f"{verdict.outcome:11} {held:3} of {len(verdict.examined):<3} wanted: {wanted:4.0%}  {verdict.name}"
-    if missing := dict.fromkeys(verdict.part.name for verdict in verdicts if not verdict.is_begun):
-        yield f"not examined: {', '.join(missing)}"
-
-
-def _write_json(report: "SuiteReport", worse: Sequence[str], path: Path) -> None:
-    from sim.verdicts.stored_results import results_data
-
-    with replaced_file(path) as beside:
-        data = results_data(report.results) | report.data() | {"worse": list(worse)}
-        beside.write_text(json.dumps(data, indent=1) + "\n")
+    begun = frozenset(each.scenario.content_hash for each in report.examined)
+    a, b = only_begun(load_results(before), begun), only_begun(report.results, begun_in(before))
+    return compare_results(a, b) if {each.scenario for each in a} & {each.scenario for each in b} else None
 
 
 def _new_slam(arguments: argparse.Namespace) -> "NewSlam":

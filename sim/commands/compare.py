@@ -29,10 +29,10 @@ def add_to(commands: Commands) -> None:
 
 def _compare(arguments: argparse.Namespace) -> int:
     from sim.harness import Claim
-    from sim.verdicts import compare_results, load_results
+    from sim.verdicts import compare_results, load_comparable
 
     claims = [Claim.parse(text) for text in arguments.claim]
-    a, b = load_results(arguments.a), load_results(arguments.b)
+    a, b = load_comparable(arguments.a, arguments.b)
     comparison = compare_results(a, b, claims, confidence=arguments.confidence)
     print(comparison)
     if comparison.worse:

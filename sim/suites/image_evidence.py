@@ -1,14 +1,35 @@
 """The law that the similarities a SLAM claims for a frame come from the image of this frame, and from no other."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lexis.types import Image, Observation, Percept
 from sim.suites.checks import CheckFinding, Examined, NewSlam, attempted, reaches
-from sim.suites.image_changes import OtherImages
+from sim.suites.stream_changes import NoChange
 
 _SAME = 1e-5
 """Tolerance for rounding: two similarities that should be equal may differ by this share of the largest similarity."""
+
+
+@dataclass(frozen=True)
+class OtherImages(NoChange):
+    """The image of every second observation is replaced by a black image.
+
+    In runs on features, every second observation gets one fixed embedding instead, and no points.
+    """
+
+    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
+        """Yield the observation, with its image replaced if the observation's index is odd."""
+        yield (
+            observation.with_images(map(_other, observation.images)) if self.is_replaced(observation.index) else observation
+        )
+
+    @staticmethod
+    def is_replaced(frame: int) -> bool:
+        """Return whether the image of the observation with this index is replaced."""
+        return frame % 2 == 1
 
 
 @dataclass(frozen=True)
@@ -46,3 +67,11 @@ class SimilaritiesFollowImages:
             f"similarities of frames with unchanged images change by up to {kept:.2g}; those of frames with the same image "
             f"differ by up to {equal:.2g}",
         )
+
+
+def _other(image: Image | Percept) -> Image | Percept:
+    if not isinstance(image, Percept):
+        return np.zeros_like(image)
+    same = np.zeros_like(image.embedding)
+    same[0] = 1.0
+    return replace(image, embedding=same, points=image.points[:0])

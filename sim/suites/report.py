@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -20,8 +20,7 @@ from sim.suites.suite_means import SuiteMean
 from sim.verdicts.rate import RateVerdict
 
 CONFIDENCE = 0.99
-"""Confidence of each single verdict. A lower confidence is not enough for a suite of many checks: with 0.95, one of the 200
-checks of a suite failed LEXIS for five of eight seeds."""
+"""Confidence of each single verdict. A suite has about 300 of them, so that a lower confidence gives false alarms."""
 SEED = 7
 """Default seed of the scenarios of a suite; `lexis-sim check --suite` uses the same."""
 SuiteOutcome = Literal["holds", "fails", "undecided", "not claimed", "not examined"]
@@ -41,9 +40,7 @@ class CheckVerdict:
     rate: float | None
     """Share of the scenarios in which the check has to hold; None: in all of them, and one failure decides."""
     examined: tuple[Examination, ...]
-    """The scenarios in which the check holds or fails, in their order. Scenarios without a decision are left out."""
-    is_begun: bool = True
-    """Whether any scenario of the part has been examined."""
+    """All scenarios of the part that have been examined so far, in their order."""
 
     @property
     def checked(self) -> Check | None:
@@ -56,25 +53,45 @@ class CheckVerdict:
         return f"{self.part.name}: {self.check}"
 
     @property
+    def is_begun(self) -> bool:
+        """Whether the check has been made in any scenario. It is not made in a scenario in which the SLAM crashes."""
+        return any(self.check in each.findings for each in self.examined)
+
+    @cached_property
+    def decided(self) -> tuple[Examination, ...]:
+        """The scenarios in which the check holds or fails, in their order."""
+        made = (each for each in self.examined if self.check in each.findings)
+        return tuple(each for each in made if each.findings[self.check].holds is not None)
+
+    @property
     def failures(self) -> tuple[Examination, ...]:
         """The scenarios in which the check fails."""
-        return tuple(each for each in self.examined if each.findings[self.check].holds is False)
+        return tuple(each for each in self.decided if not each.findings[self.check].holds)
 
     @cached_property
     def verdict(self) -> RateVerdict | None:
         """The result of the sequential test of the rate at which the check holds.
 
-        It is the first definite answer or, if there is none yet, the answer after the last scenario so far. The result is
-        None for a check that has to hold in all scenarios.
+        It is the first answer "fails", if the test ever gives it; otherwise the latest definite answer or, if there is none,
+        the answer after the last scenario so far. The result is None for a check that has to hold in all scenarios.
         """
         if self.rate is None:
             return None
-        verdict = RateVerdict(self.rate, CONFIDENCE, 0, 0)
-        for held in self._independent():
-            verdict = RateVerdict(self.rate, CONFIDENCE, verdict.held + held, verdict.houses + 1)
-            if verdict.outcome != "undecided":
-                break
-        return verdict
+        verdict, latest = RateVerdict(self.rate, CONFIDENCE, 0.0, 0), None
+        for share in self._shares():
+            verdict = RateVerdict(self.rate, CONFIDENCE, verdict.held + share, verdict.houses + 1)
+            if verdict.outcome == "fails":
+                return verdict
+            if verdict.outcome == "holds":
+                latest = verdict
+        return latest or verdict
+
+    @property
+    def counts(self) -> tuple[float, int]:
+        """In how many scenarios the check holds, and in how many it is decided; a group of scenarios counts as one."""
+        if self.verdict is None:
+            return len(self.decided) - len(self.failures), len(self.decided)
+        return self.verdict.held, self.verdict.houses
 
     @property
     def outcome(self) -> SuiteOutcome:
@@ -82,7 +99,7 @@ class CheckVerdict:
 
         A check that has to hold in all scenarios fails at its first failure, and holds as long as there is none.
         """
-        if not self.examined:
+        if not self.decided:
             return "not claimed" if self.is_begun else "not examined"
         if self.verdict is None:
             return "fails" if self.failures else "holds"
@@ -94,10 +111,10 @@ class CheckVerdict:
         If the check fails, the text also says what the check demands and what it measured in the first scenarios in which it
         fails.
         """
-        if not self.examined:
+        if not self.decided:
             return f"{self.name}: {self.outcome}"
-        held = len(self.examined) - len(self.failures)
-        counts = f"in {held} of {len(self.examined)} scenarios (wanted: all): {self.outcome}"
+        held, decided = self.counts
+        counts = f"in {held} of {decided} scenarios (wanted: all): {self.outcome}"
         lines = [f"{self.name} holds {self.verdict or counts}"]
         if self.outcome == "fails":
             lines.append(f"  {self.says}")
@@ -108,18 +125,19 @@ class CheckVerdict:
             ]
         return "\n".join(lines)
 
-    def _independent(self) -> Iterator[bool]:
-        """Yield, for each complete group of scenarios, whether the check holds in at least half of the group's scenarios."""
-        last = len(self.examined) - 1
-        for (_, group), members in groupby(
-            enumerate(self.examined), lambda row: (row[1].part, row[1].number // self.part.group)
-        ):
-            rows = list(members)
-            end = min((group + 1) * self.part.group, self.part.n) - 1
-            if rows[-1][0] == last and rows[-1][1].number < end:
-                return  # the rest of the group has not been examined yet
-            holds = [each.findings[self.check].holds is True for _, each in rows]
-            yield 2 * sum(holds) >= len(holds)
+    def _shares(self) -> Iterator[float]:
+        """Yield, for each group that has been examined completely, in which share of its scenarios the check holds.
+
+        Groups in which the check is not decided in any scenario are left out.
+        """
+        decided = set(map(id, self.decided))
+        for (_, group), members in groupby(self.examined, lambda each: (each.part, each.number // self.part.group)):
+            scenarios = list(members)
+            if scenarios[-1].number < min((group + 1) * self.part.group, self.part.n) - 1:
+                continue  # the rest of the group has not been examined yet
+            holds = [each.findings[self.check].holds is True for each in scenarios if id(each) in decided]
+            if holds:
+                yield sum(holds) / len(holds)
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,6 +187,7 @@ class SuiteReport:
             "suite": self.suite.name,
             "seed": self.seed,
             "ok": self.ok,
+            "examined": [each.scenario.content_hash for each in self.examined],
             "checks": [_check_data(each) for each in self.verdicts],
             "means": [_mean_data(each) for each in self.means],
         }
@@ -181,7 +200,7 @@ class SuiteReport:
         first = (COMPLETES, "The SLAM raises no exception, and its claims are valid.", None)
         rows: list[tuple[str, str, float | None]] = [first]
         for name, says, rate in rows + [(check.name, check.says, check.rate) for check in part.checks]:
-            yield CheckVerdict(part, name, says, rate, _decided(own, name), bool(own))
+            yield CheckVerdict(part, name, says, rate, tuple(own))
 
     def _of_shared_laws(self) -> Iterator[CheckVerdict]:
         """Yield a verdict for each law with a rate that several parts have, over the scenarios of all these parts.
@@ -197,8 +216,8 @@ class SuiteReport:
                 continue
             about = f"The scenarios of {', '.join(part.name for part in sharing)}."
             whole = replace(sharing[0], name=ALL_PARTS, about=about, checks=(law,), n=sum(part.n for part in sharing))
-            own = [each for each in self.examined if each.part in {part.name for part in sharing}]
-            yield CheckVerdict(whole, name, law.says, law.rate, _decided(own, name), bool(own))
+            own = tuple(each for each in self.examined if each.part in {part.name for part in sharing})
+            yield CheckVerdict(whole, name, law.says, law.rate, own)
 
 
 def check_slam(
@@ -224,7 +243,8 @@ def check_slam(
             end leaves out scenarios of all parts.
 
     Raises:
-        SimError: the suite is unknown.
+        SimError: the suite is unknown, the seed is negative, `workers` is less than 1, the SLAM cannot be made or sent to
+            other processes, a process died, or no scenario of a part can be drawn.
     """
     chosen, end = runnable(suite_named(suite), new_slam), time.monotonic() + budget_s
     jobs = jobs_of(chosen, seed)
@@ -247,11 +267,6 @@ def runnable(suite: Suite, new_slam: NewSlam) -> Suite:
     return suite.with_images() if isinstance(new_slam, Program) else suite
 
 
-def _decided(examined: Iterable[Examination], check: str) -> tuple[Examination, ...]:
-    """Return the scenarios in which a check holds or fails."""
-    return tuple(each for each in examined if check in each.findings and each.findings[check].holds is not None)
-
-
 def _check_data(each: CheckVerdict) -> Mapping[str, Any]:
     return {
         "part": each.part.name,
@@ -259,7 +274,7 @@ def _check_data(each: CheckVerdict) -> Mapping[str, Any]:
         "says": each.says,
         "rate": each.rate,
         "outcome": each.outcome,
-        "scenarios": len(each.examined),
+        "scenarios": len(each.decided),
         "failures": [
             {"number": f.number, "measured": f.findings[each.check].measured, "scenario": f.scenario.data()}
             for f in each.failures
@@ -268,9 +283,12 @@ def _check_data(each: CheckVerdict) -> Mapping[str, Any]:
 
 
 def _mean_data(each: SuiteMean) -> Mapping[str, Any]:
+    low, high = each.verdict.interval
     return {
         "claim": str(each.claim),
         "outcome": each.outcome,
         "houses": len(each.verdict.margins),
-        "mean_margin": sum(each.verdict.margins) / len(each.verdict.margins) if each.verdict.margins else None,
+        "mean_margin": each.verdict.mean,
+        "at_least": None if math.isinf(low) else low,
+        "at_most": None if math.isinf(high) else high,
     }

@@ -2,7 +2,7 @@
 
 A change is applied to the stream of observations and to the room names, before they reach the SLAM; `changed_stream`
 converts the claims back. The SLAM itself stays the same, so the changes apply to any SLAM. `frame_changes` holds changes of
-the coordinate frames, `image_changes` holds changes of images, and `false_loops` adds wrong loop closures.
+the coordinate frames, and `false_loops` adds wrong loop closures.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -31,8 +31,8 @@ class SuitePart:
     """Number of scenarios."""
     group: int = 1
     """Number of successive scenarios that are drawn with the same random numbers, for houses that differ in one property.
-    The scenarios of a group are not independent, so a check counts once for each group: it holds in the group if it holds
-    in at least half of the group's scenarios."""
+    The scenarios of a group are not independent, so a check counts once for each group, by the share of the group's
+    scenarios in which it holds."""
     on_images: bool = False
     """Whether the scenarios are rendered, whatever their own fidelity is."""
 
@@ -104,12 +104,14 @@ class Suite:
         return replace(self, parts=tuple(part.with_limits(limits) for part in self.parts), means=tuple(means))
 
     def with_size(self, share: float) -> "Suite":
-        """Return the suite with `share` times as many scenarios, and at least one in each part.
+        """Return the suite with `share` times as many scenarios, and at least one scenario or one group in each part.
 
         The claims about means are left out if rounding changes the proportions of the parts, because their limits were set
-        for the suite's own mixture of parts.
+        for the suite's own mixture of parts. Raises `SimError` for a share that is not positive and finite.
         """
-        parts = tuple(replace(part, n=max(1, round(share * part.n))) for part in self.parts)
+        if not 0.0 < share < math.inf:
+            raise SimError(f"suite {self.name}: the share is {share!r:.40}; valid: a positive number, such as 0.5 or 2")
+        parts = tuple(replace(part, n=max(1, round(share * part.n / part.group)) * part.group) for part in self.parts)
         shares = {Fraction(new.n, old.n) for new, old in zip(parts, self.parts, strict=True)}
         return replace(self, parts=parts, means=self.means if len(shares) == 1 else ())
 

@@ -38,6 +38,11 @@ class MeanVerdict:
             raise SimError("mean: a margin is not finite; valid: finite numbers")
 
     @property
+    def mean(self) -> float | None:
+        """The mean margin; None without a house."""
+        return float(np.mean(self.margins)) if self.margins else None
+
+    @property
     def interval(self) -> tuple[float, float]:
         """Lower and upper confidence bound of the mean margin; each is wrong with probability 1 - `confidence`."""
         if len(self.margins) < _FEWEST:
@@ -53,7 +58,7 @@ class MeanVerdict:
         return "holds" if low >= 0.0 else "fails" if high < 0.0 else "undecided"
 
     def __str__(self) -> str:
-        mean = f"fulfilled by {np.mean(self.margins):.3g} on average" if self.margins else "without a value"
+        mean = "without a value" if self.mean is None else f"fulfilled by {self.mean:.3g} on average"
         low, high = self.interval
         bounds = f"at least {low:.3g}, at most {high:.3g} with {self.confidence:.0%} confidence"
         return f"in {len(self.margins)} houses {mean} ({bounds}): {self.outcome}"

@@ -37,8 +37,9 @@ class RateVerdict:
     confidence: float
     """1 minus the largest probability of a wrong answer, in (0.5, 1). The bound holds for any true rate, and even if the
     answer is read after every house."""
-    held: int
-    """Number of houses in which the claim holds."""
+    held: float
+    """Number of houses in which the claim holds. A house that was examined several times counts by the share in which the
+    claim holds; the evidence stays valid, because it is a convex function of this share."""
     houses: int
     """Number of houses that were examined."""
 
@@ -48,7 +49,7 @@ class RateVerdict:
         if not 0.5 < self.confidence < 1.0:
             raise SimError(f"rate: confidence is {self.confidence!r:.40}; valid: above 0.5, below 1, such as 0.95")
         if not 0 <= self.held <= self.houses:
-            raise SimError(f"rate: held is {self.held} of {self.houses} houses; valid: 0 to {self.houses}")
+            raise SimError(f"rate: held is {self.held!r:.40} of {self.houses} houses; valid: 0 to {self.houses}")
 
     @property
     def outcome(self) -> RateOutcome:
@@ -77,10 +78,10 @@ class RateVerdict:
     def __str__(self) -> str:
         low, high = self.interval
         rate = f"rate at least {low:.2f}, at most {high:.2f} with {self.confidence:.0%} confidence; wanted: {self.p:g}"
-        return f"in {self.held} of {self.houses} houses ({rate}): {self.outcome}"
+        return f"in {self.held:.3g} of {self.houses} houses ({rate}): {self.outcome}"
 
 
-def _log_evidence(p: float, held: int, failed: int) -> tuple[float, float]:
+def _log_evidence(p: float, held: float, failed: float) -> tuple[float, float]:
     """Return the logarithms of the evidence for a rate above `p`, and for a rate below `p`."""
     a, b = held + _PRIOR, failed + _PRIOR
     whole = betaln(a, b) - betaln(_PRIOR, _PRIOR) - xlogy(held, p) - xlog1py(failed, -p)

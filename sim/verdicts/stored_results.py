@@ -44,6 +44,31 @@ def load_results(path: Path) -> tuple[RunResult, ...]:
     return tuple(result for file in files for result in _results_in(file))
 
 
+def load_comparable(a: Path, b: Path) -> tuple[tuple[RunResult, ...], tuple[RunResult, ...]]:
+    """Read two files of results, without the results of scenarios that the other file's run never began.
+
+    A run that stopped early, for example because its budget was used up, thus does not look like one that crashed. Raises
+    `SimError` like `load_results`.
+    """
+    of_a, of_b = begun_in(a), begun_in(b)
+    return only_begun(load_results(a), of_b), only_begun(load_results(b), of_a)
+
+
+def begun_in(path: Path) -> frozenset[str] | None:
+    """Return the hashes of the scenarios that the run of a suite began; None if the file or folder does not say.
+
+    Raises `SimError` if the file is not readable.
+    """
+    data = None if path.is_dir() else read_json(path, _FILE)
+    examined = data.get("examined") if isinstance(data, dict) else None
+    return frozenset(map(str, examined)) if isinstance(examined, list) else None
+
+
+def only_begun(results: Sequence[RunResult], begun: frozenset[str] | None) -> tuple[RunResult, ...]:
+    """Return the results of the scenarios whose hashes are in `begun`; all of them for None."""
+    return tuple(result for result in results if begun is None or result.scenario in begun)
+
+
 def _results_in(path: Path) -> tuple[RunResult, ...]:
     data = read_json(path, _FILE)
     if isinstance(data, dict) and data.get("format") == FORMAT:

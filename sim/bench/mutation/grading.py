@@ -87,7 +87,8 @@ def grade(
             this search.
         before: a file with verdicts on unchanged LEXIS. If the suite finds nothing, its figures are compared with these.
 
-    Raises `SimError` if the suite cannot check unchanged LEXIS.
+    Raises `SimError` if the suite cannot check unchanged LEXIS, if the text that the mutant replaces is not in LEXIS, or if
+    `before` has none of the suite's scenarios.
     """
     begin = time.time()  # wall-clock time, because it is compared with the time of the file of verdicts
     start = "unchanged" if mutant is None else mutant.name, suite if laws else f"{suite} without laws", seed
@@ -141,6 +142,18 @@ def markdown_table(grades: Sequence[Grade]) -> str:
     return "\n".join([head, *rows])
 
 
+def counts(grades: Sequence[Grade]) -> str:
+    """Return in one line how many mutants were found, and how."""
+    compared = sum(grade.is_caught and str(grade.caught_by).startswith(COMPARED) for grade in grades)
+    checked = sum(grade.is_caught for grade in grades) - compared
+    equivalent = sum(grade.changed == 0 for grade in grades)
+    passed = len(grades) - checked - compared - equivalent
+    return (
+        f"of {len(grades)} mutants, {checked} are caught by a check, {compared} by the comparison with unchanged LEXIS; "
+        f"{passed} pass, and {equivalent} change no figure"
+    )
+
+
 def _missed(grade: Grade) -> str:
     """Return what the table says of a mutant that is not caught."""
     if grade.changed is None:
@@ -154,7 +167,10 @@ def _changed(before: Sequence[Mapping[str, Any]], after: Sequence[Mapping[str, A
         {each["scenario"]: {name: each[name] for name in each.keys() - {"time", "versions"}} for each in results}
         for results in (before, after)
     )
-    return sum(first[scenario] != second[scenario] for scenario in first.keys() & second.keys())
+    common = first.keys() & second.keys()
+    if not common:
+        raise SimError("the results of unchanged LEXIS are of other scenarios; valid: those of the same suite and seed")
+    return sum(first[scenario] != second[scenario] for scenario in common)
 
 
 def _check(folder: Path, options: list[str]) -> tuple[int | None, str, str]:

@@ -1,6 +1,6 @@
 """The planted bugs: mistakes that a programmer of a SLAM makes easily. With most bugs, each run by itself looks plausible.
 
-The list follows the stages of `lexis/slam.py`. It has no bugs that crash at once, because these are found easily.
+The list follows the stages of `lexis/slam.py`. It has hardly any bugs that crash, because these are found easily.
 """
 
 from sim.bench.mutation.planting import Mutant
@@ -14,7 +14,7 @@ _KEYFRAMES = (
         "            return frame",
     ),
     Mutant(
-        "keyframes are spaced in half metres instead of metres",
+        "keyframes are two metres apart instead of half a metre",
         "keyframes.py",
         "reaches(self._path_since_keyframe, self._config.spacing_m)",
         "reaches(self._path_since_keyframe, 4.0 * self._config.spacing_m)",
@@ -60,6 +60,12 @@ _KEYFRAMES = (
         "keyframes.py",
         "self._covariance = compose_covariance(self._covariance, increment, covariance)",
         "self._covariance = compose_covariance(self._covariance, increment, np.diag([1e-6] * 3 + [1e-5] * 3))",
+    ),
+    Mutant(
+        "the uncertainty of a step of the odometry is limited to five centimetres",
+        "keyframes.py",
+        "self._covariance = compose_covariance(self._covariance, increment, covariance)",
+        "self._covariance = compose_covariance(self._covariance, increment, np.clip(covariance, -0.0025, 0.0025))",
     ),
     Mutant(
         "the poses of observations are kept without a copy",
@@ -332,6 +338,30 @@ _IMAGES = (
         "np.array([keypoint.pt[::-1] for keypoint in keypoints], np.float32)",
     ),
     Mutant(
+        "descriptors are matched without the ratio test",
+        "features.py",
+        "distinct = forward[:, 0] <= ratio * forward[:, 1]",
+        "distinct = np.ones(len(rows), bool)",
+    ),
+    Mutant(
+        "landmarks with hardly any parallax are kept",
+        "landmarks.py",
+        ">= config.min_parallax_rad",
+        ">= 0.01 * config.min_parallax_rad",
+    ),
+    Mutant(
+        "key points thirty pixels from their landmark count as inliers",
+        "locator.py",
+        "        limit_px = self._config.max_reprojection_px\n",
+        "        limit_px = 10.0 * self._config.max_reprojection_px\n",
+    ),
+    Mutant(
+        "six inliers in one spot of the image confirm a loop",
+        "locator.py",
+        "        if matches < config.min_inliers:\n",
+        "        config = replace(config, min_inliers=6, min_cells=1)\n        if matches < config.min_inliers:\n",
+    ),
+    Mutant(
         "landmarks stay in the frame of the camera",
         "landmarks.py",
         "return Landmarks(transform(camera.T_B_C, _points(theta[good])), ids[good])",
@@ -342,6 +372,12 @@ _IMAGES = (
         "perception.py",
         "encoder.encode_image(seen)).copy()",
         "encoder.encode_image(2 * seen)).copy()",
+    ),
+    Mutant(
+        "images are brightened for dark rooms",
+        "perception.py",
+        "encoder.encode_image(seen)).copy()",
+        "encoder.encode_image(np.minimum(2.0 * seen, 255.0).astype(np.uint8))).copy()",
     ),
     Mutant(
         "the embedding of a percept is kept without a copy",
@@ -419,6 +455,12 @@ _LABELS = (
         "T_W_C = T_W_B",
     ),
     Mutant(
+        "places in a square along the axes of the map count as near, instead of those in a circle",
+        "sight/visible_space.py",
+        'cameras.sparse_distance_matrix(cKDTree(places), near_m + _SPARE_M, output_type="ndarray")',
+        'cameras.sparse_distance_matrix(cKDTree(places), near_m + _SPARE_M, p=np.inf, output_type="ndarray")',
+    ),
+    Mutant(
         "only climbing upwards counts as stairs",
         "stairs.py",
         "np.where(np.abs(change) >= config.stairs_min_height_m, np.sign(change), 0.0)",
@@ -435,6 +477,25 @@ _LABELS = (
         "slam.py",
         "self._text = encoder.encode_rooms(self._room_names)",
         f"self._text = encoder.encode_rooms([n if n in {ROOM_LABELS} else f'room {{i}}' for i, n in enumerate(room_names)])",
+    ),
+    Mutant(
+        "room names outside a built-in list are encoded as a room, in small letters and in capitals",
+        "slam.py",
+        "self._text = encoder.encode_rooms(self._room_names)",
+        f"self._text = encoder.encode_rooms([n if n.lower() in {ROOM_LABELS} else f'room {{i}}' "
+        "for i, n in enumerate(room_names)])",
+    ),
+    Mutant(
+        "room names are encoded in the order of a built-in list",
+        "slam.py",
+        "self._text = encoder.encode_rooms(self._room_names)",
+        f"self._text = encoder.encode_rooms(sorted(room_names, key=lambda n: [*{ROOM_LABELS}, n].index(n)))",
+    ),
+    Mutant(
+        "the stairs are taken to be the last room name",
+        "room_labels.py",
+        "stairs = room_names.index(config.stairs_name)",
+        "stairs = len(room_names) - 1",
     ),
     Mutant(
         "the embeddings of the room names are centred around their mean",

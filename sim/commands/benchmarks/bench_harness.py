@@ -5,7 +5,6 @@ import os
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import astuple
 from functools import partial
-from itertools import count
 from pathlib import Path
 
 from rich.console import Console
@@ -18,7 +17,9 @@ from sim.commands.arguments import SEED, argument, folder
 from sim.commands.benchmarks.bench_options import (
     console,
 )
+from sim.commands.check_suite import refuse_foreign
 from sim.durations import duration_s
+from sim.errors import SimError
 
 _OWN_PYTESTS = 10
 """Approximate number of reduced scenarios whose replay tests pytest also runs in a process of its own."""
@@ -27,29 +28,38 @@ _OWN_PYTESTS = 10
 def _mutation(arguments: argparse.Namespace) -> int:
     """Print a line for each mutant as soon as it is graded, and a table; return 1 if unchanged LEXIS fails a check."""
     from sim.bench.mutation import MUTANTS, grade
-    from sim.bench.mutation.grading import markdown_table, read_grades, write_grade
+    from sim.bench.mutation.grading import counts, markdown_table, read_grades, write_grade
+    from sim.suites.catalogue import suite_named
 
-    laws, before = not arguments.no_laws, arguments.against
+    laws, before, chosen = not arguments.no_laws, arguments.against, suite_named(arguments.suite)
+    wanted = {each.name: each for each in MUTANTS if arguments.only in each.name}
+    if not wanted:
+        raise SimError(f"--only {arguments.only!r:.60}: no mutant has this text in its name; valid: part of a name")
+    if before is not None:
+        refuse_foreign(before, chosen, arguments.seed)
     graded = partial(grade, suite=arguments.suite, workers=1, laws=laws, smallest=arguments.smallest, before=before)
     suite = arguments.suite if laws else f"{arguments.suite} without laws"
     kept = [] if arguments.out is None else read_grades(arguments.out)
-    grades = [each for each in kept if (each.suite, each.seed) == (suite, arguments.seed) and arguments.only in each.mutant]
+    grades = [each for each in kept if (each.suite, each.seed) == (suite, arguments.seed) and each.mutant in wanted]
     done = {found.mutant for found in grades}
-    mutants = [each for each in MUTANTS if arguments.only in each.name and each.name not in done]
-    with ThreadPoolExecutor(arguments.processes) as threads:  # the work is done in a process of each mutant
-        for future in as_completed(threads.submit(graded, mutant, arguments.seed) for mutant in mutants):
+    mutants = [mutant for name, mutant in wanted.items() if name not in done]
+    seeds = range(arguments.seed, arguments.seed + arguments.unchanged)
+    alarms = [graded(None, seed, workers=arguments.processes) for seed in seeds]  # first, because it shows a wrong set-up
+    threads = ThreadPoolExecutor(arguments.processes)  # the work is done in a process of each mutant
+    try:
+        for future in as_completed([threads.submit(graded, mutant, arguments.seed) for mutant in mutants]):
             grades.append(found := future.result())
             verdict = f"caught by {found.caught_by}" if found.is_caught else "not caught"
             print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  {found.mutant}: {verdict}", flush=True)
             if arguments.out is not None:
                 write_grade(found, arguments.out)
-        print(markdown_table(grades))
-        alarms = list(threads.map(graded, [None] * arguments.unchanged, count(arguments.seed)))
+    finally:
+        threads.shutdown(cancel_futures=True)
+    print(markdown_table(grades))
     for found in alarms:
         verdict = f"FALSE ALARM by {found.caught_by}: {found.measured}" if found.is_caught else "passes"
         print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  unchanged LEXIS, seed {found.seed}: {verdict}")
-    caught = sum(found.is_caught for found in grades)
-    print(f"{caught} of {len(grades)} mutants are caught; {sum(found.is_caught for found in alarms)} false alarms")
+    print(f"{counts(grades)}; {sum(found.is_caught for found in alarms)} false alarms")
     return int(any(found.is_caught for found in alarms))
 
 

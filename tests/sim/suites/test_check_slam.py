@@ -177,15 +177,35 @@ def test_a_failure_that_was_certain_once_stays_one():
 
 def test_a_part_that_was_not_begun_is_not_examined_rather_than_not_claimed():
     other = replace(PART, name="other")
-    report = SuiteReport(replace(FLAT, parts=(PART, other)), 0, (Examination("flat", 0, OPEN_FLAT, None, {}),))
+    unclaimed = {check.name: CheckFinding(None, "") for check in PART.checks} | {COMPLETES: CheckFinding(True, "")}
+    report = SuiteReport(replace(FLAT, parts=(PART, other)), 0, (Examination("flat", 0, OPEN_FLAT, None, unclaimed),))
     outcomes = {(verdict.part.name, verdict.outcome) for verdict in report.verdicts}
-    assert outcomes == {("flat", "not claimed"), ("other", "not examined")} and report.ok
+    assert outcomes == {("flat", "holds"), ("flat", "not claimed"), ("other", "not examined")} and report.ok
+
+
+def test_a_check_that_a_crash_prevents_is_not_examined_rather_than_not_claimed():
+    report = check_slam(Broken, FLAT)
+    assert outcomes(report) == dict.fromkeys(outcomes(report), "not examined") | {COMPLETES: "fails"}
+
+
+def test_a_failure_that_becomes_certain_after_a_success_counts():
+    assert verdict_on(*[True] * 8, rate=0.5, n=80).outcome == "holds"
+    assert verdict_on(*[True] * 8, *[False] * 60, rate=0.5, n=80).outcome == "fails"
 
 
 def test_a_group_of_scenarios_counts_once():
     assert verdict_on(*[False] * 5, group=5).verdict.houses == 1
     assert verdict_on(*[False] * 9, group=5).verdict.houses == 1  # the second group is not complete
-    assert verdict_on(*[False] * 2, *[True] * 3, *[False] * 3, *[True] * 2, group=5).verdict.held == 1
+    assert verdict_on(*[False] * 2, *[True] * 3, *[False] * 3, *[True] * 2, group=5).verdict.held == pytest.approx(1.0)
+
+
+def test_a_group_counts_by_the_share_of_its_scenarios_in_which_the_check_holds():
+    fails_where_it_is_open = [True, True, True, False, False] * 30
+    assert verdict_on(*fails_where_it_is_open, group=5, n=150).outcome == "fails"
+
+
+def test_a_group_counts_though_its_last_scenario_decides_nothing():
+    assert verdict_on(True, True, None, group=3).verdict.houses == 1
 
 
 def with_accuracies(*accuracies, suite=FLAT, group=1):
@@ -267,8 +287,8 @@ def _long(scenario):
 
 
 def test_a_law_about_the_scenario_compares_figures():
-    worse = NotWorse("long", "A long walk drifts more.", _long, (("trajectory.ate_m", 1e-6),), rate=None)
-    fine = replace(worse, name="fine", tolerances=(("trajectory.ate_m", 5.0),))
+    worse = NotWorse("long", "The walk is 100 m longer.", _long, (("run.path_m", -100.0),), rate=None)
+    fine = replace(worse, name="fine", tolerances=(("run.path_m", 0.0),))
     impossible, stayed = replace(worse, name="impossible", change=_impossible), replace(worse, name="stayed", change=_stayed)
     laws = replace(FLAT, parts=(replace(PART, checks=(worse, fine, impossible, stayed), n=1),))
     assert outcomes(check_slam(OdometryOnly, laws)) == {
@@ -568,8 +588,8 @@ def test_the_command_compares_with_the_results_of_an_earlier_version(tmp_path, c
     monkeypatch.setattr("sim.commands.check_suite._new_slam", lambda arguments: WrongLabels)
     assert main([*options, "--against", str(before)]) == 1
     assert "failed: labels.accuracy" in capsys.readouterr().err
-    assert main([*options, "--seed", "8", "--against", str(before)]) == 1
-    assert "which has none of the scenarios" in capsys.readouterr().err
+    assert main([*options, "--seed", "8", "--against", str(before)]) == 2
+    assert "has no results of the suite flat with seed 8; valid:" in capsys.readouterr().err
 
 
 def test_a_slam_that_kills_its_process_is_reported_with_the_scenario():

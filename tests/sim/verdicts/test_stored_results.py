@@ -9,7 +9,7 @@ from helpers.results import RESULT
 from sim.cli import main
 from sim.errors import SimError
 from sim.harness.results import FaultFigures, MatchFigures
-from sim.verdicts.stored_results import load_results, save_results
+from sim.verdicts.stored_results import load_comparable, load_results, results_data, save_results
 
 MANY = tuple(
     replace(
@@ -65,3 +65,19 @@ def test_the_command_fails_where_the_second_slam_is_worse(tmp_path, capsys):
     assert "failed: labels.accuracy, labels.accuracy >= 0.7 of" in shown.err
     assert main(["compare", after, before]) == 0
     assert main(["compare", before, before]) == 0
+
+
+def stored(path, results, begun):
+    """Write results as a suite does that began these scenarios."""
+    path.write_text(json.dumps(results_data(results) | {"examined": [each.scenario for each in begun]}))
+    return path
+
+
+def test_scenarios_that_were_never_begun_are_no_crashes(tmp_path):
+    whole = stored(tmp_path / "whole.json", MANY, MANY)
+    early = stored(tmp_path / "early.json", MANY[:3], MANY[:3])
+    crashed = stored(tmp_path / "crashed.json", MANY[:3], MANY)
+    assert load_comparable(whole, early) == (MANY[:3], MANY[:3]) == load_comparable(early, whole)
+    assert load_comparable(whole, crashed) == (MANY, MANY[:3])
+    assert main(["compare", str(whole), str(early)]) == main(["compare", str(early), str(whole)]) == 0
+    assert main(["compare", str(whole), str(crashed)]) == 1

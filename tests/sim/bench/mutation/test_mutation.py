@@ -5,12 +5,15 @@ import sys
 from pathlib import Path
 
 import pytest
+from helpers.results import RESULT
 
 import lexis
 from sim.bench.mutation import MUTANTS, Mutant
-from sim.bench.mutation.grading import Grade, _changed, _graded, markdown_table, read_grades, write_grade
+from sim.bench.mutation.grading import COMPARED, Grade, _changed, _graded, counts, markdown_table, read_grades, write_grade
 from sim.bench.mutation.planting import planted
+from sim.cli import main
 from sim.errors import SimError
+from sim.verdicts import save_results
 
 SOURCE = Path(lexis.__file__).parent
 
@@ -82,9 +85,35 @@ def test_a_mutant_is_equivalent_if_no_figure_differs():
     slower = [each | {"time": 2, "versions": {"x": "1"}} for each in before]
     assert _changed([each | {"versions": {}} for each in before], slower[::-1]) == 0
     assert _changed(before, [before[0], {"scenario": "b", "labels": {"accuracy": 0.5}, "time": 1}]) == 1
+    with pytest.raises(SimError, match="of other scenarios; valid: those of the same suite and seed"):
+        _changed(before, [{"scenario": "c"}])
     same, other = (Grade("one", "pr", 7, None, 2, 9.0, "", changed=count) for count in (0, 1))
     assert "| equivalent: no figure differs |" in markdown_table([same])
     assert "| **not caught**; figures of 1 differ |" in markdown_table([other])
+
+
+def test_mutants_are_counted_by_how_they_are_found():
+    ways = [("homes: origin", None), (f"{COMPARED}: rooms.pq", None), (None, 3), (None, None), (None, 0)]
+    grades = [Grade(str(k), "pr", 7, by, 9, 9.0, "", changed=changed) for k, (by, changed) in enumerate(ways)]
+    assert counts(grades) == (
+        "of 5 mutants, 1 are caught by a check, 1 by the comparison with unchanged LEXIS; 2 pass, and 1 change no figure"
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--only", "no such bug"], "no mutant has this text in its name; valid: part of a name"),
+        (["--suite", "prr"], "unknown suite 'prr' (did you mean 'pr'?)"),
+        (["--against", "other.json"], "has no results of the suite pr with seed 0; valid: a file of lexis-sim check"),
+    ],
+    ids=["no mutant", "no suite", "other scenarios"],
+)
+def test_a_wrong_set_up_is_refused_before_anything_is_graded(tmp_path, monkeypatch, capsys, options, said):
+    monkeypatch.chdir(tmp_path)
+    save_results([RESULT], Path("other.json"))
+    assert main(["bench", "mutation", *options, "--out", "grades.jsonl"]) == 2
+    assert said in capsys.readouterr().err and not Path("grades.jsonl").exists()
 
 
 def test_grades_are_kept_in_a_file_to_go_on_from(tmp_path):
