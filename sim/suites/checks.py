@@ -6,17 +6,16 @@ review of challenges and opportunities", ACM Computing Surveys 51, 2018). Each l
 this tolerance.
 """
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Literal, NamedTuple, Protocol
 
 from lexis.errors import one_line
 from lexis.types import Percept
 from sim.errors import ClaimError, ProgramError, SimError
 from sim.harness.claims import Claim
 from sim.harness.crash import Crash, attempt, attempt_plans
-from sim.harness.estimate import Estimate
+from sim.harness.estimate import Estimate, LoopClaims
 from sim.harness.figures import evaluate
 from sim.harness.last_run import last_run
 from sim.harness.results import RunResult
@@ -100,8 +99,7 @@ class ClaimCheck:
 class SameClaims:
     """A law about the input: after a change that should hardly matter, the SLAM reports nearly the same results.
 
-    The results are the frames that the SLAM used, their poses, labels, rooms and floors, and the loop closures. Poses always
-    have to agree; `compares` names the other results that have to agree.
+    The results are the frames that the SLAM used, their poses, labels, rooms and floors, and the loop closures.
     """
 
     name: str
@@ -116,8 +114,10 @@ class SameClaims:
     rate: float | None = None
     compares: tuple[str, ...] = _SHARES
     """The results that have to agree besides the poses, by their names in `ClaimAgreement`."""
-    needs_loops: bool = False
-    """Whether the law is only for runs in which the SLAM closes loops."""
+    compares_poses: bool = True
+    """Whether the poses have to agree."""
+    needs: tuple[Literal["labels", "loops"], ...] = ()
+    """Results without which the law says nothing, because the change is about them. No loop closure counts as no result."""
     needs_poses: bool = False
     """Whether the law is only for runs whose poses agree, so that it is about the other results alone."""
 
@@ -125,8 +125,8 @@ class SameClaims:
         """Run the SLAM on the changed input, and compare the claims of both runs."""
         if not reaches(self.change, base.run):
             return CheckFinding(None, "the change does not reach this SLAM")
-        if self.needs_loops and (base.run.estimate.loops is None or not len(base.run.estimate.loops.query)):
-            return CheckFinding(None, "the SLAM claims no loop closure")
+        if lacking := [name for name in self.needs if not _claims(base.run.estimate, name)]:
+            return CheckFinding(None, f"the SLAM claims no {' and no '.join(lacking)}")
         second = attempted(base.run.scenario, new_slam, self.change)
         if isinstance(second, CheckFinding):
             return second
@@ -136,7 +136,7 @@ class SameClaims:
         found = agreement(base.run.estimate, second.estimate)
         if found.frames == 0.0:
             return CheckFinding(False, "the two runs make claims about different frames")
-        if math.isinf(self.position_m) and all(getattr(found, name) is None for name in self.compares):
+        if not self.compares_poses and all(getattr(found, name) is None for name in self.compares):
             return CheckFinding(None, f"the SLAM does not claim {', '.join(self.compares)}")
         poses_agree = self._poses_agree(found)
         if self.needs_poses and not poses_agree:
@@ -146,6 +146,8 @@ class SameClaims:
         return CheckFinding(poses_agree and agree, _written(found))
 
     def _poses_agree(self, found: ClaimAgreement) -> bool:
+        if not self.compares_poses:
+            return True
         near = found.position_m is None or found.position_m <= self.position_m
         return near and (found.rotation_rad is None or found.rotation_rad <= self.rotation_rad)
 
@@ -251,7 +253,9 @@ def _described(crash: Crash) -> str:
 
 
 def _claims(estimate: Estimate, name: str) -> bool:
-    return getattr(estimate, name) is not None
+    """Return whether a SLAM claims a result. An empty list of loop closures counts as no claim."""
+    claimed = getattr(estimate, name)
+    return claimed is not None and (not isinstance(claimed, LoopClaims) or len(claimed.query) > 0)
 
 
 def _written(found: ClaimAgreement) -> str:

@@ -11,8 +11,6 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-import numpy as np
-
 from sim.harness.parts import house_spec
 from sim.harness.scenario import Scenario
 from sim.suites.checks import Check, NotWorse, SameClaims
@@ -76,11 +74,13 @@ LAWS: Mapping[str, Check] = {
             "order of the room names",
             "The claims do not depend on the order of the room names. There is no tolerance, because ties are not expected.",
             PermutedNames(),
+            needs=("labels",),
         ),
         SameClaims(
             "irrelevant room names",
             "Names of rooms that the house lacks change few labels. A few images may resemble such a room most.",
             MoreNames(),
+            needs=("labels",),
             least=0.97,
             position_m=0.05,
             rotation_rad=0.05,
@@ -90,6 +90,7 @@ LAWS: Mapping[str, Check] = {
             "room names in capitals",
             "Capital letters change few labels. Some encoders tell them from small ones.",
             CapitalLetters(),
+            needs=("labels",),
             least=0.97,
             position_m=0.05,
             rotation_rad=0.05,
@@ -99,6 +100,7 @@ LAWS: Mapping[str, Check] = {
             "synonyms of room names",
             "With synonyms of the room names most labels stay. Encoders know some names better than others.",
             Synonyms(),
+            needs=("labels",),
             least=0.5,
             position_m=0.2,
             rotation_rad=0.1,
@@ -115,7 +117,7 @@ LAWS: Mapping[str, Check] = {
             rotation_rad=0.1,
             rate=0.9,
             compares=("labels", "floors"),
-            needs_loops=True,
+            needs=("loops",),
         ),
         SameClaims(
             "slips that add up",
@@ -127,7 +129,7 @@ LAWS: Mapping[str, Check] = {
             rotation_rad=0.15,
             rate=0.8,
             compares=("labels", "rooms", "floors"),
-            needs_loops=True,
+            needs=("loops",),
             needs_poses=True,
         ),
         SameClaims(
@@ -136,10 +138,9 @@ LAWS: Mapping[str, Check] = {
             "change their floor.",
             HeightDrift(),
             least=0.95,
-            position_m=np.inf,
-            rotation_rad=np.inf,
             rate=0.9,
             compares=("floors",),
+            compares_poses=False,
         ),
         SameClaims(
             "a pause",

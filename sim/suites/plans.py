@@ -18,16 +18,19 @@ _LEVEL_M = 0.05
 """Largest difference in height between the ends of a step that is judged [m]. Steps with a larger difference lead over
 stairs."""
 _RIGHT_ENDS = 0.5
-"""Least share of the ends of plans that have the wanted label. It is below 1, because a plan may go beyond the frames of a
-room."""
+"""Least share of the plans that begin in a room of the wanted label, and of those that end in one. It is below 1, because a
+plan may go beyond the frames of a room."""
 
 
 def plans_can_be_walked(run: Run) -> CheckFinding:
-    """Ask the SLAM for plans between its labels; look for steps through walls or furniture, and for wrong ends."""
+    """Ask the SLAM for plans between its labels; look for steps through walls or furniture, and for wrong ends.
+
+    Whether an end has the wanted label is judged by the SLAM's own labels, and whether a step is blocked by the true walls.
+    """
     pairs, labels, slam = planned_pairs(run)[:_MOST_PLANS], run.estimate.labels, run.slam
     if not pairs or labels is None or not isinstance(slam, PlansPaths):
         return CheckFinding(None, "the SLAM claims no rooms of two labels, or makes no plans")
-    blocked, right = 0, 0
+    blocked, begins, ends = 0, 0, 0
     for start, goal in pairs:
         try:
             plan = np.array(slam.plan(start, goal))
@@ -38,10 +41,11 @@ def plans_can_be_walked(run: Run) -> CheckFinding:
         if plan.ndim != 1 or not plan.size or plan.dtype.kind not in "iu" or plan.min() < 0 or plan.max() >= len(labels):
             return CheckFinding(False, f"the plan from {start} to {goal} is no list of rows of the estimate")
         blocked += _blocked_steps(run, plan)
-        right += sum(labels[row] == run.room_names.index(name) for row, name in ((plan[0], start), (plan[-1], goal)))
-    ends = 2 * len(pairs)
-    text = f"of {len(pairs)} plans, {right / ends:.0%} of the ends have the right label; {blocked} steps are blocked"
-    return CheckFinding(bool(blocked == 0 and right >= _RIGHT_ENDS * ends), text)
+        begins += int(labels[plan[0]] == run.room_names.index(start))
+        ends += int(labels[plan[-1]] == run.room_names.index(goal))
+    right = f"{begins / len(pairs):.0%} begin and {ends / len(pairs):.0%} end in a room of the wanted label"
+    text = f"of {len(pairs)} plans, {right}; {blocked} steps are blocked"
+    return CheckFinding(bool(blocked == 0 and min(begins, ends) >= _RIGHT_ENDS * len(pairs)), text)
 
 
 def _blocked_steps(run: Run, plan: Int[np.ndarray, "k"]) -> int:

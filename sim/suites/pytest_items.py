@@ -48,7 +48,8 @@ def slam_checks(
     """Make a test that checks a SLAM by a suite; assign it to a name that begins with `test`.
 
     An item fails if its check fails with the confidence of a suite (`sim.suites.report.CONFIDENCE`), and is skipped if the
-    SLAM does not make the claims that the check is about. The first item of a part runs all scenarios of the part.
+    SLAM does not make the claims that the check is about. The first item of a part runs all scenarios of the part. The
+    verdicts about several parts together, which are means and laws that parts share, have no items: see `check_slam`.
 
     Args:
         new_slam: makes a SLAM that has not run yet, such as a class that takes no arguments.

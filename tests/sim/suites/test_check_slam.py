@@ -274,6 +274,12 @@ def test_a_law_sees_lost_claims_and_turned_poses(slam, said):
     assert outcomes(report)["again"] == "fails" and said in str(report)
 
 
+@pytest.mark.parametrize("law", SUITES["language"].parts[0].checks, ids=lambda law: law.name)
+def test_laws_about_room_names_say_nothing_of_a_slam_without_labels(law):
+    part = replace(PART, checks=(law,), n=1)
+    assert outcomes(check_slam(OdometryOnly, replace(FLAT, parts=(part,))))[law.name] == "not claimed"
+
+
 def _impossible(scenario):
     return replace(scenario, length_m=0.5)
 

@@ -48,13 +48,14 @@ def test_plans_of_lexis_can_be_walked(finished):
     ("change", "said"),
     [
         (lambda plan: [plan[0], plan[-1]], r"; [1-9]\d* steps are blocked"),
-        (lambda plan: plan[::-1], " 0% of the ends have the right label; 0 steps"),
+        (lambda plan: plan[::-1], " 0% begin and 0% end in a room of the wanted label; 0 steps"),
+        (lambda plan: plan[:1], " 100% begin and 0% end in a room of the wanted label; 0 steps"),
         (fail(PlanError("no way")), "there is no plan from"),
         (fail(ZeroDivisionError("oh")), "raises ZeroDivisionError: oh"),
         (lambda plan: [], "is no list of rows"),
         (lambda plan: [0, 99999], "is no list of rows"),
     ],
-    ids=["straight ahead", "backwards", "none", "crash", "empty", "beyond"],
+    ids=["straight ahead", "backwards", "stays", "none", "crash", "empty", "beyond"],
 )
 def test_plans_through_walls_to_other_rooms_or_none_at_all_are_found(finished, change, said):
     found = plans_can_be_walked(replace(finished, slam=Planner(finished.slam, change)))
