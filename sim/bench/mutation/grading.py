@@ -57,6 +57,8 @@ class Grade:
     changed: int | None = None
     """Number of scenarios in which any figure differs from that of unchanged LEXIS, if no check finds the mutant. With 0,
     the mutant is equivalent to LEXIS on these scenarios. None if LEXIS's results are not given."""
+    fingerprint: str = ""
+    """`Mutant.fingerprint`, so that a grade of another LEXIS is not taken for one of this LEXIS; "" for unchanged LEXIS."""
 
     @property
     def is_caught(self) -> bool:
@@ -90,6 +92,13 @@ def grade(
     Raises `SimError` if the suite cannot check unchanged LEXIS, if the text that the mutant replaces is not in LEXIS, or if
     `before` has none of the suite's scenarios.
     """
+    given = _grade(mutant, seed, suite, workers, laws, smallest, before)
+    return given if mutant is None else replace(given, fingerprint=mutant.fingerprint)
+
+
+def _grade(
+    mutant: Mutant | None, seed: int, suite: str, workers: int | None, laws: bool, smallest: bool, before: Path | None
+) -> Grade:
     begin = time.time()  # wall-clock time, because it is compared with the time of the file of verdicts
     start = "unchanged" if mutant is None else mutant.name, suite if laws else f"{suite} without laws", seed
     with planted(mutant) as folder:

@@ -1,9 +1,11 @@
 """Makes a copy of LEXIS in which the text of one module is changed (`planted`)."""
 
+import hashlib
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -30,6 +32,11 @@ class Mutant:
             raise SimError(f"mutant {self.name!r}: its text occurs {count} times in {self.file}; valid: once")
         return text.replace(self.before, self.after)
 
+    @property
+    def fingerprint(self) -> str:
+        """Hash of LEXIS and of the change: another one if either of them changes."""
+        return _hash(_hash_of_lexis(), self.file, self.before, self.after)
+
 
 @contextmanager
 def planted(mutant: Mutant | None) -> Iterator[Path]:
@@ -48,6 +55,17 @@ def planted(mutant: Mutant | None) -> Iterator[Path]:
             module.unlink()
             module.write_text(text)
         yield Path(folder)
+
+
+@cache
+def _hash_of_lexis() -> str:
+    source = Path(lexis.__file__).parent
+    modules = sorted(source.rglob("*.py"))
+    return _hash(*(text for path in modules for text in (str(path.relative_to(source)), path.read_text())))
+
+
+def _hash(*texts: str) -> str:
+    return hashlib.sha256("\0".join(texts).encode()).hexdigest()[:16]
 
 
 def _linked(source: str, target: str) -> None:

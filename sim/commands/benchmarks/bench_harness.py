@@ -40,7 +40,8 @@ def _mutation(arguments: argparse.Namespace) -> int:
     graded = partial(grade, suite=arguments.suite, workers=1, laws=laws, smallest=arguments.smallest, before=before)
     suite = arguments.suite if laws else f"{arguments.suite} without laws"
     kept = [] if arguments.out is None else read_grades(arguments.out)
-    grades = [each for each in kept if (each.suite, each.seed) == (suite, arguments.seed) and each.mutant in wanted]
+    now = {(name, suite, arguments.seed, mutant.fingerprint) for name, mutant in wanted.items()}
+    grades = [each for each in kept if (each.mutant, each.suite, each.seed, each.fingerprint) in now]
     done = {found.mutant for found in grades}
     mutants = [mutant for name, mutant in wanted.items() if name not in done]
     seeds = range(arguments.seed, arguments.seed + arguments.unchanged)
@@ -114,7 +115,11 @@ BENCHMARKS = (
             argument("--smallest", action="store_true", help="also look for the smallest scenario that shows each mutant"),
             argument("--unchanged", type=positive, default=1, metavar="N", help="seeds for unchanged LEXIS (default: 1)"),
             argument(
-                "-o", "--out", type=Path, metavar="FILE", help="file for the grades; mutants in it are not graded again"
+                "-o",
+                "--out",
+                type=Path,
+                metavar="FILE",
+                help="file for the grades; mutants in it are not graded again unless they or LEXIS have changed",
             ),
             _PROCESSES,
             SEED,

@@ -36,6 +36,13 @@ def test_a_text_that_is_not_there_once_is_refused():
         Mutant("no bug", "floors.py", "there is no such text", "").applied("def floors(): ...")
 
 
+def test_a_fingerprint_tells_mutants_apart_and_changes_with_lexis(monkeypatch):
+    assert len({mutant.fingerprint for mutant in MUTANTS}) == len(MUTANTS)
+    before = MUTANTS[0].fingerprint
+    monkeypatch.setattr("sim.bench.mutation.planting._hash_of_lexis", lambda: "another LEXIS")
+    assert MUTANTS[0].fingerprint != before
+
+
 def test_planting_changes_one_module_of_a_copy_and_nothing_else():
     mutant = MUTANTS[0]
     with planted(mutant) as folder:
