@@ -78,13 +78,12 @@ LAWS: Mapping[str, Check] = {
         ),
         SameClaims(
             "irrelevant room names",
-            "Names of rooms that the house lacks change few labels. A few images may resemble such a room most.",
+            "Names of rooms that the house lacks change few labels and rooms. A few images may resemble such a room most.",
             MoreNames(),
             needs=("labels",),
             least=0.97,
             position_m=0.05,
             rotation_rad=0.05,
-            rate=0.9,
         ),
         SameClaims(
             "room names in capitals",
