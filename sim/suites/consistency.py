@@ -13,7 +13,7 @@ from sim.harness.estimate import LoopClaims
 from sim.harness.runner import Run
 from sim.suites.agreement import apart
 from sim.suites.checks import CheckFinding, Examined, NewSlam
-from worlds.labels import STAIRS
+from sim.suites.staircases import CLIMB_M, NEAR_M, staircases_are_rooms, stairs_are_climbed, upright
 
 _STEP_M, _STEP_RAD = 0.25, 0.1
 """Largest allowed difference between the estimated motion and the odometry's motion from one frame of the estimate to the
@@ -39,18 +39,6 @@ _TRUSTED = 0.5
 """A loop closure counts as trusted if its weight is larger than this."""
 _FLOOR_M = 1.0
 """Largest difference in height between two frames on one floor [m]. It leaves room for drift; LEXIS reaches 0.4 m."""
-_CLIMB_M = 1.25
-"""Length of the path before and after a frame that tells whether the frame is on stairs [m]."""
-_STEEP = 0.45
-"""A frame is certainly on stairs if the path is at least as steep as this before and after the frame [m/m]. The stairs of
-houses are steeper."""
-_LANDING_M = 3.0
-"""Length of the path before and after a frame that tells whether the frame is on a half landing [m]. A frame where the path
-is level is on a half landing if the path rises over this length before the frame and again over this length after it, or if
-it falls both times."""
-_LEVEL_M = 0.2
-"""A frame is certainly not on stairs if the heights `_CLIMB_M` before and after it differ by at most this from its own
-height [m]."""
 
 
 @dataclass(frozen=True)
@@ -172,43 +160,16 @@ def rooms_are_uniform(run: Run) -> CheckFinding:
 
 
 def floors_are_level(run: Run) -> CheckFinding:
-    """Compare the heights of the frames on each floor, and check that floors with higher numbers are higher.
-
-    Heights are measured along the vertical of the odometry, because the world frame of a SLAM need not be upright.
-    """
+    """Compare the heights of the frames on each floor, and check that floors with higher numbers are higher."""
     poses, floors = run.estimate.T_W_B, run.estimate.floors
     if poses is None or floors is None or not (floors >= 0).any():
         return CheckFinding(None, "the SLAM does not claim both poses and floors")
-    height = (run.odometry_poses[0] @ between(poses[0], np.asarray(poses, float)))[:, 2, 3]
+    height = upright(run, poses)[:, 2]
     heights = [height[floors == floor] for floor in np.unique(floors[floors >= 0])]
     span = max(float(np.ptp(own)) for own in heights)
     ascend = bool((np.diff([own.mean() for own in heights]) > 0.0).all())
     text = f"heights on one floor differ by {span:.2g} m; floors with higher numbers are {'' if ascend else 'not '}higher"
     return CheckFinding(span <= _FLOOR_M and ascend, text)
-
-
-def stairs_are_climbed(run: Run) -> CheckFinding:
-    """Compare the frames that are labelled as stairs with where the odometry climbs."""
-    labels = run.estimate.labels
-    if labels is None or STAIRS not in run.room_names or len(labels) < 2:
-        return CheckFinding(None, "the SLAM claims no labels, or stairs are no room name")
-    labelled = labels == run.room_names.index(STAIRS)
-    positions = run.odometry_poses[:, :3, 3]
-    path = arc_length(positions)
-    rise, further = (_rises(path, positions[:, 2], length_m) for length_m in (_CLIMB_M, _LANDING_M))
-    climbs = (rise.prod(axis=0) > 0) & (np.abs(rise) >= _STEEP * _CLIMB_M).all(axis=0)
-    landing = (further.prod(axis=0) > 0) & (np.abs(further) > _LEVEL_M).all(axis=0)
-    level = (np.abs(rise) <= _LEVEL_M).all(axis=0) & ~landing
-    missed, wrong = int((climbs & ~labelled).sum()), int((level & labelled).sum())
-    return CheckFinding(
-        missed == wrong == 0, f"{missed} frames climb and have another label; {wrong} are level and labelled so"
-    )
-
-
-def _rises(path: Float64[np.ndarray, "n"], height: Float64[np.ndarray, "n"], length_m: float) -> Float64[np.ndarray, "2 n"]:
-    """Return the change of height over the path of `length_m` before each frame (row 0) and after it (row 1) [m]."""
-    before, after = (np.interp(path + offset, path, height) for offset in (-length_m, length_m))
-    return np.stack([height - before, after - height])
 
 
 def _mixed(rooms: Int[np.ndarray, "n"], kinds: Int[np.ndarray, "n"]) -> int:
@@ -265,8 +226,14 @@ CONSISTENCY = (
     Consistent(
         "labels on stairs",
         "Frames in the middle of a climb are labelled as stairs. Frames whose path is level before and after them, for "
-        f"{_CLIMB_M} m each, are not, except on half landings.",
+        f"{CLIMB_M} m each, are not, except on half landings.",
         stairs_are_climbed,
+    ),
+    Consistent(
+        "a staircase is one room",
+        f"Frames on stairs that are within {NEAR_M} m of each other on a plan belong to one room, because stairs are one "
+        "room through all storeys that they join.",
+        staircases_are_rooms,
     ),
 )
 """All laws about a single run."""

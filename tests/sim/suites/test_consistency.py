@@ -18,12 +18,9 @@ from sim.suites.consistency import (
     last_loops_fit,
     loops_join_visits,
     rooms_are_uniform,
-    stairs_are_climbed,
     steps_follow_odometry,
     trusted_loops_fit,
 )
-from worlds.presets import sample_house
-from worlds.validation import built_and_checked
 
 
 @pytest.fixture(scope="module")
@@ -37,8 +34,8 @@ def claiming(finished, **claims):
 
 @pytest.mark.parametrize("law", CONSISTENCY, ids=lambda law: law.name)
 def test_lexis_does_not_contradict_itself(law, lexis):
-    stairs = law.name == "labels on stairs"  # there are none
-    assert law.find(lexis).holds is (None if stairs else True)
+    about_stairs = law.name in ("labels on stairs", "a staircase is one room")  # there are none
+    assert law.find(lexis).holds is (None if about_stairs else True)
 
 
 def test_odometry_follows_itself_and_is_not_judged_by_what_it_does_not_claim():
@@ -144,38 +141,6 @@ def test_floors_that_are_numbered_downwards_are_found(lexis):
     poses[n // 2 :, 2, 3] += 3.0
     assert floors_are_level(claiming(lexis, T_W_B=poses, floors=floors)).holds
     assert floors_are_level(claiming(lexis, T_W_B=poses, floors=1 - floors)).holds is False
-
-
-UP_AND_ON = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 2.5, 2.5, 2.5, 2.5, 2.5])
-"""Heights of frames on a path that is level, climbs a flight of stairs, and is level again [m]."""
-
-
-def on_a_flight(lexis, stairs):
-    """A run along `UP_AND_ON`, in steps of 0.85 m to the front; the frames in `stairs` are labelled as stairs."""
-    frames = lexis.estimate.frames[: len(UP_AND_ON)]
-    T = np.tile(np.eye(4), (len(frames), 1, 1))
-    T[:, 0, 3], T[:, 2, 3] = 0.85 * np.arange(len(frames)), UP_AND_ON
-    given = {frame: lexis.given[frame]._replace(T_O_B=pose) for frame, pose in zip(frames.tolist(), T, strict=True)}
-    house = built_and_checked(sample_house("home", 3, rooms=6, storeys=2))
-    labels = np.full(len(frames), house.spec.room_labels.index("kitchen"))
-    labels[stairs] = house.spec.room_labels.index("stairs")
-    return replace(lexis, house=house, estimate=Estimate(frames, T_W_B=T, labels=labels), given=given)
-
-
-@pytest.mark.parametrize(
-    ("stairs", "holds"),
-    [(slice(4, 10), True), (slice(5, 9), True), (slice(4, 7), False), (slice(4, 13), False), (slice(0, 0), False)],
-    ids=["all", "middle", "half", "and beyond", "none"],
-)
-def test_stairs_are_labelled_where_the_path_climbs_and_not_where_it_is_level(lexis, stairs, holds):
-    assert stairs_are_climbed(on_a_flight(lexis, stairs)).holds is holds
-
-
-def test_a_half_landing_may_be_labelled_as_stairs_and_the_floor_at_the_top_may_not(lexis, monkeypatch):
-    rising = np.array([0.0, 0.5, 1.0, 1.5, 1.5, 1.5, 1.5, 1.5, 2.0, 2.5, 3.0, 3.0, 3.0, 3.0, 3.0])
-    monkeypatch.setattr(f"{__name__}.UP_AND_ON", rising)
-    assert stairs_are_climbed(on_a_flight(lexis, slice(1, 10))).holds
-    assert stairs_are_climbed(on_a_flight(lexis, slice(1, 14))).holds is False
 
 
 def test_heights_are_measured_along_the_vertical_of_the_odometry(lexis):
