@@ -290,7 +290,7 @@ _PLACES = (
         "loop candidates of nearly equal probability are ranked at random",
         "place_recognition.py",
         "odds = of_pairs.max(axis=(1, 2))",
-        "odds = of_pairs.max(axis=(1, 2)) + np.random.random(len(ids))",
+        "odds = of_pairs.max(axis=(1, 2)) + 0.1 * np.random.random(len(ids))",
     ),
     Mutant(
         "stamps are kept in single precision",
