@@ -461,6 +461,13 @@ _LABELS = (
         'cameras.sparse_distance_matrix(cKDTree(places), near_m + _SPARE_M, p=np.inf, output_type="ndarray")',
     ),
     Mutant(
+        "the similarities of a keyframe are mixed with those of the keyframe before it",
+        "slam.py",
+        "self._similarities.append(similarities(keyframe.embeddings, self._text))",
+        "now = similarities(keyframe.embeddings, self._text)\n"
+        "        self._similarities.append(0.7 * now + 0.3 * self._similarities.rows[-1] if len(self._similarities.rows) else now)",
+    ),
+    Mutant(
         "only climbing upwards counts as stairs",
         "stairs.py",
         "np.where(np.abs(change) >= config.stairs_min_height_m, np.sign(change), 0.0)",
@@ -471,6 +478,12 @@ _LABELS = (
         "stairs.py",
         "change = np.interp(path + half, path, height) - np.interp(path - half, path, height)",
         "change = np.interp(path, path, height) - np.interp(path - 2 * half, path, height)",
+    ),
+    Mutant(
+        "stairs begin half a metre too early",
+        "stairs.py",
+        "change = np.interp(path + half, path, height) - np.interp(path - half, path, height)",
+        "change = np.interp(path + half + 0.5, path, height) - np.interp(path - half + 0.5, path, height)",
     ),
     Mutant(
         "room names outside a built-in list are encoded as a room",
