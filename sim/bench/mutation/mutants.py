@@ -465,7 +465,8 @@ _LABELS = (
         "slam.py",
         "self._similarities.append(similarities(keyframe.embeddings, self._text))",
         "now = similarities(keyframe.embeddings, self._text)\n"
-        "        self._similarities.append(0.7 * now + 0.3 * self._similarities.rows[-1] if len(self._similarities.rows) else now)",
+        "        before = self._similarities.rows\n"
+        "        self._similarities.append(0.7 * now + 0.3 * before[-1] if len(before) else now)",
     ),
     Mutant(
         "only climbing upwards counts as stairs",
