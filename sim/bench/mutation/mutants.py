@@ -128,6 +128,12 @@ _GRAPH = (
         "if now.loops == last.loops or not waited:",
     ),
     Mutant(
+        "the newest keyframe of the map has the pose of the odometry",
+        "slam.py",
+        "            T_W_B=T_W_B,\n",
+        "            T_W_B=__import__('numpy').concatenate([T_W_B[:-1], [self._graph.keyframes[-1].T_O_B]]),\n",
+    ),
+    Mutant(
         "the optimised poses are thrown away",
         "graph/pose_graph.py",
         "self._move(self._optimiser.optimise() if whole else self._optimiser.optimise_last(self._config.window))",
@@ -466,7 +472,7 @@ _LABELS = (
         "self._similarities.append(similarities(keyframe.embeddings, self._text))",
         "now = similarities(keyframe.embeddings, self._text)\n"
         "        before = self._similarities.rows\n"
-        "        self._similarities.append(0.7 * now + 0.3 * before[-1] if len(before) else now)",
+        "        self._similarities.append(0.9 * now + 0.1 * before[-1] if len(before) else now)",
     ),
     Mutant(
         "only climbing upwards counts as stairs",
@@ -573,6 +579,12 @@ _ROOMS = (
         "floors.py",
         "nearest = np.abs(levels - heights[:, None]).argmin(axis=1)",
         "nearest = np.maximum(0, positions[:, 2] // 3.0).astype(int)",
+    ),
+    Mutant(
+        "a keyframe gets the floor of the keyframe before it",
+        "floors.py",
+        "return np.where(stairs, NO_FLOOR, nearest)",
+        "return np.where(stairs, NO_FLOOR, np.roll(nearest, 1))",
     ),
     Mutant(
         "floors are numbered from the top",
