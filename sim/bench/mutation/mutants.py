@@ -130,8 +130,16 @@ _GRAPH = (
     Mutant(
         "the newest keyframe of the map has the pose of the odometry",
         "slam.py",
-        "            T_W_B=T_W_B,\n",
-        "            T_W_B=__import__('numpy').concatenate([T_W_B[:-1], [self._graph.keyframes[-1].T_O_B]]),\n",
+        "        semantics = self._derive_semantics(T_W_B)\n        return LexisMap(",
+        "        T_W_B[-1] = self._graph.keyframes[-1].T_O_B\n"
+        "        semantics = self._derive_semantics(T_W_B)\n        return LexisMap(",
+    ),
+    Mutant(
+        "the newest keyframe of the map has the orientation of the odometry",
+        "slam.py",
+        "        semantics = self._derive_semantics(T_W_B)\n        return LexisMap(",
+        "        T_W_B[-1, :3, :3] = self._graph.keyframes[-1].T_O_B[:3, :3]\n"
+        "        semantics = self._derive_semantics(T_W_B)\n        return LexisMap(",
     ),
     Mutant(
         "the optimised poses are thrown away",
@@ -579,12 +587,6 @@ _ROOMS = (
         "floors.py",
         "nearest = np.abs(levels - heights[:, None]).argmin(axis=1)",
         "nearest = np.maximum(0, positions[:, 2] // 3.0).astype(int)",
-    ),
-    Mutant(
-        "a keyframe gets the floor of the keyframe before it",
-        "floors.py",
-        "return np.where(stairs, NO_FLOOR, nearest)",
-        "return np.where(stairs, NO_FLOOR, np.roll(nearest, 1))",
     ),
     Mutant(
         "floors are numbered from the top",
