@@ -254,7 +254,7 @@ REVISITS = SuitePart(
             0.9,
             *_labels(0.77, 0.865, 1.01, 0.6),
             *_rooms(0.44, 0.6),
-            *_loops(0.69, 0.98, 0.85),
+            *_loops(0.69, 0.98, 0.96),
             *_FLOORS,
             _COVERED,
             _THREE_MATCHES,

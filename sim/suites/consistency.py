@@ -32,9 +32,9 @@ _LAST_M, _LAST_FIT_M, _LAST_RATIO = 1.0, 0.07, 2.0
 """Length of the end of the walk [m]; largest typical difference there between a trusted loop closure and the poses that it
 joins [m]; and how many times the typical difference of the other trusted loop closures it may be, for SLAMs whose loop
 closures are less accurate. The typical difference is the median. For LEXIS it is at most 0.056 m in 98 % of the runs."""
-_REVISIT_S, _REVISITING_SHARE = 10.0, 0.9
-"""Least time between the two frames of a loop closure [s], as in the definition of `loops.recall`, and the least share of
-the loop closures that keep it."""
+_REVISIT_S, _REVISITING_SHARE = 10.0, 0.99
+"""Least time between the two frames of a loop closure or of a proposed revisit [s], as in the definition of `loops.recall`,
+and the least share of each of them that keeps it. LEXIS keeps it always."""
 _TRUSTED = 0.5
 """A loop closure counts as trusted if its weight is larger than this."""
 _FLOOR_M = 1.0
@@ -88,14 +88,24 @@ def trusted_loops_fit(run: Run) -> CheckFinding:
 
 
 def loops_join_visits(run: Run) -> CheckFinding:
-    """Look for loop closures between frames of one visit, which the odometry constrains better than a loop closure does."""
-    loops = run.estimate.loops
-    if loops is None or not len(loops.query):
-        return CheckFinding(None, "the SLAM claims no loop closure")
-    stamps = run.stamps
-    share = float((np.abs(stamps[loops.query] - stamps[loops.match]) >= _REVISIT_S - 1e-6).mean())
-    found = f"of {len(loops.query)} loop closures, {share:.0%} join frames that are at least {_REVISIT_S:g} s apart"
-    return CheckFinding(share >= _REVISITING_SHARE, found)
+    """Look for loop closures and proposed revisits between frames of one visit, which the odometry constrains better."""
+    loops, proposed = run.estimate.loops, run.estimate.candidates
+    pairs = {
+        "loop closures": [] if loops is None else np.stack([loops.query, loops.match], axis=1),
+        "proposed revisits": [(query, match) for query, matches in proposed or () for match in matches],
+    }
+    shares = {what: _of_two_visits(run.stamps[np.array(rows)]) for what, rows in pairs.items() if len(rows)}
+    if not shares:
+        return CheckFinding(None, "the SLAM claims no loop closure and proposes no revisit")
+    found = " and ".join(f"{share:.1%} of the {what}" for what, share in shares.items())
+    return CheckFinding(
+        min(shares.values()) >= _REVISITING_SHARE, f"{found} join frames that are at least {_REVISIT_S:g} s apart"
+    )
+
+
+def _of_two_visits(stamps: Float64[np.ndarray, "n 2"]) -> float:
+    """Return the share of the pairs of stamps [s] that belong to separate visits."""
+    return float((np.abs(stamps[:, 0] - stamps[:, 1]) >= _REVISIT_S - 1e-6).mean())
 
 
 def last_loops_fit(run: Run) -> CheckFinding:
@@ -195,8 +205,9 @@ CONSISTENCY = (
     ),
     Consistent(
         "loops join separate visits",
-        f"At least {_REVISITING_SHARE:.0%} of the loop closures join frames that are {_REVISIT_S:g} s apart or more. A SLAM "
-        "that also counts frames of one visit as loop closures breaks this law on purpose.",
+        f"At least {_REVISITING_SHARE:.0%} of the loop closures, and of the proposed revisits, join frames that are "
+        f"{_REVISIT_S:g} s apart or more. A SLAM that also counts frames of one visit as revisits breaks this law on "
+        "purpose.",
         loops_join_visits,
     ),
     Consistent(
