@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lexis.files.replace import replaced_file
+from sim.commands.earlier_run import EarlierRun
 from sim.commands.run import progress_bar
 from sim.commands.slams import is_lexis, program_of, refuse_program_options, replay_of, runner_of, slam_factory
 from sim.durations import duration_s
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from sim.suites.report import CheckVerdict, SuiteReport
     from sim.suites.suite import Suite
     from sim.suites.suite_means import SuiteMean
-    from sim.verdicts.comparison import Comparison
 
 SUITE_HELP = "check by a suite in place of one run: pr, open-plan or another; an unknown name lists them all"
 AGAINST_HELP = "with --suite: results of an earlier version (a file of --json); the check fails if a figure got worse, too"
@@ -70,26 +70,27 @@ def run_suite(arguments: argparse.Namespace) -> int:
     for path in (arguments.json, arguments.picture):
         if path is not None and not path.absolute().parent.is_dir():
             raise SimError(f"{path}: its folder does not exist; valid: a file in an existing folder")
-    if arguments.against is not None:
-        refuse_foreign(arguments.against, runnable(suite, new_slam), arguments.seed)
+    before = None if arguments.against is None else EarlierRun.read(arguments.against)
+    if before is not None:
+        before.refuse_other_scenarios(runnable(suite, new_slam), arguments.seed)
     with progress_bar("checking by the suite") as progress:
         budget_s = math.inf if arguments.budget is None else arguments.budget
         report = check_slam(new_slam, suite, arguments.seed, workers, bool(arguments.exitfirst), progress, budget_s)
     for line in _lines(report, failed_alone=bool(arguments.exitfirst)):
         print(line)
-    comparison = None if arguments.against is None else _compared(report, arguments.against)
+    comparison = None if before is None else before.compared_with(report)
     worse = () if comparison is None else comparison.worse
     _write(report, worse, workers, arguments)
     for verdict in (*report.failed, *report.failed_means):
         print(f"failed: {verdict}", file=sys.stderr)
     if comparison is not None:
         print(comparison)
-    elif arguments.against is not None:
+    elif before is not None:
         print(f"not compared with {arguments.against}: no scenario was completed in both runs", file=sys.stderr)
     if worse:
         print(f"failed: {', '.join(worse)} worse than in {arguments.against}", file=sys.stderr)
     _search_smallest(report, new_slam, arguments)
-    return 0 if report.ok and not worse and (arguments.against is None or comparison is not None) else 1
+    return 0 if report.ok and not worse and (before is None or comparison is not None) else 1
 
 
 def _suite(arguments: argparse.Namespace) -> "Suite":
@@ -99,20 +100,6 @@ def _suite(arguments: argparse.Namespace) -> "Suite":
     suite = suite_named(arguments.suite).with_limits(dict(arguments.limit or ()))
     suite = suite.without_laws() if arguments.no_laws else suite
     return suite.with_images() if arguments.images else suite
-
-
-def refuse_foreign(before: Path, suite: "Suite", seed: int) -> None:
-    """Raise SimError unless a file of results contains results of the scenarios of a suite."""
-    from sim.suites.examination import jobs_of, scenario_of
-    from sim.verdicts import load_results
-
-    known = {result.scenario for result in load_results(before)}
-    firsts = {job.part.name: job for job in reversed(jobs_of(suite, seed))}
-    if not any(scenario_of(job).content_hash in known for job in firsts.values()):
-        raise SimError(
-            f"{before}: has no results of the suite {suite.name} with seed {seed}; valid: a file of "
-            f"lexis-sim check --suite {suite.name} --seed {seed} --json {before}"
-        )
 
 
 def _lines(report: "SuiteReport", failed_alone: bool) -> Iterator[str]:
@@ -127,7 +114,8 @@ def _lines(report: "SuiteReport", failed_alone: bool) -> Iterator[str]:
         yield from map(_mean_line, report.failed_means)
     else:
         yield from (_verdict_line(verdict) for verdict in report.verdicts if verdict.is_begun)
-        if missing := dict.fromkeys(verdict.part.name for verdict in report.verdicts if not verdict.examined):
+        examined = {each.part for each in report.examined}
+        if missing := [part.name for part in report.suite.parts if part.name not in examined]:
             yield f"not examined: {', '.join(missing)}"
         yield from map(_mean_line, report.means)
         yield figure_table(report)
@@ -136,7 +124,7 @@ def _lines(report: "SuiteReport", failed_alone: bool) -> Iterator[str]:
 
 def _verdict_line(verdict: "CheckVerdict") -> str:
     (held, decided), wanted = verdict.counts, 1.0 if verdict.rate is None else verdict.rate
-    return f"{verdict.outcome:11} {held:4.3g} of {decided:<3} wanted: {wanted:4.0%}  {verdict.name}"
+    return f"{verdict.outcome:11} {round(held, 2):5g} of {decided:<3} wanted: {wanted:4.0%}  {verdict.name}"
 
 
 def _mean_line(mean: "SuiteMean") -> str:
@@ -178,29 +166,17 @@ def _by_cause(failed: "Sequence[CheckVerdict]") -> "list[tuple[CheckVerdict, lis
     """Return the failed checks for which the smallest scenario is searched, each with the others of the same cause.
 
     Claims of one part about one figure mostly fail for the same reason, and so does a law in several parts. The first of
-    them stands for all.
+    them stands for all. Crashes in different parts may have different causes.
     """
     from sim.suites.checks import ClaimCheck
 
     groups: dict[tuple[str, str], list[CheckVerdict]] = {}
     for verdict in failed:
         check = verdict.checked
-        cause = (verdict.part.name, check.claim.figure) if isinstance(check, ClaimCheck) else ("", verdict.check)
-        groups.setdefault(cause, []).append(verdict)
+        where = verdict.part.name if check is None or isinstance(check, ClaimCheck) else ""
+        what = check.claim.figure if isinstance(check, ClaimCheck) else verdict.check
+        groups.setdefault((where, what), []).append(verdict)
     return [(first, others) for first, *others in groups.values()]
-
-
-def _compared(report: "SuiteReport", before: Path) -> "Comparison | None":
-    """Compare the results with earlier ones. Scenarios that only one of the runs began are left out.
-
-    The result is None if there is nothing to compare, because the SLAM crashes or only one of the runs began a scenario.
-    """
-    from sim.verdicts import compare_results, load_results
-    from sim.verdicts.stored_results import begun_in, only_begun
-
-    begun = frozenset(each.scenario.content_hash for each in report.examined)
-    a, b = only_begun(load_results(before), begun), only_begun(report.results, begun_in(before))
-    return compare_results(a, b) if {each.scenario for each in a} & {each.scenario for each in b} else None
 
 
 def _new_slam(arguments: argparse.Namespace) -> "NewSlam":

@@ -117,7 +117,7 @@ class SameClaims:
     compares_poses: bool = True
     """Whether the poses have to agree."""
     needs: tuple[Literal["labels", "loops"], ...] = ()
-    """Results without which the law says nothing, because the change is about them. No loop closure counts as no result."""
+    """Results that the SLAM has to claim, otherwise the law says nothing. An empty list of loop closures is no claim."""
     needs_poses: bool = False
     """Whether the law is only for runs whose poses agree, so that it is about the other results alone."""
 
@@ -125,7 +125,7 @@ class SameClaims:
         """Run the SLAM on the changed input, and compare the claims of both runs."""
         if not reaches(self.change, base.run):
             return CheckFinding(None, "the change does not reach this SLAM")
-        if lacking := [name for name in self.needs if not _claims(base.run.estimate, name)]:
+        if lacking := [name for name in self.needs if not _has_any(base.run.estimate, name)]:
             return CheckFinding(None, f"the SLAM claims no {' and no '.join(lacking)}")
         second = attempted(base.run.scenario, new_slam, self.change)
         if isinstance(second, CheckFinding):
@@ -253,7 +253,11 @@ def _described(crash: Crash) -> str:
 
 
 def _claims(estimate: Estimate, name: str) -> bool:
-    """Return whether a SLAM claims a result. An empty list of loop closures counts as no claim."""
+    return getattr(estimate, name) is not None
+
+
+def _has_any(estimate: Estimate, name: str) -> bool:
+    """Return whether a SLAM claims a result, and at least one loop closure if the result is about these."""
     claimed = getattr(estimate, name)
     return claimed is not None and (not isinstance(claimed, LoopClaims) or len(claimed.query) > 0)
 

@@ -1,11 +1,12 @@
 """The laws that relate two runs of any SLAM: changes that must matter little, or that should do no harm.
 
 - `SameClaims` changes the stream of observations and compares the claims frame by frame. Where the SLAM has no reason to
-  notice the change, the tolerance is rounding. `SimilaritiesFollowImages` compares the similarities frame by frame.
+  notice the change, the tolerance is rounding, or 1 mm where an optimiser stops at a slightly different place.
+  `SimilaritiesFollowImages` compares the similarities frame by frame.
 - `NotWorse` changes the house, so that the frames differ and only figures can be compared. Its tolerances allow for the
   differences between two tours.
 
-`consistency` and `plans` hold laws about a single run.
+`consistency`, `staircases` and `plans` hold laws about a single run.
 """
 
 from collections.abc import Mapping
@@ -44,7 +45,7 @@ LAWS: Mapping[str, Check] = {
         SameClaims("same run twice", "Two runs on the same observations give the same claims.", NoChange()),
         SameClaims(
             "moved and rotated house",
-            "The claims do not depend on where the odometry frame lies, nor on its heading. Tolerance: rounding, and 1 mm, "
+            "The claims do not depend on where the odometry frame lies, nor on its heading. Tolerance: rounding, and 1 mm "
             "because an optimiser stops when it has nearly converged.",
             MovedOrigin(),
             position_m=1e-3,
@@ -56,7 +57,7 @@ LAWS: Mapping[str, Check] = {
         ),
         SameClaims(
             "axes of the body",
-            "The claims do not depend on the axes of the body frame, such as those of an IMU. Tolerance: rounding, and 1 mm, "
+            "The claims do not depend on the axes of the body frame, such as those of an IMU. Tolerance: rounding, and 1 mm "
             "because an optimiser stops when it has nearly converged.",
             TurnedBody(),
             position_m=1e-3,

@@ -74,7 +74,7 @@ def slam_checks(
     def test(item: Item) -> None:
         __tracebackhide__ = True
         verdict = reports.verdict(item)
-        if verdict.outcome == "not claimed":
+        if verdict.outcome in ("not claimed", "not examined"):
             pytest.skip(str(verdict))
         assert verdict.outcome != "fails", str(verdict)
 

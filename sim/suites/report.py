@@ -20,7 +20,7 @@ from sim.suites.suite_means import SuiteMean
 from sim.verdicts.rate import RateVerdict
 
 CONFIDENCE = 0.99
-"""Confidence of each single verdict. A suite has about 300 of them, so that a lower confidence gives false alarms."""
+"""Confidence of each single verdict. The suite `pr` has about 300 of them; with a lower confidence, some would be false."""
 SEED = 7
 """Default seed of the scenarios of a suite; `lexis-sim check --suite` uses the same."""
 SuiteOutcome = Literal["holds", "fails", "undecided", "not claimed", "not examined"]
@@ -88,7 +88,10 @@ class CheckVerdict:
 
     @property
     def counts(self) -> tuple[float, int]:
-        """In how many scenarios the check holds, and in how many it is decided; a group of scenarios counts as one."""
+        """How often the check holds, and in how many scenarios it is decided; a group of scenarios counts as one.
+
+        For a check with a rate, these are the counts at which `verdict` gives its answer.
+        """
         if self.verdict is None:
             return len(self.decided) - len(self.failures), len(self.decided)
         return self.verdict.held, self.verdict.houses
@@ -126,7 +129,7 @@ class CheckVerdict:
         return "\n".join(lines)
 
     def _shares(self) -> Iterator[float]:
-        """Yield, for each group that has been examined completely, in which share of its scenarios the check holds.
+        """Yield for each completely examined group the share of its decided scenarios in which the check holds.
 
         Groups in which the check is not decided in any scenario are left out.
         """

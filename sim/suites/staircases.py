@@ -55,8 +55,10 @@ def staircases_are_rooms(run: Run) -> CheckFinding:
         return CheckFinding(None, "the SLAM does not claim poses, labels and rooms, or stairs are no room name")
     on_stairs = np.flatnonzero((labels == run.room_names.index(STAIRS)) & (rooms >= 0))
     if not len(on_stairs):
-        return CheckFinding(None, "no frame is labelled as stairs")
+        return CheckFinding(None, "no frame on stairs belongs to a room")
     first, second = on_stairs[cKDTree(upright(run, poses)[on_stairs, :2]).query_pairs(NEAR_M, output_type="ndarray")].T
+    if not len(first):
+        return CheckFinding(None, "no two frames on stairs are near each other")
     apart = int((rooms[first] != rooms[second]).sum())
     return CheckFinding(apart == 0, f"{apart} of {len(first)} pairs of near frames on stairs belong to different rooms")
 

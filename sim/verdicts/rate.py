@@ -38,8 +38,9 @@ class RateVerdict:
     """1 minus the largest probability of a wrong answer, in (0.5, 1). The bound holds for any true rate, and even if the
     answer is read after every house."""
     held: float
-    """Number of houses in which the claim holds. A house that was examined several times counts by the share in which the
-    claim holds; the evidence stays valid, because it is a convex function of this share."""
+    """Number of houses in which the claim holds. A house that was examined several times counts by the share of its
+    examinations in which the claim holds. The error bound stays valid, because the evidence is a convex function of this
+    share."""
     houses: int
     """Number of houses that were examined."""
 
@@ -78,7 +79,7 @@ class RateVerdict:
     def __str__(self) -> str:
         low, high = self.interval
         rate = f"rate at least {low:.2f}, at most {high:.2f} with {self.confidence:.0%} confidence; wanted: {self.p:g}"
-        return f"in {self.held:.3g} of {self.houses} houses ({rate}): {self.outcome}"
+        return f"in {round(self.held, 2):g} of {self.houses} houses ({rate}): {self.outcome}"
 
 
 def _log_evidence(p: float, held: float, failed: float) -> tuple[float, float]:

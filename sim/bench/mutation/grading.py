@@ -22,6 +22,7 @@ from sim.bench.mutation.planting import Mutant, planted
 from sim.errors import SimError
 from sim.processes import ONE_THREAD
 from sim.suites.examination import COMPLETES
+from sim.verdicts import load_results
 
 COMPARED = "worse than before"
 """Beginning of `Grade.caught_by` for a mutant that passes the suite, but has worse figures than unchanged LEXIS."""
@@ -114,7 +115,7 @@ def _grade(
             graded = _graded(start, data, shown, verdicts.stat().st_mtime - begin)
             if before is None or any(check["outcome"] == "fails" for check in data["checks"]):
                 return graded
-            return replace(graded, changed=_changed(json.loads(before.read_text())["results"], data["results"]))
+            return replace(graded, changed=_changed([result.data() for result in load_results(before)], data["results"]))
         seconds = time.time() - begin
     how = "the suite does not end" if status is None else f"the suite ends with status {status}"
     if mutant is None:

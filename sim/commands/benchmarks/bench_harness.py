@@ -17,7 +17,7 @@ from sim.commands.arguments import SEED, argument, folder
 from sim.commands.benchmarks.bench_options import (
     console,
 )
-from sim.commands.check_suite import refuse_foreign
+from sim.commands.earlier_run import EarlierRun
 from sim.durations import duration_s
 from sim.errors import SimError
 
@@ -36,7 +36,7 @@ def _mutation(arguments: argparse.Namespace) -> int:
     if not wanted:
         raise SimError(f"--only {arguments.only!r:.60}: no mutant has this text in its name; valid: part of a name")
     if before is not None:
-        refuse_foreign(before, chosen, arguments.seed)
+        EarlierRun.read(before).refuse_other_scenarios(chosen, arguments.seed)
     graded = partial(grade, suite=arguments.suite, workers=1, laws=laws, smallest=arguments.smallest, before=before)
     suite = arguments.suite if laws else f"{arguments.suite} without laws"
     kept = [] if arguments.out is None else read_grades(arguments.out)
@@ -44,8 +44,12 @@ def _mutation(arguments: argparse.Namespace) -> int:
     grades = [each for each in kept if (each.mutant, each.suite, each.seed, each.fingerprint) in now]
     done = {found.mutant for found in grades}
     mutants = [mutant for name, mutant in wanted.items() if name not in done]
-    seeds = range(arguments.seed, arguments.seed + arguments.unchanged)
-    alarms = [graded(None, seed, workers=arguments.processes) for seed in seeds]  # first, because it shows a wrong set-up
+    alarms = []
+    for seed in range(arguments.seed, arguments.seed + arguments.unchanged):  # first, because it shows a wrong set-up
+        found = graded(None, seed, workers=arguments.processes, before=before if seed == arguments.seed else None)
+        verdict = f"FALSE ALARM by {found.caught_by}: {found.measured}" if found.is_caught else "passes"
+        print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  unchanged LEXIS, seed {seed}: {verdict}", flush=True)
+        alarms.append(found)
     threads = ThreadPoolExecutor(arguments.processes)  # the work is done in a process of each mutant
     try:
         for future in as_completed([threads.submit(graded, mutant, arguments.seed) for mutant in mutants]):
@@ -57,9 +61,6 @@ def _mutation(arguments: argparse.Namespace) -> int:
     finally:
         threads.shutdown(cancel_futures=True)
     print(markdown_table(grades))
-    for found in alarms:
-        verdict = f"FALSE ALARM by {found.caught_by}: {found.measured}" if found.is_caught else "passes"
-        print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  unchanged LEXIS, seed {found.seed}: {verdict}")
     print(f"{counts(grades)}; {sum(found.is_caught for found in alarms)} false alarms")
     return int(any(found.is_caught for found in alarms))
 
