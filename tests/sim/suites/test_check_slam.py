@@ -15,14 +15,16 @@ from helpers.planted_commands import program
 from helpers.results import RESULT
 
 from sim.cli import main
+from sim.commands.check_suite import _by_cause
 from sim.errors import SimError
 from sim.harness import Lexis, Scenario, run
 from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.harness.claims import Claim
+from sim.harness.estimate import LoopClaims
 from sim.harness.failures.failure_folder import Replay
 from sim.programs import Program
 from sim.suites.catalogue import OPENNESS, SUITES, suite_named
-from sim.suites.checks import CheckFinding, NotWorse, SameClaims
+from sim.suites.checks import CheckFinding, ClaimCheck, NotWorse, SameClaims, examined
 from sim.suites.consistency import CONSISTENCY
 from sim.suites.examination import COMPLETES, Examination, examinations, jobs_of, scenario_of
 from sim.suites.figure_table import figure_table
@@ -188,6 +190,50 @@ def test_a_check_that_a_crash_prevents_is_not_examined_rather_than_not_claimed()
     assert outcomes(report) == dict.fromkeys(outcomes(report), "not examined") | {COMPLETES: "fails"}
 
 
+class LoopsOnce(OdometryOnly):
+    """Claims one loop closure in every second run, and none in the others."""
+
+    runs = 0
+
+    def finish(self):
+        type(self).runs += 1
+        claims = super().finish()
+        many = self.runs % 2
+        rows = np.arange(many), np.arange(many)
+        return replace(claims, loops=LoopClaims(rows[0] + len(claims.frames) - 1, rows[1], np.tile(np.eye(4), (many, 1, 1))))
+
+
+def test_a_run_without_loop_closures_still_claims_them():
+    law = SameClaims("again", "Twice the same.", NoChange(), compares=("frames",))
+    assert law.examine(examined(OPEN_FLAT, LoopsOnce), LoopsOnce).holds
+    needing = replace(law, needs=("loops",))
+    LoopsOnce.runs = 1
+    assert needing.examine(examined(OPEN_FLAT, LoopsOnce), LoopsOnce).measured == "the SLAM claims no loops"
+
+
+test_a_crash = slam_checks(Broken, suite=FLAT, expected_failures={f"flat: {COMPLETES}": "it crashes"})
+
+
+def test_crashes_in_two_parts_are_searched_separately_and_a_law_is_searched_once():
+    law, claim = verdict_on(False, rate=None), verdict_on(False, rate=None)
+    two = [replace(each, part=replace(PART, name=name)) for each, name in ((law, "one"), (claim, "two"))]
+    crashes = [replace(each, check=COMPLETES) for each in two]
+    laws = [replace(each, check="origin") for each in two]
+    assert [len(others) for _, others in _by_cause(crashes)] == [0, 0]
+    assert [len(others) for _, others in _by_cause(laws)] == [1]
+
+
+def test_loose_limits_are_looser_than_tight_ones():
+    for part in SUITES["pr"].parts:
+        limits = {}
+        for check in part.checks:
+            if isinstance(check, ClaimCheck) and check.claim.quantity in limits:
+                loose, tight = limits[check.claim.quantity], check.claim
+                assert (tight.limit - loose.limit) * (1 if ">" in tight.comparison else -1) > 0, f"{part.name}: {tight}"
+            elif isinstance(check, ClaimCheck):
+                limits[check.claim.quantity] = check.claim
+
+
 def test_a_failure_that_becomes_certain_after_a_success_counts():
     assert verdict_on(*[True] * 8, rate=0.5, n=80).outcome == "holds"
     assert verdict_on(*[True] * 8, *[False] * 60, rate=0.5, n=80).outcome == "fails"
@@ -272,6 +318,17 @@ def test_a_law_sees_lost_claims_and_turned_poses(slam, said):
     again = replace(FLAT, parts=(replace(PART, checks=(SameClaims("again", "Twice the same.", NoChange()),), n=1),))
     report = check_slam(slam, again)
     assert outcomes(report)["again"] == "fails" and said in str(report)
+
+
+@pytest.mark.parametrize(("share", "n"), [(0.01, 5), (0.5, 30), (0.1, 5), (2.0, 120)])
+def test_a_suite_of_another_size_has_whole_groups(share, n):
+    assert SUITES["open-plan"].with_size(share).parts[0].n == n
+
+
+@pytest.mark.parametrize("share", [0.0, -1.0, np.inf, np.nan])
+def test_a_share_that_is_no_size_is_refused(share):
+    with pytest.raises(SimError, match=r"suite open-plan: the share is .*valid: a positive number"):
+        SUITES["open-plan"].with_size(share)
 
 
 @pytest.mark.parametrize("law", SUITES["language"].parts[0].checks, ids=lambda law: law.name)

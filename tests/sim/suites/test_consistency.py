@@ -81,7 +81,7 @@ def test_a_trusted_loop_that_the_trajectory_does_not_satisfy_is_found_and_an_unt
     assert trusted_loops_fit(claiming(lexis, loops=replace(loops, T_match_query=T, weights=weights))).holds
 
 
-def test_most_loops_have_to_join_separate_visits(lexis):
+def test_nearly_all_loops_have_to_join_separate_visits(lexis):
     loops = lexis.estimate.loops
     matches = loops.match.copy()
     matches[: len(matches) // 20] = loops.query[: len(matches) // 20] - 1

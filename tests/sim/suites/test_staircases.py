@@ -62,6 +62,7 @@ def test_the_way_up_and_the_way_down_are_one_room(lexis):
     assert staircases_are_rooms(up_and_down(lexis, one)).holds
     assert staircases_are_rooms(up_and_down(lexis, two)).holds is False
     assert staircases_are_rooms(up_and_down(lexis, None)).holds is None
+    assert staircases_are_rooms(up_and_down(lexis, one - 1)).measured == "no frame on stairs belongs to a room"
 
 
 def test_stairs_that_are_far_from_each_other_may_be_two_rooms(lexis):

@@ -40,6 +40,15 @@ def test_a_rate_that_is_missed_is_hardly_ever_confirmed_at_any_time(p):
     assert (first_outcomes(p, p - 1e-6) == "holds").mean() <= 0.05
 
 
+def test_houses_that_count_by_shares_keep_the_error_bound():
+    rng = np.random.default_rng(3)
+    p, of_houses = 0.8, rng.choice([0.6, 1.0], size=(1000, 40))  # a claim holds in three or in all five scenarios of a house
+    denied = 0
+    for held in np.cumsum(of_houses, axis=1).tolist():
+        denied += any(RateVerdict(p, 0.95, count, n).outcome == "fails" for n, count in enumerate(held, 1))
+    assert denied <= 50
+
+
 @pytest.mark.parametrize(("p", "true_rate", "outcome"), [(0.5, 0.8, "holds"), (0.9, 0.6, "fails"), (0.95, 0.7, "fails")])
 def test_a_clear_answer_is_found(p, true_rate, outcome):
     assert (first_outcomes(p, true_rate, streams=1000) == outcome).mean() >= 0.95
