@@ -115,7 +115,7 @@ def _grade(
             graded = _graded(start, data, shown, verdicts.stat().st_mtime - begin)
             if before is None or any(check["outcome"] == "fails" for check in data["checks"]):
                 return graded
-            return replace(graded, changed=_changed([result.data() for result in load_results(before)], data["results"]))
+            return replace(graded, changed=_changed(_stored(before), data["results"]))
         seconds = time.time() - begin
     how = "the suite does not end" if status is None else f"the suite ends with status {status}"
     if mutant is None:
@@ -169,6 +169,11 @@ def _missed(grade: Grade) -> str:
     if grade.changed is None:
         return "**not caught**"
     return "equivalent: no figure differs" if grade.changed == 0 else f"**not caught**; figures of {grade.changed} differ"
+
+
+def _stored(before: Path) -> list[dict[str, Any]]:
+    """Return stored results as plain data, as JSON has them."""
+    return list(json.loads(json.dumps([result.data() for result in load_results(before)])))
 
 
 def _changed(before: Sequence[Mapping[str, Any]], after: Sequence[Mapping[str, Any]]) -> int:

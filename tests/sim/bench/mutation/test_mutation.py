@@ -1,7 +1,9 @@
 """Every mutant fits the present code, and planting changes exactly one module."""
 
+import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,10 +11,21 @@ from helpers.results import RESULT
 
 import lexis
 from sim.bench.mutation import MUTANTS, Mutant
-from sim.bench.mutation.grading import COMPARED, Grade, _changed, _graded, counts, markdown_table, read_grades, write_grade
+from sim.bench.mutation.grading import (
+    COMPARED,
+    Grade,
+    _changed,
+    _graded,
+    _stored,
+    counts,
+    markdown_table,
+    read_grades,
+    write_grade,
+)
 from sim.bench.mutation.planting import planted
 from sim.cli import main
 from sim.errors import SimError
+from sim.harness.results import FaultFigures
 from sim.verdicts import save_results
 
 SOURCE = Path(lexis.__file__).parent
@@ -97,6 +110,13 @@ def test_a_mutant_is_equivalent_if_no_figure_differs():
     same, other = (Grade("one", "pr", 7, None, 2, 9.0, "", changed=count) for count in (0, 1))
     assert "| equivalent: no figure differs |" in markdown_table([same])
     assert "| **not caught**; figures of 1 differ |" in markdown_table([other])
+
+
+def test_results_that_were_stored_and_read_are_not_changed(tmp_path):
+    faulty = replace(RESULT, scenario="f" * 16, faults=FaultFigures(("dropped:0.1",), {"dropped": 3}, 90, 0))
+    save_results([RESULT, faulty], tmp_path / "all.json")
+    stored = json.loads((tmp_path / "all.json").read_text())["results"]
+    assert _changed(_stored(tmp_path / "all.json"), stored) == 0
 
 
 def test_mutants_are_counted_by_how_they_are_found():
