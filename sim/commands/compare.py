@@ -29,11 +29,11 @@ def add_to(commands: Commands) -> None:
 
 def _compare(arguments: argparse.Namespace) -> int:
     from sim.harness import Claim
-    from sim.verdicts import compare_results, load_comparable
+    from sim.verdicts import StoredRun, compare_results
 
     claims = [Claim.parse(text) for text in arguments.claim]
-    a, b = load_comparable(arguments.a, arguments.b)
-    comparison = compare_results(a, b, claims, confidence=arguments.confidence)
+    a, b = StoredRun.load(arguments.a), StoredRun.load(arguments.b)
+    comparison = compare_results(a.comparable_with(b), b.comparable_with(a), claims, confidence=arguments.confidence)
     print(comparison)
     if comparison.worse:
         print(f"failed: {', '.join(comparison.worse)} of {arguments.b} worse than of {arguments.a}", file=sys.stderr)

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -44,33 +45,36 @@ def load_results(path: Path) -> tuple[RunResult, ...]:
     return tuple(result for file in files for result in _results_in(file))
 
 
-def load_comparable(a: Path, b: Path) -> tuple[tuple[RunResult, ...], tuple[RunResult, ...]]:
-    """Read two files of results, without the results of scenarios that the other file's run never began.
+@dataclass(frozen=True)
+class StoredRun:
+    """The results of a run of a suite, and the scenarios that it began, some of which may have no result."""
 
-    A run that stopped early, for example because its budget was used up, thus does not look like one that crashed. Raises
-    `SimError` like `load_results`.
-    """
-    of_a, of_b = begun_in(a), begun_in(b)
-    return only_begun(load_results(a), of_b), only_begun(load_results(b), of_a)
+    results: tuple[RunResult, ...]
+    begun: frozenset[str] | None = None
+    """Hashes of the scenarios that were begun; None if this is not known."""
 
+    @classmethod
+    def load(cls, path: Path) -> "StoredRun":
+        """Read a file or a folder as `load_results` does. Only files of suites say which scenarios were begun."""
+        if path.is_dir():
+            return cls(load_results(path))
+        data = read_json(path, _FILE)
+        examined = data.get("examined") if isinstance(data, dict) else None
+        return cls(_results_of(data, path), frozenset(map(str, examined)) if isinstance(examined, list) else None)
 
-def begun_in(path: Path) -> frozenset[str] | None:
-    """Return the hashes of the scenarios that the run of a suite began; None if the file or folder does not say.
+    def comparable_with(self, other: "StoredRun") -> tuple[RunResult, ...]:
+        """Return the results of this run without those of scenarios that the other run never began.
 
-    Raises `SimError` if the file is not readable.
-    """
-    data = None if path.is_dir() else read_json(path, _FILE)
-    examined = data.get("examined") if isinstance(data, dict) else None
-    return frozenset(map(str, examined)) if isinstance(examined, list) else None
-
-
-def only_begun(results: Sequence[RunResult], begun: frozenset[str] | None) -> tuple[RunResult, ...]:
-    """Return the results of the scenarios whose hashes are in `begun`; all of them for None."""
-    return tuple(result for result in results if begun is None or result.scenario in begun)
+        A run that stopped early, for example because its budget was used up, thus does not look like one that crashed.
+        """
+        return tuple(result for result in self.results if other.begun is None or result.scenario in other.begun)
 
 
 def _results_in(path: Path) -> tuple[RunResult, ...]:
-    data = read_json(path, _FILE)
+    return _results_of(read_json(path, _FILE), path)
+
+
+def _results_of(data: Any, path: Path) -> tuple[RunResult, ...]:
     if isinstance(data, dict) and data.get("format") == FORMAT:
         several = data.get("results")
         if not isinstance(several, list) or not several:
