@@ -60,13 +60,12 @@ class CheckVerdict:
     @cached_property
     def decided(self) -> tuple[Examination, ...]:
         """The scenarios in which the check holds or fails, in their order."""
-        made = (each for each in self.examined if self.check in each.findings)
-        return tuple(each for each in made if each.findings[self.check].holds is not None)
+        return tuple(each for each in self.examined if self._holds(each) is not None)
 
     @property
     def failures(self) -> tuple[Examination, ...]:
         """The scenarios in which the check fails."""
-        return tuple(each for each in self.decided if not each.findings[self.check].holds)
+        return tuple(each for each in self.examined if self._holds(each) is False)
 
     @cached_property
     def verdict(self) -> RateVerdict | None:
@@ -128,18 +127,21 @@ class CheckVerdict:
             ]
         return "\n".join(lines)
 
+    def _holds(self, scenario: Examination) -> bool | None:
+        """Return whether the check holds in a scenario; None if it was not made there, or could not be decided."""
+        finding = scenario.findings.get(self.check)
+        return None if finding is None else finding.holds
+
     def _shares(self) -> Iterator[float]:
         """Yield for each completely examined group the share of its decided scenarios in which the check holds.
 
         Groups in which the check is not decided in any scenario are left out.
         """
-        decided = set(map(id, self.decided))
         for (_, group), members in groupby(self.examined, lambda each: (each.part, each.number // self.part.group)):
             scenarios = list(members)
             if scenarios[-1].number < min((group + 1) * self.part.group, self.part.n) - 1:
                 continue  # the rest of the group has not been examined yet
-            holds = [each.findings[self.check].holds is True for each in scenarios if id(each) in decided]
-            if holds:
+            if holds := [held for each in scenarios if (held := self._holds(each)) is not None]:
                 yield sum(holds) / len(holds)
 
 

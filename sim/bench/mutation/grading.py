@@ -93,15 +93,9 @@ def grade(
     Raises `SimError` if the suite cannot check unchanged LEXIS, if the text that the mutant replaces is not in LEXIS, or if
     `before` has none of the suite's scenarios.
     """
-    given = _grade(mutant, seed, suite, workers, laws, smallest, before)
-    return given if mutant is None else replace(given, fingerprint=mutant.fingerprint)
-
-
-def _grade(
-    mutant: Mutant | None, seed: int, suite: str, workers: int | None, laws: bool, smallest: bool, before: Path | None
-) -> Grade:
     begin = time.time()  # wall-clock time, because it is compared with the time of the file of verdicts
     start = "unchanged" if mutant is None else mutant.name, suite if laws else f"{suite} without laws", seed
+    fingerprint = "" if mutant is None else mutant.fingerprint
     with planted(mutant) as folder:
         verdicts = folder / "verdicts.json"
         options = ["--suite", suite, "--seed", str(seed), "-x", "--json", str(verdicts)]
@@ -112,7 +106,7 @@ def _grade(
         status, shown, errors = _check(folder, options)
         if verdicts.exists():
             data = json.loads(verdicts.read_text())
-            graded = _graded(start, data, shown, verdicts.stat().st_mtime - begin)
+            graded = replace(_graded(start, data, shown, verdicts.stat().st_mtime - begin), fingerprint=fingerprint)
             if before is None or any(check["outcome"] == "fails" for check in data["checks"]):
                 return graded
             return replace(graded, changed=_changed(_stored(before), data["results"]))
@@ -120,7 +114,7 @@ def _grade(
     how = "the suite does not end" if status is None else f"the suite ends with status {status}"
     if mutant is None:
         raise SimError(f"unchanged LEXIS: {how}: {one_line(errors, 300)}; valid: a suite that LEXIS completes")
-    return Grade(*start, how, 0, seconds, one_line(errors, 160))
+    return Grade(*start, how, 0, seconds, one_line(errors, 160), fingerprint=fingerprint)
 
 
 def write_grade(grade: Grade, file: Path) -> None:
