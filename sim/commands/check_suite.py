@@ -29,8 +29,8 @@ IMAGES_HELP = "with --suite: render all scenarios, for a SLAM that does not acce
 EXIT_HELP = "with --suite: stop when the first check fails"
 JSON_HELP = "with --suite: write the verdicts and all results to a file, which lexis-sim compare reads"
 LIMIT_HELP = (
-    "with --suite: another limit of a claim, such as labels.accuracy=0.9; of several claims of a part about this figure, "
-    "only the one with the largest rate stays; may be repeated"
+    "with --suite: set another limit for a figure, such as labels.accuracy=0.9; if a part makes several claims about it, "
+    "only the claim that has to hold in the most scenarios stays; may be repeated"
 )
 PICTURE_HELP = "with --suite: an SVG of room quality against openness, beside the plain SLAMs that are shipped"
 BUDGET_HELP = "with --suite: wall time after which no further scenario is begun, such as 12m (default: no limit)"
