@@ -13,6 +13,7 @@ from typing import Any, Literal, get_type_hints
 
 from sim.errors import SimError
 from sim.harness.results import RunResult, figure_meant
+from sim.harness.wording import kind_of
 
 _OPERATORS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
     {"<=": operator.le, ">=": operator.ge, "==": operator.eq, "!=": operator.ne, "<": operator.lt, ">": operator.gt}
@@ -51,6 +52,18 @@ class Claim:
             raise SimError(f"claim {text!r:.80}: {number!r} is no number; valid: a number such as 0.7") from None
         claim._check_names()
         return claim
+
+    @staticmethod
+    def of_argument(place: str, claim: object) -> "Claim":
+        """Return the claim that an argument gives as a `Claim` or as text; `place` names the argument in messages.
+
+        Raises `SimError` for anything else, and for a text that `parse` does not understand.
+        """
+        if isinstance(claim, Claim):
+            return claim
+        if not isinstance(claim, str):
+            raise SimError(f'{place} is {kind_of(claim)}; valid: a claim, such as "rooms.pq >= 0.6"')
+        return Claim.parse(claim)
 
     def __str__(self) -> str:
         return f"{self.figure} {self.comparison} {self.limit:g}" + ("" if self.of is None else f" * {self.of}")

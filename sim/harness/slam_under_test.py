@@ -15,6 +15,7 @@ from sim.feature_sensor.covisibility_verifier import CovisibilityVerifier
 from sim.feature_sensor.model import FeatureModel
 from sim.feature_sensor.oracle import Oracle
 from sim.harness.estimate import Estimate
+from sim.harness.wording import kind_of
 
 
 @runtime_checkable
@@ -64,6 +65,12 @@ def check_slam_methods(slam: object) -> None:
             bare = [each.replace(annotation=inspect.Parameter.empty) for each in found.parameters.values()]
             takes, valid = f"def {method}{inspect.Signature(bare)}", f"def {method}({', '.join(('self', *parameters))})"
             raise SimError(f"SLAM under test: {name} has {takes}: {error}; valid: {valid}") from None
+
+
+def check_slam_factory(place: str, new_slam: object) -> None:
+    """Raise SimError unless `new_slam` can be called to make a SLAM; `place` names the argument."""
+    if not callable(new_slam):
+        raise SimError(f"{place} is {kind_of(new_slam)}; valid: the class of a SLAM, or a function that makes a SLAM")
 
 
 @runtime_checkable

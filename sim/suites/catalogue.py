@@ -10,6 +10,7 @@ from sim.errors import SimError
 from sim.faults import parse_fault
 from sim.harness.claims import Claim
 from sim.harness.scenario import Scenario
+from sim.harness.wording import kind_of
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ, HOUSE_SEEDS
 from sim.suites.checks import Check
 from sim.suites.consistency import CONSISTENCY, Consistent
@@ -348,9 +349,18 @@ _MEANS = tuple(
 """Claims about the means over all scenarios of the suite `pr`. Each limit is one standard error worse than the mean of
 LEXIS. No claim is about the trajectory: a few walks with large errors decide that mean, such as walks on which the robot is
 carried away."""
+
+
+class _Suites(dict[str, Suite]):
+    """Suites by name. Another name raises `SimError` with a list of all names."""
+
+    def __missing__(self, name: str) -> Suite:
+        raise SimError(f"unknown suite {name!r:.60}{did_you_mean(name, self)}; valid: {', '.join(self)}")
+
+
 SUITES: Mapping[str, Suite] = MappingProxyType(
-    {
-        suite.name: suite
+    _Suites(
+        (suite.name, suite)
         for suite in (
             Suite(
                 "pr",
@@ -366,15 +376,15 @@ SUITES: Mapping[str, Suite] = MappingProxyType(
                 for part in (OPEN_PLAN, HOMES, TWINS, STAIRS, REVISITS, NO_DRIFT, LANGUAGE, FAULTS, LONG, IMAGES)
             ),
         )
-    }
+    )
 )
-"""All suites by name."""
+"""All suites by name. `SUITES[name]` raises `SimError` for an unknown name."""
 
 
 def suite_named(suite: Suite | str) -> Suite:
-    """Return the suite of this name, or the suite itself. Raises `SimError` for an unknown name."""
+    """Return the suite of this name, or the suite itself. Raises `SimError` for an unknown name and any other value."""
     if isinstance(suite, Suite):
         return suite
-    if suite not in SUITES:
-        raise SimError(f"unknown suite {suite!r:.60}{did_you_mean(suite, SUITES)}; valid: {', '.join(SUITES)}")
+    if not isinstance(suite, str):
+        raise SimError(f"suite is {kind_of(suite)}; valid: a Suite, or the name of one: {', '.join(SUITES)}")
     return SUITES[suite]

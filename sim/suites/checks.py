@@ -232,12 +232,10 @@ def examined(scenario: Scenario, new_slam: NewSlam) -> Examined | CheckFinding:
 
 
 def _made(new_slam: Callable[[], SlamUnderTest]) -> SlamUnderTest:
-    """Make a SLAM. Raises `SimError` for an argument that cannot make one.
+    """Make a SLAM. Raises `SimError` if what is made is no SLAM.
 
     An exception that is raised while the SLAM is made counts as an exception of the SLAM.
     """
-    if not callable(new_slam):
-        raise SimError(f"SLAM under test: {type(new_slam).__name__} is an instance; valid: its class, or a function")
     with last_run().calling_slam():
         slam = new_slam()
     check_slam_methods(slam)

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from sim.errors import SimError
 from sim.harness.last_run import LastRun, watched
+from sim.harness.slam_under_test import check_slam_factory
+from sim.harness.wording import kind_of
 from sim.suites.catalogue import suite_named
 from sim.suites.checks import NewSlam
 from sim.suites.examination import COMPLETES
@@ -59,10 +61,15 @@ def slam_checks(
         seed: seed of all scenarios.
 
     Raises:
-        SimError: the suite or the name of a check is unknown.
+        SimError: the suite or the name of a check is unknown, or an argument is of another kind.
     """
     import pytest
 
+    check_slam_factory("slam_checks: new_slam", new_slam)
+    if not isinstance(expected_failures, Mapping):
+        raise SimError(
+            f"slam_checks: expected_failures is {kind_of(expected_failures)}; valid: a mapping of 'part: check' to a reason"
+        )
     chosen = runnable(suite_named(suite), new_slam)
     items = [Item(part, check) for part in chosen.parts for check in (COMPLETES, *(each.name for each in part.checks))]
     _check_names(expected_failures, items)

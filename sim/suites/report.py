@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 from sim.harness.results import RunResult
 from sim.harness.runner import Progress
+from sim.harness.slam_under_test import check_slam_factory
 from sim.programs.command import Program
 from sim.suites.catalogue import suite_named
 from sim.suites.checks import Check, ClaimCheck, NewSlam
@@ -251,6 +252,7 @@ def check_slam(
         SimError: the suite is unknown, the seed is negative, `workers` is less than 1, the SLAM cannot be made or sent to
             other processes, a process died, or no scenario of a part can be drawn.
     """
+    check_slam_factory("check_slam: new_slam", new_slam)
     chosen, end = runnable(suite_named(suite), new_slam), time.monotonic() + budget_s
     jobs = jobs_of(chosen, seed)
     report = SuiteReport(chosen, seed, ())

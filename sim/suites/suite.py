@@ -5,12 +5,14 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from numbers import Real
 
 import numpy as np
 
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.scenario import Scenario
+from sim.harness.wording import kind_of
 from sim.harness.world_tests import RENDER_FRAME_RATE_HZ
 from sim.suites.checks import Check, ClaimCheck
 from worlds.valid_names import did_you_mean
@@ -91,6 +93,8 @@ class Suite:
         of a claim about a mean begins with "mean": "mean labels.accuracy". Raises `SimError` for a key about which the suite
         makes no claim, and for a limit that is not finite.
         """
+        if not isinstance(limits, Mapping):
+            raise SimError(f"suite {self.name}: limits is {kind_of(limits)}; valid: a mapping, such as {{'rooms.pq': 0.5}}")
         checks = [check for part in self.parts for check in part.checks]
         known = {check.claim.quantity for check in checks if isinstance(check, ClaimCheck)}
         known |= {f"mean {claim.quantity}" for claim in self.means}
@@ -98,8 +102,8 @@ class Suite:
             if figure not in known:
                 guess, valid = did_you_mean(figure, known), ", ".join(sorted(known))
                 raise SimError(f"suite {self.name}: has no claim about {figure!r:.60}{guess}; valid: {valid}")
-            if not math.isfinite(limit):
-                raise SimError(f"suite {self.name}: the limit of {figure} is {limit}; valid: a finite number")
+            if not _is_finite(limit):
+                raise SimError(f"suite {self.name}: the limit of {figure} is {limit!r:.40}; valid: a finite number")
         means = (replace(claim, limit=limits.get(f"mean {claim.quantity}", claim.limit)) for claim in self.means)
         return replace(self, parts=tuple(part.with_limits(limits) for part in self.parts), means=tuple(means))
 
@@ -109,7 +113,7 @@ class Suite:
         The claims about means are left out if rounding changes the proportions of the parts, because their limits were set
         for the suite's own mixture of parts. Raises `SimError` for a share that is not positive and finite.
         """
-        if not 0.0 < share < math.inf:
+        if not _is_finite(share) or share <= 0.0:
             raise SimError(f"suite {self.name}: the share is {share!r:.40}; valid: a positive number, such as 0.5 or 2")
         parts = tuple(replace(part, n=max(1, round(share * part.n / part.group)) * part.group) for part in self.parts)
         shares = {Fraction(new.n, old.n) for new, old in zip(parts, self.parts, strict=True)}
@@ -132,6 +136,10 @@ class Suite:
 def claims(rate: float, *texts: str) -> tuple[ClaimCheck, ...]:
     """Make claims, each of which has to hold in the share `rate` of the scenarios."""
     return tuple(ClaimCheck(Claim.parse(text), rate) for text in texts)
+
+
+def _is_finite(value: object) -> bool:
+    return isinstance(value, Real) and math.isfinite(value)
 
 
 def _check_unique(where: str, what: str, names: Iterable[str]) -> None:

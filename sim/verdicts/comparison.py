@@ -24,7 +24,8 @@ from sim.harness.claims import Claim
 from sim.harness.figures import check
 from sim.harness.results import RunResult
 from sim.harness.scenario import Scenario
-from sim.harness.slam_under_test import SlamUnderTest
+from sim.harness.slam_under_test import SlamUnderTest, check_slam_factory
+from sim.verdicts.items import items
 
 Change = Literal["worse", "better", "not shown to differ"]
 COMPLETED = "the run completed"
@@ -209,8 +210,11 @@ def compare(
     Raises:
         SimError: an argument is not valid, or a scenario cannot be run.
     """
+    for name, new_slam in (("a", a), ("b", b)):
+        check_slam_factory(f"compare: {name}", new_slam)
     wanted = _checked(claims, figures, confidence)
-    pairs = [(check(scenario, a()), check(scenario, b())) for scenario in scenarios]
+    chosen = items("compare: scenarios", Scenario, scenarios)
+    pairs = [(check(scenario, a()), check(scenario, b())) for scenario in chosen]
     return compare_results([first for first, _ in pairs], [second for _, second in pairs], wanted, figures, confidence)
 
 
@@ -237,6 +241,7 @@ def compare_results(
         SimError: no scenario is common to both, a scenario occurs twice on one side, or an argument is not valid.
     """
     wanted = _checked(claims, figures, confidence)
+    a, b = list(items("compare: a", RunResult, a)), list(items("compare: b", RunResult, b))
     first, second = _by_scenario(a), _by_scenario(b)
     common = [scenario for scenario in first if scenario in second]
     if not common:
@@ -259,13 +264,16 @@ def compare_results(
     )
 
 
-def _checked(claims: Sequence[Claim | str], figures: Mapping[str, Rule], confidence: float) -> list[Claim]:
+def _checked(claims: object, figures: Mapping[str, Rule], confidence: float) -> list[Claim]:
     """Return the claims, each once. Raises SimError for a claim, a figure or a confidence that is not valid."""
     if not 0.5 < confidence < 1.0:
         raise SimError(f"compare: confidence is {confidence!r:.40}; valid: above 0.5, below 1, such as 0.95")
     for name in figures:
         Claim.parse(f"{name} >= 0")
-    return list(dict.fromkeys(Claim.parse(claim) if isinstance(claim, str) else claim for claim in claims))
+    if isinstance(claims, str):
+        raise SimError(f"compare: claims is the text {claims!r:.60}; valid: a list of claims, such as [{claims!r:.60}]")
+    given = items("compare: claims", object, claims)
+    return list(dict.fromkeys(Claim.of_argument(f"compare: claims[{i}]", claim) for i, claim in enumerate(given)))
 
 
 def _figure_change(name: str, rule: Rule, houses: Sequence[Sequence[_Pair]]) -> FigureChange:

@@ -16,6 +16,7 @@ from scipy.stats import t as student
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.results import RunResult
+from sim.verdicts.items import items
 from sim.verdicts.rate import RateOutcome
 
 _FEWEST = 8
@@ -78,8 +79,8 @@ def assert_mean(results: Iterable[RunResult], claim: Claim | str, confidence: fl
         AssertionError: the mean violates the claim, with this confidence.
         SimError: an argument is not valid.
     """
-    wanted = Claim.parse(claim) if isinstance(claim, str) else claim
-    margins = (wanted.margin(result) for result in results)
+    wanted = Claim.of_argument("assert_mean: claim", claim)
+    margins = (wanted.margin(result) for result in items("assert_mean: results", RunResult, results))
     verdict = MeanVerdict(confidence, tuple(margin for margin in margins if margin is not None))
     if verdict.outcome == "fails":
         raise AssertionError(f"{wanted} {verdict}")

@@ -20,6 +20,7 @@ from scipy.special import betainc, betaincc, betaln, xlog1py, xlogy
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.results import RunResult
+from sim.verdicts.items import items
 
 RateOutcome = Literal["holds", "fails", "undecided"]
 _LOWEST = 1e-9
@@ -116,9 +117,9 @@ def assert_rate(
     """
     if undecided not in ("fail", "pass", "skip"):
         raise SimError(f"assert_rate: undecided is {undecided!r:.40}; valid: 'fail', 'pass' or 'skip'")
-    wanted = Claim.parse(claim) if isinstance(claim, str) else claim
+    wanted = Claim.of_argument("assert_rate: claim", claim)
     verdict = RateVerdict(p, confidence, 0, 0)
-    for result in results:
+    for result in items("assert_rate: results", RunResult, results):
         verdict = RateVerdict(p, confidence, verdict.held + (wanted.outcome(result) == "holds"), verdict.houses + 1)
         if verdict.outcome != "undecided":
             break

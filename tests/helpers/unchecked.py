@@ -1,5 +1,6 @@
-"""Settings made without the type checks that the tests add to every constructor, to see the checks of the settings alone."""
+"""Settings and functions without the type checks that the tests add to all code, to see the checks of their own alone."""
 
+import inspect
 from dataclasses import MISSING, fields
 
 
@@ -13,3 +14,8 @@ def unchecked(settings, /, **values):
     if hasattr(made, "__post_init__"):
         made.__post_init__()
     return made
+
+
+def untyped(function):
+    """A function or a method without the type checks that the tests add to it, to see the checks of its own."""
+    return inspect.unwrap(function)

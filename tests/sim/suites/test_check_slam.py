@@ -13,6 +13,7 @@ from helpers.aborting_slam import AbortingSlam
 from helpers.open_flat import OPEN_FLAT
 from helpers.planted_commands import program
 from helpers.results import RESULT
+from helpers.unchecked import untyped
 
 from sim.cli import main
 from sim.commands.check_suite import _by_cause
@@ -150,11 +151,32 @@ def test_whatever_the_slam_does_wrong_fails_the_suite(slam, said):
 
 @pytest.mark.parametrize(
     ("slam", "message"),
-    [(OdometryOnly(), "OdometryOnly is an instance; valid: its class"), (lambda: None, "NoneType has no method start")],
+    [
+        (OdometryOnly(), "new_slam is an instance of OdometryOnly; valid: the class of a SLAM"),
+        (lambda: None, "NoneType has no method start"),
+    ],
 )
 def test_what_makes_no_slam_is_refused(slam, message):
     with pytest.raises(SimError, match=message):
         check_slam(slam, FLAT)
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments", "message"),
+    [
+        (check_slam, ("stairs", OdometryOnly), "check_slam: new_slam is an instance of str; valid: the class of a SLAM"),
+        (check_slam, (OdometryOnly, OdometryOnly), "suite is the class OdometryOnly; valid: a Suite, or the name"),
+        (slam_checks, ("stairs", OdometryOnly), "slam_checks: new_slam is an instance of str; valid: the class"),
+        (slam_checks, (OdometryOnly, FLAT, ["flat: origin"]), "expected_failures is an instance of list; valid: a mapping"),
+        (Suite.with_size, (FLAT, "small"), "suite flat: the share is 'small'; valid: a positive number"),
+        (Suite.with_limits, (FLAT, {"labels.accuracy": "0.7"}), "the limit of labels.accuracy is '0.7'; valid: a finite"),
+        (Suite.with_limits, (FLAT, "labels.accuracy=0.7"), "suite flat: limits is an instance of str; valid: a mapping"),
+        (SUITES.__getitem__, ("stair",), r"unknown suite 'stair' \(did you mean 'stairs'\?\); valid: pr, "),
+    ],
+)
+def test_arguments_of_the_wrong_kind_or_in_the_wrong_order_are_named(function, arguments, message):
+    with pytest.raises(SimError, match=message):
+        untyped(function)(*arguments)
 
 
 def verdict_on(*held, rate=0.9, group=1, n=20):

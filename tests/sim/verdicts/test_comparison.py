@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from helpers.open_flat import OPEN_FLAT
 from helpers.results import RESULT
+from helpers.unchecked import untyped
 from scipy.stats import binom
 
 from sim.errors import SimError
@@ -135,6 +136,22 @@ def test_results_that_cannot_be_paired_are_refused():
         compare_results([*a, *a], a)
     with pytest.raises(SimError, match="confidence is 2"):
         compare_results(a, a, confidence=2.0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (([OPEN_FLAT], OdometryOnly, OdometryOnly), "a is an instance of list; valid: the class of a SLAM, or a function"),
+        ((OdometryOnly, OdometryOnly(), [OPEN_FLAT]), "b is an instance of OdometryOnly; valid: the class of a SLAM"),
+        ((OdometryOnly, OdometryOnly, OPEN_FLAT), "scenarios is an instance of Scenario; valid: several values"),
+        ((OdometryOnly, OdometryOnly, [3]), r"scenarios\[0\] is an instance of int; valid: an instance of Scenario"),
+        ((OdometryOnly, OdometryOnly, [], "rooms.pq >= 0.5"), r"claims is the text .*such as \['rooms.pq >= 0.5'\]"),
+        ((OdometryOnly, OdometryOnly, [], [0.5]), r"claims\[0\] is an instance of float; valid: a claim"),
+    ],
+)
+def test_arguments_of_the_wrong_kind_are_named(arguments, message):
+    with pytest.raises(SimError, match=f"^compare: {message}"):
+        untyped(compare)(*arguments)
 
 
 def test_two_slams_run_on_the_same_scenarios():

@@ -5,8 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.results import RESULT
+from helpers.unchecked import untyped
 
 from sim.errors import SimError
+from sim.harness import Scenario
+from sim.verdicts.mean import assert_mean
 from sim.verdicts.rate import RateVerdict, _log_evidence, assert_rate
 
 P = (0.5, 0.9, 0.95, 0.99)
@@ -119,3 +122,18 @@ def test_no_house_at_all_decides_nothing():
 def test_arguments_are_checked(arguments, message):
     with pytest.raises(SimError, match=message):
         assert_rate(**{"results": [], "claim": "labels.accuracy >= 0.7"} | arguments)
+
+
+@pytest.mark.parametrize("function", [assert_rate, assert_mean])
+@pytest.mark.parametrize(
+    ("results", "claim", "message"),
+    [
+        ("rooms.pq >= 0.5", [RESULT], 'claim is an instance of list; valid: a claim, such as "rooms.pq >= 0.6"'),
+        (RESULT, "rooms.pq >= 0.5", "results is an instance of RunResult; valid: several values of the class RunResult"),
+        ([Scenario()], "rooms.pq >= 0.5", r"results\[0\] is an instance of Scenario; valid: an instance of RunResult"),
+    ],
+)
+def test_arguments_of_the_wrong_kind_are_named(function, results, claim, message):
+    options = {"p": 0.5} if function is assert_rate else {}
+    with pytest.raises(SimError, match=f"^{function.__name__}: {message}"):
+        untyped(function)(results, claim, **options)
