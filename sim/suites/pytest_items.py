@@ -19,14 +19,24 @@ from sim.harness.wording import kind_of
 from sim.suites.catalogue import suite_named
 from sim.suites.checks import NewSlam
 from sim.suites.examination import COMPLETES
-from sim.suites.report import SEED, CheckVerdict, SuiteReport, check_slam, runnable
+from sim.suites.report import SEED, CheckVerdict, SuiteOutcome, SuiteReport, check_slam, runnable
 from sim.suites.suite import Suite, SuitePart
-from worlds.valid_names import did_you_mean
+from worlds.valid_names import did_you_mean, listed
 
 if TYPE_CHECKING:
     import pytest
 
 _NONE_EXPECTED: Mapping[str, str] = MappingProxyType({})
+_REMOVE = "remove the entry from expected_failures"
+_INSTEAD: Mapping[SuiteOutcome, str] = MappingProxyType(
+    {
+        "holds": f"it holds now: {_REMOVE}",
+        "undecided": "it is undecided: more scenarios are needed",
+        "not claimed": f"the SLAM does not claim what it is about: {_REMOVE}",
+        "not examined": "no scenario reaches it",
+    }
+)
+"""What an expected failure does instead of failing, by the outcome of its check."""
 
 
 class Item(NamedTuple):
@@ -57,7 +67,7 @@ def slam_checks(
         new_slam: makes a SLAM that has not run yet, such as a class that takes no arguments.
         suite: a suite, or the name of one.
         expected_failures: the reason for each check that is known to fail, by "part: check", or by a pattern such as
-            "revisits: trajectory.*". These items are strict: they fail if their check does not fail.
+            "revisits: trajectory.*". These items are strict: they fail whenever their check does not fail, and say why.
         seed: seed of all scenarios.
 
     Raises:
@@ -73,17 +83,14 @@ def slam_checks(
     chosen = runnable(suite_named(suite), new_slam)
     items = [Item(part, check) for part in chosen.parts for check in (COMPLETES, *(each.name for each in part.checks))]
     _check_names(expected_failures, items)
-    parameters = [pytest.param(item, id=item.name, marks=_marks(item, expected_failures)) for item in items]
+    parameters = [pytest.param(item, id=item.name, marks=_tier(item)) for item in items]
 
     reports = _Reports(new_slam, chosen, seed)
 
     @pytest.mark.parametrize("item", parameters)
     def test(item: Item) -> None:
-        __tracebackhide__ = True
-        verdict = reports.verdict(item)
-        if verdict.outcome in ("not claimed", "not examined"):
-            pytest.skip(str(verdict))
-        assert verdict.outcome != "fails", str(verdict)
+        reason = next((reason for pattern, reason in expected_failures.items() if fnmatchcase(item.name, pattern)), None)
+        _report(reports.verdict(item), reason)
 
     return test
 
@@ -104,19 +111,30 @@ class _Reports:
         return next(each for each in self._of_part[name].verdicts if each.check == item.check)
 
 
-def _marks(item: Item, expected: Mapping[str, str]) -> "tuple[pytest.MarkDecorator, ...]":
+def _tier(item: Item) -> "pytest.MarkDecorator":
     import pytest
 
-    tier = pytest.mark.render if item.part.on_images else pytest.mark.features
-    reason = next((reason for pattern, reason in expected.items() if fnmatchcase(item.name, pattern)), None)
-    if reason is None:
-        return (tier,)
-    return (tier, pytest.mark.xfail(strict=True, reason=reason, raises=AssertionError))
+    return pytest.mark.render if item.part.on_images else pytest.mark.features
+
+
+def _report(verdict: CheckVerdict, reason: str | None) -> None:
+    """Let an item of pytest pass, fail, fail as expected, or be skipped. `reason` is that of an expected failure."""
+    import pytest
+
+    if verdict.outcome == "fails":
+        if reason is not None:
+            pytest.xfail(reason)  # with pytest --runxfail, this does nothing
+        pytest.fail(str(verdict), pytrace=False)
+    if reason is not None:
+        pytest.fail(f"expected to fail ({reason}), but {_INSTEAD[verdict.outcome]}\n{verdict}", pytrace=False)
+    if verdict.outcome in ("not claimed", "not examined"):
+        pytest.skip(str(verdict))
 
 
 def _check_names(expected: Mapping[str, str], items: list[Item]) -> None:
     names = [item.name for item in items]
     for pattern in expected:
         if not any(fnmatchcase(name, pattern) for name in names):
-            guess = did_you_mean(pattern, names)
-            raise SimError(f"slam_checks: no check {pattern!r:.80}{guess}; valid: {'; '.join(names)}")
+            meant = [f"{item.part.name}: {pattern}" for item in items if fnmatchcase(item.check, pattern)]
+            guess = f" (did you mean {meant[0]!r}?)" if meant else did_you_mean(pattern, names)
+            raise SimError(f"slam_checks: no check {pattern!r:.80}{guess}; valid: {listed(names, most=10)}")

@@ -117,8 +117,8 @@ class CheckVerdict:
         if not self.decided:
             return f"{self.name}: {self.outcome}"
         held, decided = self.counts
-        counts = f"in {held} of {decided} scenarios (wanted: all): {self.outcome}"
-        lines = [f"{self.name} holds {self.verdict or counts}"]
+        counts = f"kept in {held} of {decided} scenarios (wanted: in all): {self.outcome}"
+        lines = [f"{self.name}: {self.verdict or counts}"]
         if self.outcome == "fails":
             lines.append(f"  {self.says}")
             first = self.failures[:_EXAMPLES]

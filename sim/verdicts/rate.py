@@ -79,8 +79,9 @@ class RateVerdict:
 
     def __str__(self) -> str:
         low, high = self.interval
-        rate = f"rate at least {low:.2f}, at most {high:.2f} with {self.confidence:.0%} confidence; wanted: {self.p:g}"
-        return f"in {round(self.held, 2):g} of {self.houses} houses ({rate}): {self.outcome}"
+        rate = f"rate at least {low:.2f}, at most {high:.2f} with {self.confidence:.0%} confidence"
+        kept = f"kept in {round(self.held, 2):g} of {self.houses} houses"
+        return f"{kept} (wanted: in {100 * self.p:g}%; {rate}): {self.outcome}"
 
 
 def _log_evidence(p: float, held: float, failed: float) -> tuple[float, float]:
@@ -124,9 +125,9 @@ def assert_rate(
         if verdict.outcome != "undecided":
             break
     if verdict.outcome == "fails" or (verdict.outcome == "undecided" and undecided == "fail"):
-        raise AssertionError(f"{wanted} {verdict}")
+        raise AssertionError(f"{wanted}: {verdict}")
     if verdict.outcome == "undecided" and undecided == "skip":
         import pytest  # only tests skip; elsewhere pytest need not be installed
 
-        pytest.skip(f"{wanted} {verdict}")
+        pytest.skip(f"{wanted}: {verdict}")
     return verdict

@@ -32,7 +32,7 @@ from sim.suites.figure_table import figure_table
 from sim.suites.frame_changes import MovedOrigin
 from sim.suites.laws import LAWS
 from sim.suites.openness_chart import openness_chart
-from sim.suites.pytest_items import slam_checks
+from sim.suites.pytest_items import Item, slam_checks
 from sim.suites.report import CheckVerdict, SuiteReport, check_slam
 from sim.suites.smallest import finding_of, smallest_failure, write_smallest
 from sim.suites.stream_changes import NoChange
@@ -490,6 +490,54 @@ def test_slam_checks_makes_an_item_for_every_check():
         slam_checks(OdometryOnly, suite=FLAT, expected_failures={"flat: orign": "a typing error"})
 
 
+def outcome_of(test, name):
+    """What pytest reports for one item of `slam_checks`, with its text."""
+    item = next(parameter.values[0] for parameter in test.pytestmark[0].args[1] if parameter.id == name)
+    try:
+        test(item)
+    except (pytest.fail.Exception, pytest.skip.Exception, pytest.xfail.Exception) as raised:
+        return type(raised).__name__, str(raised)
+    return "Passed", ""
+
+
+@pytest.mark.parametrize(
+    ("slam", "check", "reported", "text"),
+    [
+        (FloorsByHeight, "origin", "XFailed", "^a reason$"),
+        (Oracle, "origin", "Failed", r"^expected to fail \(a reason\), but it holds now: remove .*\nflat: origin: kept"),
+        (
+            WrongLabels,
+            "labels.accuracy >= 0.8",
+            "Failed",
+            r"but it is undecided: more scenarios .*\n.*kept in 0 of 1 houses",
+        ),
+        (OdometryOnly, "labels.accuracy >= 0.8", "Failed", "but the SLAM does not claim what it is about: remove the entry"),
+        (Broken, "origin", "Failed", "but no scenario reaches it"),
+    ],
+)
+def test_an_expected_failure_that_does_not_fail_says_why(slam, check, reported, text):
+    suite = replace(FLAT, parts=(replace(PART, n=1),))
+    test = slam_checks(slam, suite, expected_failures={f"flat: {check}": "a reason"})
+    outcome, said = outcome_of(test, f"flat: {check}")
+    assert outcome == reported and re.search(text, said)
+
+
+def test_an_item_that_fails_shows_the_verdict_and_nothing_else():
+    with pytest.raises(pytest.fail.Exception) as raised:
+        slam_checks(FloorsByHeight, suite=FLAT)(Item(PART, "origin"))
+    assert not raised.value.pytrace and str(raised.value).startswith(
+        "flat: origin: kept in 0 of 2 scenarios (wanted: in all)"
+    )
+
+
+def test_an_expected_failure_without_its_part_is_refused_with_the_name_that_was_meant():
+    many = replace(FLAT, parts=(replace(PART, checks=claims(0.9, *(f"rooms.pq >= {k}" for k in range(99)))),))
+    with pytest.raises(
+        SimError, match=r"no check 'rooms\.\*' \(did you mean 'flat: rooms\.\*'\?\); valid: flat: .* and 90 more"
+    ):
+        slam_checks(OdometryOnly, suite=many, expected_failures={"rooms.*": "no rooms"})
+
+
 test_oracle = slam_checks(Oracle, suite=replace(FLAT, parts=(replace(PART, n=1),)))
 """The ready test, used as a user would."""
 
@@ -506,7 +554,7 @@ def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):
     assert len(load_results(tmp_path / "all.json")) == 2
     assert json.loads((tmp_path / "all.json").read_text())["ok"] is True
     assert main(["check", "--suite", "flat", *slam, "-x", "--limit", "floors.accuracy=1.1"]) == 1
-    assert "failed: flat: floors.accuracy >= 1.1 holds in 0 of 2 houses" in capsys.readouterr().err
+    assert "failed: flat: floors.accuracy >= 1.1: kept in 0 of 2 houses (wanted: in 95%;" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -546,7 +594,7 @@ def test_the_command_keeps_the_smallest_failing_scenario(tmp_path, capsys, monke
     assert main(["check", "--suite", "flat", "-x", "--workers", "1", "--out", str(tmp_path / "small")]) == 1
     shown = capsys.readouterr()
     assert (
-        "failed: flat: origin holds in 0 of 1 scenarios" in shown.err
+        "failed: flat: origin: kept in 0 of 1 scenarios (wanted: in all): fails" in shown.err
         and "The claims do not depend on the origin." in shown.err
     )
     kept = Scenario.load(tmp_path / "small" / "flat-origin" / "scenario.json")
