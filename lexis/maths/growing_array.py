@@ -17,7 +17,10 @@ class GrowingArray:
 
     @property
     def rows(self) -> Shaped[np.ndarray, "n *row"]:
-        """The rows so far, as a view that cannot be written to. Rows that are appended later do not change it."""
+        """The rows so far, as a view that cannot be written to.
+
+        Rows that are appended later do not change the view. Rows that are replaced later may change it: copy rows to keep.
+        """
         return self._readable[: self._count]
 
     def append(self, row: Shaped[np.ndarray, "*row"] | float | int) -> None:
@@ -28,8 +31,7 @@ class GrowingArray:
         self._count += 1
 
     def replace(self, indices: Int[np.ndarray, "k"], rows: Shaped[np.ndarray, "k *row"]) -> None:
-        """Replace the rows with the given indices. Earlier results of `rows` keep the old rows."""
-        self._use(self._buffer.copy())
+        """Replace the rows with the given indices, in a time that does not depend on the number of all rows."""
         self._buffer[indices] = rows
 
     def _use(self, buffer: Shaped[np.ndarray, "capacity *row"]) -> None:
