@@ -21,6 +21,12 @@ _UNKNOWN_SIGMA = 1e4
 equations solvable while no loop edge connects them."""
 
 
+CONVERGED = 1e-5
+"""An optimisation ends when an iteration reduces the cost by less than this share of it."""
+ROUGHLY = 1e-3
+"""The same for optimisations during a walk, which start close to the optimum: another one follows soon."""
+
+
 class GraphOptimiser:
     """Optimisation of a growing pose graph by Levenberg-Marquardt: all poses but the first move, or only the last poses.
 
@@ -101,12 +107,15 @@ class GraphOptimiser:
         if self._loops.size():
             self._poses = gtsam.InitializePose3.initialize(_joined(self._odometry, self._loops))
 
-    def optimise(self) -> Poses:
-        """Optimise all poses, starting at the last result; return ``T_W_B`` of all keyframes in their order."""
-        self._poses = self._solved(self._odometry, self._loops, self._poses)
+    def optimise(self, tolerance: float = CONVERGED) -> Poses:
+        """Optimise all poses, starting at the last result; return ``T_W_B`` of all keyframes in their order.
+
+        The optimisation ends when an iteration reduces the cost by less than the share `tolerance`.
+        """
+        self._poses = self._solved(self._odometry, self._loops, self._poses, tolerance)
         return _matrices(self._poses)
 
-    def optimise_last(self, count: int) -> Poses:
+    def optimise_last(self, count: int, tolerance: float = CONVERGED) -> Poses:
         """Optimise the last `count` poses while all earlier poses stay as they are; return ``T_W_B`` of the last ones.
 
         The time depends on `count` and not on the size of the graph. An edge to an earlier pose counts as a prior on the
@@ -114,7 +123,7 @@ class GraphOptimiser:
         """
         first = self._count - count
         if first <= 0:
-            return self.optimise()
+            return self.optimise(tolerance)
         free = gtsam.Values()
         for key in range(first, self._count):
             free.insert(key, self._poses.atPose3(key))
@@ -123,7 +132,7 @@ class GraphOptimiser:
             odometry.add(self._with_earlier_fixed(self._odometry.at(key), first))
         for row in np.flatnonzero(self._queries.rows >= first).tolist():
             loops.add(self._with_earlier_fixed(self._loops.at(row), first))
-        found = self._solved(odometry, loops, free)
+        found = self._solved(odometry, loops, free, tolerance)
         self._poses.update(found)
         return _matrices(found)
 
@@ -136,12 +145,13 @@ class GraphOptimiser:
         return gtsam.PriorFactorPose3(later, self._poses.atPose3(earlier) * edge.measured(), edge.noiseModel())
 
     def _solved(
-        self, odometry: gtsam.NonlinearFactorGraph, loops: gtsam.NonlinearFactorGraph, start: gtsam.Values
+        self, odometry: gtsam.NonlinearFactorGraph, loops: gtsam.NonlinearFactorGraph, start: gtsam.Values, tolerance: float
     ) -> gtsam.Values:
         """Return the poses that minimise the residuals of odometry and loops."""
         graph = _joined(odometry, loops)
         parameters = gtsam.LevenbergMarquardtParams()
         parameters.setMaxIterations(self._config.max_iterations)
+        parameters.setRelativeErrorTol(tolerance)
         if self._config.kernel != "gnc" or not loops.size():
             plain = gtsam.LevenbergMarquardtOptimizer(graph, start, parameters)
             found = plain.optimize()

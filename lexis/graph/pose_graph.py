@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float32, Float64, Int
 
 from lexis.config import PoseGraphConfig
 from lexis.errors import LexisError
-from lexis.graph.graph_optimisation import GraphOptimiser, loop_weights
+from lexis.graph.graph_optimisation import CONVERGED, ROUGHLY, GraphOptimiser, loop_weights
 from lexis.graph.thinning import STAYS, Retired, anchors, as_retired, fits, thinned_loops
 from lexis.maths.growing_array import GrowingArray
 from lexis.maths.se3 import between, compose_covariance, inverse
@@ -49,7 +49,7 @@ class PoseGraph:
         self._retired = Retired()
         self._added = 0  # number of loop edges so far
         self._optimiser: GraphOptimiser | None = None
-        self._last_optimised, self._last_whole = _Extent(), _Extent()
+        self._last_optimised, self._last_whole, self._last_final = _Extent(), _Extent(), _Extent()
         self._sessions = GrowingArray((), np.int64)
         self._component_of = np.zeros(0, int)  # one entry for each session
         self.session_start = 0
@@ -62,7 +62,8 @@ class PoseGraph:
     def T_W_B(self) -> Poses:
         """The current pose estimate.
 
-        Odometry predicts the poses of the keyframes that were added since the last optimisation.
+        Odometry predicts the poses of the keyframes that were added since the last optimisation. The next optimisation
+        changes the result in place: copy poses to keep.
         """
         return self._T_W_B.rows
 
@@ -207,7 +208,7 @@ class PoseGraph:
         self._move_to(T_W_B)
         self._component_of = component_of
         self.add_loops(loops)
-        self._last_optimised = self._last_whole = _Extent(len(self.keyframes), self._added)
+        self._last_optimised = self._last_whole = self._last_final = _Extent(len(self.keyframes), self._added)
 
     def join(self, loops: Sequence[LoopEdge], shift: Pose) -> None:
         """Join two components by loop edges that all lead from one component to the other.
@@ -249,22 +250,26 @@ class PoseGraph:
         """Optimise if there are new loop edges and enough new keyframes (setting `every`) since the last optimisation.
 
         Most optimisations move only the last keyframes (`window`), but some move the whole graph (`growth`). After an
-        optimisation of the whole graph, keyframes that are no longer needed retire (`copies`). With `final`, new loop edges
-        alone suffice, and the whole graph is optimised. Returns whether the graph was optimised.
+        optimisation of the whole graph, keyframes that are no longer needed retire (`copies`). These optimisations end early
+        (`ROUGHLY`). With `final`, loop edges that are new since the last final optimisation suffice, and the whole graph is
+        optimised until it has converged. Returns whether the graph was optimised.
         """
         now = _Extent(len(self.keyframes), self._added)
         grown = now.keyframes - self._last_whole.keyframes >= self._config.growth * len(self.active)
         whole = final or grown
-        last = self._last_whole if final else self._last_optimised
+        last = self._last_final if final else self._last_optimised
         waited = now.keyframes - last.keyframes >= self._config.every
         if now.loops == last.loops or not (waited or final):
             return False
         assert self._optimiser is not None
-        self._move(self._optimiser.optimise() if whole else self._optimiser.optimise_last(self._config.window))
+        tolerance, window = CONVERGED if final else ROUGHLY, self._config.window
+        self._move(self._optimiser.optimise(tolerance) if whole else self._optimiser.optimise_last(window, tolerance))
         self._last_optimised = now
         if whole:
             self._last_whole = now
-        if grown and not final:
+        if final:
+            self._last_final = now
+        elif grown:
             self._retire()
         return True
 

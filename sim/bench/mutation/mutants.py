@@ -144,7 +144,7 @@ _GRAPH = (
     Mutant(
         "the optimised poses are thrown away",
         "graph/pose_graph.py",
-        "self._move(self._optimiser.optimise() if whole else self._optimiser.optimise_last(self._config.window))",
+        "self._move(self._optimiser.optimise(tolerance) if whole else self._optimiser.optimise_last(window, tolerance))",
         "self._optimiser.optimise()",
     ),
     Mutant(

@@ -113,12 +113,22 @@ def test_the_finished_graph_is_optimised_as_a_whole_even_if_a_window_has_used_al
     assert graph.optimise_if_due(final=True)
     for one in graph_of(laps(rng, 120)[0]).keyframes[100:]:
         graph.add_keyframe(one)
-    before = graph.T_W_B
+    before = graph.T_W_B.copy()
     graph.add_loops([loops[97]])
     assert graph.optimise_if_due()
     np.testing.assert_array_equal(graph.T_W_B[:110], before[:110])
     assert graph.optimise_if_due(final=True)
     assert np.abs(graph.T_W_B[50:110] - before[50:110]).max() > 1e-3
+
+
+def test_the_finished_graph_has_converged_although_optimisations_during_the_walk_end_early(rng):
+    T_O_B, loops = laps(rng, 120)
+    graph = graph_of(T_O_B, PoseGraphConfig(growth=0.0))  # every optimisation is of the whole graph
+    graph.add_loops(list(loops.values()))
+    assert graph.optimise_if_due() and graph.optimise_if_due(final=True)
+    finished = graph.T_W_B.copy()
+    np.testing.assert_allclose(graph._optimiser.optimise(1e-12), finished, atol=1e-4)
+    assert not graph.optimise_if_due(final=True)
 
 
 def walked(T_O_B, loops, config):
@@ -196,7 +206,7 @@ def test_a_loop_to_a_retired_keyframe_acts_as_a_loop_to_its_anchor(rng):
     graphs = [walked(T_O_B, loops, trusting)[0] for _ in range(2)]
     gone, anchor = (int(ids[0]) for ids in (graphs[0]._retired.ids, graphs[0]._retired.anchors))
     T_anchor_gone, shift = graphs[0]._retired.T_anchor_B[0], se3.exp(np.array([0.0, 0.0, 0.05, 0.1, 0.0, 0.0]))
-    before = graphs[0].T_W_B
+    before = graphs[0].T_W_B.copy()
     measured = se3.between(before[gone], before[239]) @ shift
     graphs[0].add_loops([LoopEdge(239, gone, measured, 0.01 * LOOP_COVARIANCE, 50)])
     graphs[1].add_loops([LoopEdge(239, anchor, T_anchor_gone @ measured, 0.01 * LOOP_COVARIANCE, 50)])
