@@ -5,14 +5,16 @@ All three are recomputed from scratch each time instead of being updated, so tha
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float64, Int
+from scipy.sparse import csr_array
 
-from lexis.config import Config
-from lexis.room_labels import Labels, Probabilities, Refined, Refinement, Similarities, certain, label_keyframes
-from lexis.room_segmentation import Clustering, Positions, segment
+from lexis.config import Config, SightConfig
+from lexis.room_labels import Labels, Probabilities, Refined, Similarities, certain, label_keyframes
+from lexis.room_segmentation import segment
 from lexis.sight.cameras import largest
 from lexis.sight.pooled_labels import pool_labels
 from lexis.sight.room_clusters import cluster_by_sight
@@ -120,30 +122,26 @@ def derive(
     positions = views.T_W_B[:, :3, 3]
     if given is not None or config.labels.method == "image":  # labels that are not to be corrected
         config = replace(config, sight=replace(config.sight, min_keyframes=1))
-    refine, cluster = _by_sight(views, config)
+    sees = sight_of_cameras(views.spaces, views.T_W_B, views.camera, config.sight.near_m) if config.by_sight else []
+    refine = partial(_pooled, views.similarities, sees, config.sight) if config.labels.method == "sight" else None
     labels = label_keyframes(views.pooled, positions, room_names, config.labels, refine)
     refined, probabilities = labels.refined, labels.probabilities
     if given is not None:
         refined, probabilities = given, certain(given, len(room_names))
+    cluster = None
+    if config.segmentation.method == "sight":
+        cluster = partial(cluster_by_sight, probabilities=probabilities, sees=largest(sees), config=config.sight)
     rooms = segment(refined, positions, room_names, config.segmentation, cluster)
     return Semantics(views.pooled, labels.baseline, rooms.labels, probabilities, rooms.floors, rooms.rooms)
 
 
-def _by_sight(views: Views, config: Config) -> tuple[Refinement | None, Clustering | None]:
-    """Return the functions that refine labels and cluster rooms by sight.
-
-    A function is None if the setting `method` of its stage is not "sight".
-    """
-    if not config.by_sight:
-        return None, None
-    sees = sight_of_cameras(views.spaces, views.T_W_B, views.camera, config.sight.near_m)
-
-    def refine(scores: Similarities, keyframes: Int[np.ndarray, "n"]) -> Refined:
-        allowed = np.where(np.isneginf(scores)[:, None], -np.inf, views.similarities[keyframes])
-        return pool_labels(allowed, [seen[keyframes][:, keyframes] for seen in sees], config.sight)
-
-    def cluster(labels: Labels, floors: Labels, positions: Positions) -> tuple[Labels, Labels]:
-        return cluster_by_sight(labels, floors, positions, largest(sees), config.sight)
-
-    labels, rooms = config.labels.method == "sight", config.segmentation.method == "sight"
-    return refine if labels else None, cluster if rooms else None
+def _pooled(
+    similarities: Float64[np.ndarray, "n cameras rooms"],
+    sees: Sequence[csr_array],
+    config: SightConfig,
+    scores: Similarities,
+    keyframes: Int[np.ndarray, "n"],
+) -> Refined:
+    """Label some keyframes by sight. Room names that `scores` rules out are not considered."""
+    allowed = np.where(np.isneginf(scores)[:, None], -np.inf, similarities[keyframes])
+    return pool_labels(allowed, [seen[keyframes][:, keyframes] for seen in sees], config)

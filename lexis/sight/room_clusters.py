@@ -9,6 +9,9 @@ from scipy.spatial import cKDTree
 from lexis.config import SightConfig
 from lexis.floors import NO_FLOOR
 from lexis.maths.ties import rounded
+from lexis.room_labels import Probabilities
+from lexis.sight.alike_rooms import merge_alike
+from lexis.sight.divided_rooms import split_divided, ties
 
 _STAIRCASE_M = 3.0
 """Largest horizontal distance between two keyframes on stairs that are joined to one staircase [m]."""
@@ -19,7 +22,12 @@ Pairs = Int[np.ndarray, "m 2"]
 
 
 def cluster_by_sight(
-    labels: PerKeyframe, floors: PerKeyframe, positions: Positions, sees: csr_array, config: SightConfig
+    labels: PerKeyframe,
+    floors: PerKeyframe,
+    positions: Positions,
+    probabilities: Probabilities,
+    sees: csr_array,
+    config: SightConfig,
 ) -> tuple[PerKeyframe, PerKeyframe]:
     """Group keyframes into rooms; return the number of the room of every keyframe, and the labels of the keyframes.
 
@@ -27,18 +35,21 @@ def cluster_by_sight(
        With several cameras, one image that shows the place is enough.
        Two keyframes on stairs are also in one room if they are horizontally close, because the flights of a staircase lie
        above one another.
-    2. A room of fewer than `min_keyframes` keyframes is absorbed by the larger room of its floor that it sees, or is seen
+    2. A room between whose parts there is hardly any sight is split; see `lexis.sight.divided_rooms`.
+    3. A room of fewer than `min_keyframes` keyframes is absorbed by the larger room of its floor that it sees, or is seen
        from, most. Its keyframes take the label of that room. Stairs neither absorb a room nor are absorbed.
+    4. Rooms that share their space merge if the images cannot tell their labels apart; see `lexis.sight.alike_rooms`.
 
-    Two rooms of one label with a wall between them thus stay two rooms, unless keyframes on both sides are within `near_m`
-    of each other; and a long room stays one room.
+    Two rooms of one label with a wall between them thus stay two rooms, and a long room stays one room.
 
     Args:
         labels: label of every keyframe.
         floors: floor of every keyframe; `NO_FLOOR` on stairs.
         positions: positions of the keyframes in W [m].
+        probabilities: the probability of each label for every keyframe, from the images alone.
         sees: the matrix that `lexis.sight.visible_space.sight` returns; for several cameras, the largest entries of all.
-        config: the least share of a visible space that counts as seeing a place, and the least size of a room.
+        config: the least share of a visible space that counts as seeing a place, the least size of a room, and when rooms
+            are split and merge.
     """
     n = len(labels)
     pairs = np.concatenate([_consecutive(n), _seeing(sees, config.share)])
@@ -47,7 +58,10 @@ def cluster_by_sight(
     joined = np.concatenate([pairs[alike], _on_one_staircase(floors == NO_FLOOR, positions)])
     graph = coo_array((np.ones(len(joined)), (joined[:, 0], joined[:, 1])), shape=(n, n))
     rooms = np.asarray(connected_components(graph, directed=False)[1])
-    return _absorbed(rooms, labels, floors, sees, config.min_keyframes)
+    tied = ties(sees)
+    rooms = split_divided(rooms, floors != NO_FLOOR, positions, tied, config.split_m)
+    rooms, labels = _absorbed(rooms, labels, floors, sees, config.min_keyframes)
+    return merge_alike(rooms, labels, floors, probabilities, tied, config)
 
 
 def _consecutive(n: int) -> Pairs:

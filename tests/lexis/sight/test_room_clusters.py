@@ -8,6 +8,7 @@ from scipy.sparse import csr_array
 
 from lexis.config import SightConfig
 from lexis.floors import NO_FLOOR
+from lexis.room_labels import certain
 from lexis.sight.room_clusters import cluster_by_sight
 
 CONFIG = SightConfig()
@@ -20,8 +21,9 @@ def cluster(labels, pairs, floors=None, positions=None, config=CONFIG):
     for viewer, seen in pairs:
         sees[seen, viewer] = 0.1
     floors = np.zeros(n, int) if floors is None else np.array(floors)
-    positions = np.zeros((n, 3)) if positions is None else np.array(positions, float)
-    return cluster_by_sight(np.array(labels), floors, positions, csr_array(sees), config)
+    positions = np.arange(n)[:, None] * [1.0, 0.0, 0.0] if positions is None else np.array(positions, float)
+    labels = np.array(labels)
+    return cluster_by_sight(labels, floors, positions, certain(labels, 3), csr_array(sees), config)
 
 
 def partition(rooms):
@@ -72,7 +74,8 @@ def test_all_keyframes_of_a_room_have_one_label_and_floor(seed, n):
     floors = np.sort(rng.integers(0, 2, n))
     labels = np.repeat(rng.integers(0, 3, n), 2)[:n]
     sees = csr_array(np.where(rng.random((n, n)) < 0.1, rng.random((n, n)), 0.0))
-    rooms, corrected = cluster_by_sight(labels, floors, rng.normal(size=(n, 3)), sees, CONFIG)
+    probabilities = rng.dirichlet(np.ones(3), n)
+    rooms, corrected = cluster_by_sight(labels, floors, rng.normal(size=(n, 3)), probabilities, sees, CONFIG)
     for members in partition(rooms):
         assert len({(corrected[i], floors[i]) for i in members}) == 1
     large = np.bincount(rooms)[rooms] >= CONFIG.min_keyframes

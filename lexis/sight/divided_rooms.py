@@ -1,0 +1,94 @@
+"""Splits a room between whose parts there is hardly any sight, as between two offices with a wall between them.
+
+Keyframes close to a wall seem to see what lies just behind it, because a place within `near_m` of a keyframe counts as its
+place. A few keyframes on either side of the wall thus join two rooms of one label. Inside a room, each part has sight of the
+next one.
+
+1. Find the bipartition of the room with the smallest normalised cut: the sight between the two parts, relative to all sight
+   of either part (Shi and Malik, "Normalized Cuts and Image Segmentation", 2000).
+2. Multiply the cut by the length of the room. In a corridor, sight reaches a few metres, whatever the length, so that the
+   cut falls with the inverse of the length, and the product stays.
+3. If the product is below `split_m`, the room is split. Go on with both parts.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int
+from scipy.sparse import csc_array, csr_array, diags_array, eye_array
+from scipy.sparse.linalg import eigsh
+
+from lexis.maths.ties import reaches, rounded
+
+_STEP = 0.2
+"""Sight that two consecutive keyframes have of each other in addition, because the robot went from one to the other."""
+_LEAST = 4
+"""Least number of keyframes of a room that is split."""
+_NONE = 1e-9
+"""Sight that counts as none."""
+_SHIFT = -1e-3
+"""Eigenvalues are sought near this value, which is just below the smallest one, 0."""
+
+Positions = Float64[np.ndarray, "n 3"]
+PerKeyframe = Int[np.ndarray, "n"]
+
+
+def ties(sees: csr_array) -> csr_array:
+    """Return how strongly each pair of keyframes is tied by sight, as a symmetric matrix with an empty diagonal.
+
+    `sees` is the matrix that `lexis.sight.visible_space.sight` returns.
+    """
+    n = sees.shape[0]
+    both = sees + sees.T
+    forward = csr_array((np.full(n - 1, _STEP), (np.arange(n - 1), np.arange(1, n))), shape=(n, n))
+    return csr_array(both - diags_array(both.diagonal()) + forward + forward.T)
+
+
+def split_divided(
+    rooms: PerKeyframe, divisible: Bool[np.ndarray, "n"], positions: Positions, tied: csr_array, split_m: float
+) -> PerKeyframe:
+    """Split the rooms between whose parts there is hardly any sight; return the new number of the room of every keyframe.
+
+    Args:
+        rooms: number of the room of every keyframe.
+        divisible: whether the room of each keyframe may be split.
+        positions: positions of the keyframes in W [m].
+        tied: the matrix that `ties` returns.
+        split_m: largest product of the cut and the length of a room that is split [m].
+    """
+    rooms = rooms.copy()
+    waiting = np.unique(rooms[divisible]).tolist()
+    while waiting:
+        members = np.flatnonzero(rooms == waiting.pop())
+        if len(members) < _LEAST:
+            continue
+        cut, part = _smallest_cut(csr_array(tied[members][:, members]))
+        if not reaches(cut * _length(positions[members]), split_m):
+            rooms[members[part]] = rooms.max() + 1
+            waiting += np.unique(rooms[members]).tolist()
+    return rooms
+
+
+def _length(positions: Float64[np.ndarray, "k 3"]) -> float:
+    """Return the length of a room [m]: the distance from one end, which is farthest from some keyframe, to the other end."""
+    end = positions[rounded(np.linalg.norm(positions - positions[0], axis=1)).argmax()]
+    return float(np.linalg.norm(positions - end, axis=1).max())
+
+
+def _smallest_cut(tied: csr_array) -> tuple[float, Bool[np.ndarray, "k"]]:
+    """Return the smallest normalised cut of a graph that was found, and which nodes are in one of the two parts.
+
+    The nodes are sorted by their entries in the second eigenvector of the normalised Laplacian, and all divisions of this
+    order into two are compared.
+    """
+    scale = np.sqrt(np.maximum(tied.sum(axis=0), _NONE))
+    laplacian = eye_array(len(scale)) - diags_array(1.0 / scale) @ tied @ diags_array(1.0 / scale)
+    start = np.cos(np.arange(len(scale)))  # some vector, but always the same
+    vector = eigsh(csc_array(laplacian), k=2, sigma=_SHIFT, v0=start)[1][:, 1] / scale
+    rank = np.argsort(np.argsort(rounded(vector), kind="stable"))
+    edges = tied.tocoo()
+    first, second = rank[edges.coords[0]], rank[edges.coords[1]]
+    n, forward = len(rank), first < second
+    ends = [np.bincount(nodes[forward], edges.data[forward], n) for nodes in (first, second)]
+    cut, volume = np.cumsum(ends[0] - ends[1])[:-1], np.cumsum(np.bincount(rank, scale**2))
+    normalised = cut / volume[:-1] + cut / (volume[-1] - volume[:-1])
+    best = int(rounded(normalised).argmin())
+    return float(normalised[best]), rank <= best
