@@ -26,14 +26,17 @@ SUITE_HELP = "check by a suite in place of one run: pr, open-plan or another; an
 AGAINST_HELP = "with --suite: results of an earlier version (a file of --json); the check fails if a figure got worse, too"
 NO_LAWS_HELP = "with --suite: make claims about single runs only, which is several times faster"
 IMAGES_HELP = "with --suite: render all scenarios, for a SLAM that does not accept features"
-EXIT_HELP = "with --suite: stop when the first check fails"
+EXIT_HELP = "with --suite: stop after the first scenario with which a check fails; show only the checks that fail by then"
 JSON_HELP = "with --suite: write the verdicts and all results to a file, which lexis-sim compare reads"
 LIMIT_HELP = (
     "with --suite: set another limit for a figure, such as labels.accuracy=0.9; if a part makes several claims about it, "
     "only the claim that has to hold in the most scenarios stays; may be repeated"
 )
 PICTURE_HELP = "with --suite: an SVG of room quality against openness, beside the plain SLAMs that are shipped"
-BUDGET_HELP = "with --suite: wall time after which no further scenario is begun, such as 12m (default: no limit)"
+BUDGET_HELP = (
+    "with --suite: wall time after which no further scenario is begun, such as 12m (default: no limit); one of the last lines "
+    "says how many checks could not fail with so few scenarios"
+)
 WORKERS_HELP = "with --suite: number of processes (default: all processor cores)"
 _OPTIONS = ("images", "no_laws", "exitfirst", "json", "against", "limit", "picture", "budget", "workers")
 _MOST_WORKERS = 256
@@ -119,18 +122,20 @@ def _lines(report: "SuiteReport", failed_alone: bool) -> Iterator[str]:
             yield f"not examined: {', '.join(missing)}"
         yield from map(_mean_line, report.means)
         yield figure_table(report)
+        if report.shortage is not None:
+            yield report.shortage
     yield f"{len(report.examined)} of {sum(part.n for part in report.suite.parts)} scenarios were examined"
 
 
 def _verdict_line(verdict: "CheckVerdict") -> str:
     (held, decided), wanted = verdict.counts, 1.0 if verdict.rate is None else verdict.rate
-    return f"{verdict.outcome:11} {round(held, 2):5g} of {decided:<3} wanted: {wanted:4.0%}  {verdict.name}"
+    return f"{verdict.outcome:12} {round(held, 2):5g} of {decided:<3} wanted: {wanted:4.0%}  {verdict.name}"
 
 
 def _mean_line(mean: "SuiteMean") -> str:
     low, high = mean.verdict.interval
     margin = "" if mean.verdict.mean is None else f"  margin {mean.verdict.mean:+.3g} ({low:+.3g} to {high:+.3g})"
-    return f"{mean.outcome:11} {mean.name}{margin}"
+    return f"{mean.outcome:12} {mean.name}{margin}"
 
 
 def _write(report: "SuiteReport", worse: Sequence[str], workers: int, arguments: argparse.Namespace) -> None:

@@ -100,13 +100,21 @@ class CheckVerdict:
     def outcome(self) -> SuiteOutcome:
         """The outcome of `verdict`; "not claimed" if the check could not be decided in any scenario that was examined.
 
-        A check that has to hold in all scenarios fails at its first failure, and holds as long as there is none.
+        A check that has to hold in all scenarios fails at its first failure, and holds as long as there is none. A check
+        with a rate is "not examined" until the first group of scenarios is complete.
         """
         if not self.decided:
             return "not claimed" if self.is_begun else "not examined"
         if self.verdict is None:
             return "fails" if self.failures else "holds"
-        return self.verdict.outcome
+        return self.verdict.outcome if self.verdict.houses else "not examined"
+
+    @property
+    def could_fail(self) -> bool:
+        """Whether enough scenarios were examined for a failure: would the check fail if it held in none of them?"""
+        if self.verdict is None or self.outcome != "undecided":
+            return self.outcome != "not examined"
+        return replace(self.verdict, held=0.0).outcome == "fails"
 
     def __str__(self) -> str:
         """Return part, check and verdict.
@@ -114,7 +122,7 @@ class CheckVerdict:
         If the check fails, the text also says what the check demands and what it measured in the first scenarios in which it
         fails.
         """
-        if not self.decided:
+        if self.outcome in ("not claimed", "not examined"):
             return f"{self.name}: {self.outcome}"
         held, decided = self.counts
         counts = f"kept in {held} of {decided} scenarios (wanted: in all): {self.outcome}"
@@ -183,6 +191,12 @@ class SuiteReport:
         return not self.failed and not self.failed_means
 
     @property
+    def shortage(self) -> str | None:
+        """A sentence about the checks that could not fail, because too few scenarios were examined; None without any."""
+        unable = sum(not each.could_fail for each in self.verdicts)
+        return f"{unable} of {len(self.verdicts)} checks could not fail: too few scenarios were examined" if unable else None
+
+    @property
     def results(self) -> tuple[RunResult, ...]:
         """The figures of all unchanged runs that completed."""
         return tuple(each.result for each in self.examined if each.result is not None)
@@ -199,7 +213,8 @@ class SuiteReport:
         }
 
     def __str__(self) -> str:
-        return "\n".join(map(str, (*self.verdicts, *self.means)))
+        lines = [*map(str, (*self.verdicts, *self.means)), self.shortage]
+        return "\n".join(line for line in lines if line is not None)
 
     def _of_part(self, part: SuitePart) -> Iterator[CheckVerdict]:
         own = sorted((each for each in self.examined if each.part == part.name), key=lambda each: each.number)

@@ -276,6 +276,28 @@ def test_a_group_counts_though_its_last_scenario_decides_nothing():
     assert verdict_on(True, True, None, group=3).verdict.houses == 1
 
 
+def test_a_check_could_fail_if_it_would_fail_by_holding_nowhere():
+    assert [verdict_on(*[True] * n).could_fail for n in (1, 2, 3, 9)] == [False, False, True, True]
+    assert [verdict_on(*[False] * n).could_fail for n in (2, 3)] == [False, True]
+    assert [verdict_on(*[True] * n, group=5).could_fail for n in (10, 15)] == [False, True]
+    assert verdict_on(True, rate=None).could_fail and not verdict_on(rate=None).could_fail
+
+
+def test_a_check_is_not_examined_before_the_first_house_is_complete():
+    assert [verdict_on(*[False] * n, group=5).outcome for n in (0, 4, 5)] == ["not examined", "not examined", "undecided"]
+    assert str(verdict_on(*[False] * 4, group=5)) == "flat: check: not examined"
+
+
+def test_a_report_counts_the_checks_that_could_not_fail(capsys, monkeypatch):
+    one, two = (replace(FLAT, parts=(replace(PART, n=n),)) for n in (1, 2))
+    line = "2 of 4 checks could not fail: too few scenarios were examined"
+    assert str(check_slam(Oracle, one)).endswith(f"\n{line}") and "could not fail" not in str(check_slam(Oracle, two))
+    monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": one})
+    monkeypatch.setattr("sim.commands.check_suite._new_slam", lambda arguments: Oracle)
+    assert main(["check", "--suite", "flat", "--workers", "1"]) == 0
+    assert line in capsys.readouterr().out.splitlines()
+
+
 def with_accuracies(*accuracies, suite=FLAT, group=1):
     """The report of a suite in whose scenarios the labels have these accuracies."""
     scenarios = tuple(
