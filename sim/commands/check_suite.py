@@ -34,8 +34,8 @@ LIMIT_HELP = (
 )
 PICTURE_HELP = "with --suite: an SVG of room quality against openness, beside the plain SLAMs that are shipped"
 BUDGET_HELP = (
-    "with --suite: wall time after which no further scenario is begun, such as 12m (default: no limit); one of the last lines "
-    "says how many checks could not fail with so few scenarios"
+    "with --suite: wall time after which no further scenario is begun, such as 12m (default: no limit); one of the last "
+    "lines says how many checks could not fail with so few scenarios"
 )
 WORKERS_HELP = "with --suite: number of processes (default: all processor cores)"
 _OPTIONS = ("images", "no_laws", "exitfirst", "json", "against", "limit", "picture", "budget", "workers")

@@ -2,11 +2,11 @@
 
 import math
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import groupby
+from itertools import groupby, islice
 from typing import Any, Literal
 
 from sim.harness.results import RunResult
@@ -28,7 +28,7 @@ SuiteOutcome = Literal["holds", "fails", "undecided", "not claimed", "not examin
 ALL_PARTS = "all parts"
 """Stands for the name of a part in a verdict about the scenarios of several parts."""
 _EXAMPLES = 3
-"""Number of failing scenarios that the text of a report names for each check."""
+"""Number of houses with failing scenarios that the text of a report names for each check."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +119,7 @@ class CheckVerdict:
     def __str__(self) -> str:
         """Return part, check and verdict.
 
-        If the check fails, the text also says what the check demands and what it measured in the first scenarios in which it
+        If the check fails, the text also says what the check demands and what it measured in the first houses in which it
         fails.
         """
         if self.outcome in ("not claimed", "not examined"):
@@ -129,11 +129,7 @@ class CheckVerdict:
         lines = [f"{self.name}: {self.verdict or counts}"]
         if self.outcome == "fails":
             lines.append(f"  {self.says}")
-            first = self.failures[:_EXAMPLES]
-            lines += [
-                f"  scenario {each.number}, seed {each.scenario.seed}: {each.findings[self.check].measured}"
-                for each in first
-            ]
+            lines += [self._told(house) for house in islice(self._houses(self.failures), _EXAMPLES)]
         return "\n".join(lines)
 
     def _holds(self, scenario: Examination) -> bool | None:
@@ -141,13 +137,24 @@ class CheckVerdict:
         finding = scenario.findings.get(self.check)
         return None if finding is None else finding.holds
 
+    def _houses(self, scenarios: Iterable[Examination]) -> Iterator[tuple[Examination, ...]]:
+        """Yield those of the scenarios that belong to one group, group by group."""
+        groups = groupby(scenarios, lambda each: (each.part, each.number // self.part.group))
+        return (tuple(members) for _, members in groups)
+
+    def _told(self, failures: tuple[Examination, ...]) -> str:
+        """Return one line about the failures in a group of scenarios, with what was measured in the first of them."""
+        first, more = failures[0], len(failures) - 1
+        others = f" (and {more} more of this house)" if more else ""
+        return f"  scenario {first.number}, seed {first.scenario.seed}{others}: {first.findings[self.check].measured}"
+
     def _shares(self) -> Iterator[float]:
         """Yield for each completely examined group the share of its decided scenarios in which the check holds.
 
         Groups in which the check is not decided in any scenario are left out.
         """
-        for (_, group), members in groupby(self.examined, lambda each: (each.part, each.number // self.part.group)):
-            scenarios = list(members)
+        for scenarios in self._houses(self.examined):
+            group = scenarios[0].number // self.part.group
             if scenarios[-1].number < min((group + 1) * self.part.group, self.part.n) - 1:
                 continue  # the rest of the group has not been examined yet
             if holds := [held for each in scenarios if (held := self._holds(each)) is not None]:

@@ -298,6 +298,13 @@ def test_a_report_counts_the_checks_that_could_not_fail(capsys, monkeypatch):
     assert line in capsys.readouterr().out.splitlines()
 
 
+def test_failures_are_told_house_by_house():
+    told = str(verdict_on(*[True, False, False] * 5, group=3, n=15, rate=0.95)).splitlines()[2:]
+    assert [line.partition(":")[0].strip() for line in told] == [
+        f"scenario {first}, seed {OPEN_FLAT.seed} (and 1 more of this house)" for first in (1, 4, 7)
+    ]
+
+
 def with_accuracies(*accuracies, suite=FLAT, group=1):
     """The report of a suite in whose scenarios the labels have these accuracies."""
     scenarios = tuple(
