@@ -9,9 +9,10 @@ corrected by Holm's method: the stated confidence holds for all verdicts togethe
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import count
 from types import MappingProxyType
 from typing import Literal, NamedTuple
 
@@ -55,6 +56,8 @@ FIGURES: Mapping[str, Rule] = MappingProxyType(
     }
 )
 """Figures that are compared by default."""
+_MEANS = 20
+"""Width of the two columns with means in the table of a comparison."""
 _Pair = tuple[RunResult, RunResult]
 
 
@@ -164,6 +167,11 @@ class Comparison:
         return verdicts
 
     @property
+    def fewest_houses(self) -> int:
+        """Smallest number of houses in which a difference can be shown, if each of them is worse for the same SLAM."""
+        return next(n for n in count(1) if _coin(n, 0) * (len(self.figures) + len(self.claims)) <= 1.0 - self.confidence)
+
+    @property
     def worse(self) -> tuple[str, ...]:
         """Names of the figures and claims that are worse for SLAM b."""
         return tuple(name for name, verdict in self.verdicts.items() if verdict == "worse")
@@ -171,18 +179,27 @@ class Comparison:
     def __str__(self) -> str:
         title = f"a: {self.names[0]}, b: {self.names[1]}; {self.scenarios} scenarios in {self.houses} houses"
         confidence = f"verdicts with {self.confidence:.0%} confidence together, intervals of the median change each"
-        header = f"{'':22} {'mean a':>8} {'mean b':>8}   {'median change':<28} {'better/worse':>12}  {'p':>7}  verdict"
-        rows = [self._figure_row(each) for each in self.figures] + [self._claim_row(each) for each in self.claims]
-        return "\n".join([title, confidence, header, *rows])
+        width = max(*(len(each.name) for each in self.figures), *(len(each.name) - _MEANS for each in self.claims), 0)
+        means = f"{'mean a':>8} {'mean b':>8}"
+        header = f"{'':{width}} {means}   {'median change':<28} {'better/worse':>12}  {'p':>7}  verdict"
+        rows = [self._figure_row(each, width) for each in self.figures]
+        rows += [self._claim_row(each, width) for each in self.claims]
+        return "\n".join([title, confidence, header, *rows, *self._shortage()])
 
-    def _figure_row(self, change: FigureChange) -> str:
+    def _shortage(self) -> Iterator[str]:
+        """Yield a sentence if the houses are too few for any difference, however large it is."""
+        none_shown = set(self.verdicts.values()) == {"not shown to differ"}
+        if none_shown and self.houses < self.fewest_houses:
+            yield f"with {self.houses} houses no difference can be shown; at least {self.fewest_houses} are needed"
+
+    def _figure_row(self, change: FigureChange, width: int) -> str:
         within = change.interval(self.confidence)
         median = f"{np.median(change.changes):+.3f}" if len(change.changes) else ""
         effect = f"{median} ({within[0]:+.3f} to {within[1]:+.3f})" if within else median
-        return f"{change.name:22} {_mean(change.a):>8} {_mean(change.b):>8}   {effect:<28} {self._counts(change)}"
+        return f"{change.name:{width}} {_mean(change.a):>8} {_mean(change.b):>8}   {effect:<28} {self._counts(change)}"
 
-    def _claim_row(self, change: ClaimChange) -> str:
-        return f"{change.name:42} {'':<28} {self._counts(change)}"
+    def _claim_row(self, change: ClaimChange, width: int) -> str:
+        return f"{change.name:{width + _MEANS}} {'':<28} {self._counts(change)}"
 
     def _counts(self, change: FigureChange | ClaimChange) -> str:
         counts = f"{change.better}/{change.worse}"

@@ -1,5 +1,6 @@
 """Comparisons of two SLAMs: no false alarms, enough power, exact counts."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,8 @@ from scipy.stats import binom
 
 from sim.errors import SimError
 from sim.harness.adapters import OdometryOnly
-from sim.verdicts.comparison import FigureChange, Rule, compare, compare_results
+from sim.harness.results import MatchFigures
+from sim.verdicts.comparison import ClaimChange, FigureChange, Rule, compare, compare_results
 
 
 def results(accuracies, pqs=None):
@@ -152,6 +154,31 @@ def test_results_that_cannot_be_paired_are_refused():
 def test_arguments_of_the_wrong_kind_are_named(arguments, message):
     with pytest.raises(SimError, match=f"^compare: {message}"):
         untyped(compare)(*arguments)
+
+
+@pytest.mark.parametrize("claims", [[], [f"rooms.pq >= 0.{k}" for k in range(1, 9)]])
+def test_too_few_houses_for_any_difference_are_told_with_the_number_that_suffices(claims):
+    last = str(compare_results(results([0.9] * 4), results([0.1] * 4), claims)).splitlines()[-1]
+    fewest = int(re.fullmatch(r"with 4 houses no difference can be shown; at least (\d+) are needed", last)[1])
+
+    def lost(houses):
+        """Every figure and every claim is lost in all houses."""
+        changes = tuple(ClaimChange(each.name, houses, 0, 0) for each in compared.claims)
+        figures = tuple(replace(each, a=np.ones(houses), b=np.full(houses, np.nan)) for each in compared.figures)
+        return replace(compared, houses=houses, figures=figures, claims=changes)
+
+    compared = compare_results(results([0.9] * 4), results([0.1] * 4), claims)
+    assert lost(fewest).worse and not lost(fewest - 1).worse
+    assert "no difference can be shown" not in str(lost(fewest))
+    assert "no difference can be shown" not in str(compare_results(*(results([0.9] * fewest),) * 2, claims))
+
+
+def test_the_columns_of_the_table_are_aligned():
+    names = "place_recognition.1.precision", "labels.accuracy >= 0.7 * labels.accuracy_baseline"
+    a = [replace(each, place_recognition={"1": MatchFigures(1, 2, 3, 0.5)}) for each in results([0.9] * 3)]
+    _, _, head, *rows = str(compare_results(a, a, names[1:])).splitlines()[:-1]
+    assert {row.rindex("  not shown to differ") for row in rows} == {head.rindex("  verdict")}
+    assert {names[0], names[1]} <= {row.partition("  ")[0] for row in rows}
 
 
 def test_two_slams_run_on_the_same_scenarios():
