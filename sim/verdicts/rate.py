@@ -119,15 +119,18 @@ def assert_rate(
     if undecided not in ("fail", "pass", "skip"):
         raise SimError(f"assert_rate: undecided is {undecided!r:.40}; valid: 'fail', 'pass' or 'skip'")
     wanted = Claim.of_argument("assert_rate: claim", claim)
-    verdict = RateVerdict(p, confidence, 0, 0)
+    verdict, unclaimed = RateVerdict(p, confidence, 0, 0), 0
     for result in items("assert_rate: results", RunResult, results):
-        verdict = RateVerdict(p, confidence, verdict.held + (wanted.outcome(result) == "holds"), verdict.houses + 1)
+        outcome = wanted.outcome(result)
+        unclaimed += outcome == "unknown"
+        verdict = RateVerdict(p, confidence, verdict.held + (outcome == "holds"), verdict.houses + 1)
         if verdict.outcome != "undecided":
             break
+    lacking = f"; not claimed in {unclaimed} of {verdict.houses} results, which count as failures" if unclaimed else ""
     if verdict.outcome == "fails" or (verdict.outcome == "undecided" and undecided == "fail"):
-        raise AssertionError(f"{wanted}: {verdict}")
+        raise AssertionError(f"{wanted}: {verdict}{lacking}")
     if verdict.outcome == "undecided" and undecided == "skip":
         import pytest  # only tests skip; elsewhere pytest need not be installed
 
-        pytest.skip(f"{wanted}: {verdict}")
+        pytest.skip(f"{wanted}: {verdict}{lacking}")
     return verdict
