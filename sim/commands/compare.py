@@ -20,7 +20,7 @@ def add_to(commands: Commands) -> None:
         "whether a SLAM does worse than another on the same scenarios: exit status 1 if it does",
         'lexis-sim compare before.json after.json --claim "rooms.pq >= 0.6"',
     )
-    stored = "a file that `check --json` has written, or a folder with folders of runs in it"
+    stored = "a file that `check --json` has written, the folder of a run, or a folder of such folders"
     parser.add_argument("a", type=Path, metavar="A", help=f"results to compare with: {stored}")
     parser.add_argument("b", type=Path, metavar="B", help="results that are judged, on the same scenarios")
     parser.add_argument("--claim", action="append", default=[], metavar="CLAIM", help=CLAIM_HELP)

@@ -33,7 +33,9 @@ def results_data(results: Sequence[RunResult]) -> dict[str, Any]:
 
 
 def load_results(path: Path) -> tuple[RunResult, ...]:
-    """Read the results in a file, or the results of all runs whose folders lie somewhere below a folder, sorted by path.
+    """Read the results in a file, or of the run of a folder and of all runs whose folders lie somewhere below it.
+
+    The results are sorted by path.
 
     Raises `SimError` if there is no result, or if a result is not valid.
     """
@@ -41,7 +43,9 @@ def load_results(path: Path) -> tuple[RunResult, ...]:
         return _results_in(path)
     files = sorted(path.rglob(RESULT))
     if not files:
-        raise SimError(f"{path}: contains no {RESULT}; valid: a folder with folders of runs in it, or {_FILE.valid}")
+        raise SimError(
+            f"{path}: contains no {RESULT}; valid: the folder of a run, a folder of such folders, or {_FILE.valid}"
+        )
     return tuple(result for file in files for result in _results_in(file))
 
 

@@ -32,6 +32,7 @@ def test_results_are_found_in_the_folders_of_runs(tmp_path):
         (tmp_path / "runs" / result.scenario).mkdir(parents=True)
         (tmp_path / "runs" / result.scenario / "result.json").write_text(json.dumps(result.data()))
     assert load_results(tmp_path) == MANY[:2]
+    assert load_results(tmp_path / "runs" / MANY[1].scenario) == MANY[1:2]
     assert load_results(tmp_path / "runs" / MANY[1].scenario / "result.json") == MANY[1:2]
 
 
@@ -52,7 +53,7 @@ def test_a_damaged_file_is_refused_with_its_place(tmp_path, content, message):
 
 
 def test_a_folder_without_results_is_refused(tmp_path):
-    with pytest.raises(SimError, match=r"contains no result.json; valid: a folder with folders of runs"):
+    with pytest.raises(SimError, match=r"contains no result.json; valid: the folder of a run, a folder of such folders, or"):
         load_results(tmp_path)
 
 
