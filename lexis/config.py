@@ -151,7 +151,7 @@ class PlaceRecognitionConfig(Settings, place="place_recognition", error=ConfigEr
     """Least time between a loop candidate and the query, which is the new keyframe [s]."""
     min_gap_m: Annotated[float, Ge(0)] = 5.0
     """Least length of the path between a loop candidate and the query, which is the new keyframe [m]."""
-    least_probability: Annotated[float, Interval(gt=0, lt=1)] = 0.005
+    least_probability: Annotated[float, Interval(gt=0, lt=1)] = 0.006
     """Least probability of a revisit at which the method "probability" proposes candidates. It is low, because a false
     candidate only costs a verification, but a missing candidate can cost a loop."""
     log_odds: Annotated[float, Interval(ge=-100, le=100)] = -4.19
