@@ -240,12 +240,12 @@ class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
     """The whole graph is optimised whenever this share of its keyframes has been added since the last time, and when the
     map is finished. The time per keyframe thus hardly grows with the graph. With 0, every optimisation is of the whole
     graph."""
-    copies: Annotated[int, Ge(1)] | None = 3
+    copies: Annotated[int, Ge(1)] | None = 2
     """A keyframe may retire from the optimisation if this many keyframes of earlier visits show its place, within 1 m and
     0.5 rad. Its pose relative to one of these keyframes is then fixed, it is no loop candidate any more, and it gives up its
     features, landmarks and loop edges. The graph and the map thus grow with the area that is walked, and hardly with the
     time. None: no keyframe retires. See `lexis.graph.thinning`."""
-    retire_above: Annotated[int, Ge(0)] = 500
+    retire_above: Annotated[int, Ge(0)] = 800
     """Keyframes retire only while more keyframes than this have not retired. A smaller graph costs little, and keeps all of
     its loop edges."""
     min_rotation_sigma_rad: Annotated[float, Gt(0)] = 1e-4
