@@ -249,7 +249,8 @@ REVISITS = SuitePart(
     "Homes that are walked through in both directions with odometry that drifts much. Loop closures have to mend the drift.",
     revisits,
     (
-        *CONSISTENCY,
+        # While no loop is closed, the heights of this odometry may drift by more than "floors are level" tolerates.
+        *(law for law in CONSISTENCY if law.name != "floors are level"),
         *_laws("a slip of the odometry", "slips that add up"),
         *claims(
             0.9,
