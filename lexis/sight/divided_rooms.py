@@ -82,7 +82,8 @@ def _smallest_cut(tied: csr_array) -> tuple[float, Bool[np.ndarray, "k"]]:
     scale = np.sqrt(np.maximum(tied.sum(axis=0), _NONE))
     laplacian = eye_array(len(scale)) - diags_array(1.0 / scale) @ tied @ diags_array(1.0 / scale)
     start = np.cos(np.arange(len(scale)))  # some vector, but always the same
-    vector = eigsh(csc_array(laplacian), k=2, sigma=_SHIFT, v0=start)[1][:, 1] / scale
+    values, vectors = eigsh(csc_array(laplacian), k=2, sigma=_SHIFT, v0=start)
+    vector = vectors[:, values.argmax()] / scale
     rank = np.argsort(np.argsort(rounded(vector), kind="stable"))
     edges = tied.tocoo()
     first, second = rank[edges.coords[0]], rank[edges.coords[1]]
