@@ -19,8 +19,6 @@ _PRIOR_SIGMA = 1e-6
 _UNKNOWN_SIGMA = 1e4
 """Standard deviation of the edge between two sessions [rad, m]. It says nothing about their relative pose, but it keeps the
 equations solvable while no loop edge connects them."""
-
-
 CONVERGED = 1e-5
 """An optimisation ends when an iteration reduces the cost by less than this share of it."""
 ROUGHLY = 1e-3

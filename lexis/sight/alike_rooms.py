@@ -25,7 +25,6 @@ from lexis.room_labels import Probabilities
 
 _LEAST_PROBABILITY = 1e-9
 """Constant that is added to probabilities before their logarithm is taken."""
-
 _NONE = 1e-9
 """Sight that counts as none."""
 
@@ -59,15 +58,15 @@ def merge_alike(
         cut = np.where(possible, rounded(_normalised_cuts(sight)), 0.0)
         cut[rounded(_log_odds(logs / count[:, None], label)) >= config.merge_log_odds] = 0.0
         kept, merged = np.unravel_index(cut.argmax(), cut.shape)
-        if cut[kept, merged] < config.merge_cut or not possible[kept, merged]:
+        if cut[kept, merged] < config.merge_cut:
             return room, label[room]
         room[room == merged] = kept
-        label[kept] = max(label[kept], label[merged], key=lambda each: float(rounded(logs[kept] + logs[merged])[each]))
         count[kept] += count[merged]
         logs[kept] += logs[merged]
+        label[kept] = max(label[kept], label[merged], key=rounded(logs[kept]).__getitem__)
         sight[kept] += sight[merged]
         sight[:, kept] += sight[:, merged]
-        sight[merged], sight[:, merged], possible[merged], possible[:, merged] = 0.0, 0.0, False, False
+        sight[merged], sight[:, merged] = 0.0, 0.0  # no cut of the merged room is large enough then
 
 
 def _normalised_cuts(sight: Float64[np.ndarray, "rooms rooms"]) -> Float64[np.ndarray, "rooms rooms"]:
