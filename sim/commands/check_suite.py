@@ -26,11 +26,11 @@ SUITE_HELP = "check by a suite in place of one run: pr, open-plan or another; an
 AGAINST_HELP = "with --suite: results of an earlier version (a file of --json); the check fails if a figure got worse, too"
 NO_LAWS_HELP = "with --suite: make claims about single runs only, which is several times faster"
 IMAGES_HELP = "with --suite: render all scenarios, for a SLAM that does not accept features"
-EXIT_HELP = "with --suite: stop after the first scenario with which a check fails; show only the checks that fail by then"
+EXIT_HELP = "with --suite: stop after the first scenario in which a check fails; show only the checks failed by then"
 JSON_HELP = "with --suite: write the verdicts and all results to a file, which lexis-sim compare reads"
 LIMIT_HELP = (
-    "with --suite: set another limit for a figure, such as labels.accuracy=0.9; if a part makes several claims about it, "
-    "only the claim that has to hold in the most scenarios stays; may be repeated"
+    "with --suite: replace the limit for a figure, such as labels.accuracy=0.9; if a part makes several claims about it, "
+    "only the claim that has to hold in the most scenarios is checked; may be repeated"
 )
 PICTURE_HELP = "with --suite: an SVG of room quality against openness, beside the plain SLAMs that are shipped"
 BUDGET_HELP = (
