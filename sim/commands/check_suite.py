@@ -153,7 +153,10 @@ def _write(report: "SuiteReport", worse: Sequence[str], workers: int, arguments:
 
 
 def _search_smallest(report: "SuiteReport", new_slam: "NewSlam", arguments: argparse.Namespace) -> None:
-    """Write the smallest scenario of each failed check into the folder that `--out` names, and print what was found."""
+    """Write the smallest scenario of each failed check into the folder that `--out` names, and print what was found.
+
+    With `-x`, only the first failed check is searched, because each search takes up to three minutes.
+    """
     from sim.suites.smallest import write_smallest
 
     if report.failed and arguments.out is None:
@@ -161,7 +164,7 @@ def _search_smallest(report: "SuiteReport", new_slam: "NewSlam", arguments: argp
     if not report.failed or arguments.out is None:
         return
     how = runner_of(arguments), replay_of(arguments), is_lexis(arguments)
-    for verdict, others in _by_cause(report.failed):
+    for verdict, others in _by_cause(report.failed)[: 1 if arguments.exitfirst else None]:
         print(write_smallest(verdict, new_slam, *how, arguments.out))
         for other in others:
             print(f"{other.name}: not searched, because it is about the same figure or law")

@@ -684,6 +684,17 @@ def test_one_of_several_failed_claims_about_a_figure_is_searched(tmp_path, capsy
     assert [folder.name for folder in tmp_path.iterdir()] == ["flat-labels.accuracy-1.1"]
 
 
+@pytest.mark.parametrize(("options", "searched"), [(["-x"], 1), ([], 2)], ids=["first failure", "whole suite"])
+def test_with_the_first_failure_a_single_check_is_searched(options, searched, tmp_path, capsys, monkeypatch):
+    checks = (*claims(0.95, "labels.accuracy >= 1.1"), *claims(0.95, "coverage.path_covered >= 1.1"))
+    found = []
+    monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": Suite("flat", "", (replace(PART, checks=checks, n=6),))})
+    monkeypatch.setattr("sim.commands.check_suite._new_slam", lambda arguments: Oracle)
+    monkeypatch.setattr("sim.suites.smallest.write_smallest", lambda verdict, *_: found.append(verdict.name) or "found")
+    assert main(["check", "--suite", "flat", "--workers", "1", "--out", str(tmp_path), *options]) == 1
+    assert len(found) == searched and capsys.readouterr().out.splitlines()[-searched:] == ["found"] * searched
+
+
 def test_a_law_that_is_broken_now_and_then_shows_in_all_parts_together():
     law = replace(ORIGIN, rate=0.95)
     parts = tuple(SuitePart(name, "", flat, (law,), n=20) for name in ("first", "second", "third"))
