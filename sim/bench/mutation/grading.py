@@ -224,5 +224,5 @@ def _graded(start: tuple[str, str, int], data: Mapping[str, Any], shown: str, se
     caught = Grade(*start, name, scenarios, seconds, measured, also=tuple(also))
     if found is None:
         return caught
-    blamed = "" if found[3].startswith("scenario:") else found[3]
+    blamed = "" if found[3].startswith("replay:") else found[3]  # the smallest scenario of a law can only be replayed
     return replace(caught, smallest=f"{found[1]} rooms, {found[2]} m", blamed=blamed)

@@ -79,7 +79,7 @@ SHOWN = """holds 3 of 3 homes: labels.accuracy >= 0.5
 homes: other: rooms 5 -> 1, walk 80 -> 3 m
   mended by: perfect odometry.
 homes: origin: rooms 5 -> 2, walk 80 -> 4.1 m
-  mended by: nothing.
+  replay: pytest smallest/homes-origin/test_replay.py
 """
 
 
@@ -91,7 +91,10 @@ def test_a_grade_names_the_first_check_that_failed():
     ]
     start = ("a mutant", "pr", 7)
     graded = _graded(start, {"results": [{}] * 3, "checks": checks, "means": [], "worse": []}, SHOWN, 12.0)
-    assert graded == Grade(*start, "homes: origin", 3, 12.0, "floors 0.4", "2 rooms, 4.1 m", "mended by: nothing.")
+    assert graded == Grade(*start, "homes: origin", 3, 12.0, "floors 0.4", "2 rooms, 4.1 m", blamed="")
+    checks[1]["check"] = "other"  # a claim about a figure, for which the blame table has been made
+    claim = _graded(start, {"results": [{}] * 3, "checks": checks, "means": [], "worse": []}, SHOWN, 12.0)
+    assert (claim.smallest, claim.blamed) == ("1 rooms, 3 m", "mended by: perfect odometry.")
     assert _graded(start, {"results": [{}], "checks": checks[:1], "means": [], "worse": []}, "", 1.0).caught_by is None
     low = [{"claim": "rooms.pq >= 0.7", "outcome": "fails"}]
     by_mean = _graded(start, {"results": [{}], "checks": checks[:1], "means": low, "worse": ["x"]}, "", 1.0)
