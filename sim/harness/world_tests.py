@@ -14,6 +14,7 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, ParamSpec, Protocol, TypeVar, get_args, runtime_checkable
 
+from sim.counts import check_count
 from sim.errors import SimError
 from sim.fidelity import ORACLE
 from sim.odometry.config import ODOMETRY_PRESETS
@@ -242,11 +243,11 @@ def worlds(
     """
     _check_names("presets", presets, PRESETS)
     _check_names("fidelity", (fidelity,), TIERS)
-    _check_count("n", n, 1, MOST_WORLDS)
+    check_count("worlds: n", n, 1, MOST_WORLDS)
     if storeys is not None:
-        _check_count("storeys", storeys, 1, MAX_STOREYS_ASKED)
+        check_count("worlds: storeys", storeys, 1, MAX_STOREYS_ASKED)
     if max_rooms is not None:
-        _check_count("max_rooms", max_rooms, max(MIN_ROOMS_ASKED, storeys or 1), MAX_ROOMS_ASKED)
+        check_count("worlds: max_rooms", max_rooms, max(MIN_ROOMS_ASKED, storeys or 1), MAX_ROOMS_ASKED)
     if plans not in (None, True, False):
         raise SimError(f"worlds: plans is {plans!r:.60}; valid: True or False")
     _check_positive("length_m", length_m, "metres")
@@ -280,11 +281,6 @@ def _check_names(argument: str, names: object, valid: Sequence[str]) -> None:
         if name not in valid:
             guess = did_you_mean(str(name), valid)
             raise SimError(f"worlds: unknown {argument} {name!r:.60}{guess}; valid: {', '.join(valid)}")
-
-
-def _check_count(argument: str, value: object, least: int, most: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise SimError(f"worlds: {argument} is {value!r:.60}; valid: a whole number from {least} to {most}")
 
 
 def _range(openness: object) -> tuple[float, float] | None:

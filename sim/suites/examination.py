@@ -15,6 +15,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from lexis.errors import one_line
+from sim.counts import check_count
 from sim.errors import SimError
 from sim.harness.results import RunResult
 from sim.harness.scenario import Scenario
@@ -59,10 +60,9 @@ class Examination:
 def jobs_of(suite: Suite, seed: int) -> list[Job]:
     """Return all scenarios of a suite. The parts take turns, so that an early failure in any part shows early.
 
-    Raises `SimError` for a negative seed.
+    Raises `SimError` for a seed that is negative or no whole number.
     """
-    if seed < 0:
-        raise SimError(f"suite: seed is {seed}; valid: 0 or more")
+    check_count("suite: seed", seed, 0)
     rows = ([Job(part, number, seed) for number in range(part.n)] for part in suite.parts)
     return [job for job in chain.from_iterable(zip_longest(*rows)) if job is not None]
 
@@ -123,8 +123,7 @@ def examinations(
     `new_slam` has to be picklable if there are several workers. A consumer that stops early has to close the iterator.
     Raises `SimError` for fewer than one worker, for objects that cannot be sent to other processes, and if a process dies.
     """
-    if workers < 1:
-        raise SimError(f"suite: workers is {workers}; valid: 1 or more")
+    check_count("suite: workers", workers, 1)
     if workers == 1 or len(jobs) == 1:
         yield from (examine(job, new_slam) for job in jobs if job is jobs[0] or time.monotonic() < end)
         return

@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from inspect import signature
 from itertools import count
 from types import MappingProxyType
 from typing import Literal, NamedTuple
@@ -26,6 +27,7 @@ from sim.harness.figures import check
 from sim.harness.results import RunResult
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import SlamUnderTest, check_slam_factory
+from sim.harness.wording import counted, kind_of
 from sim.verdicts.items import items
 
 Change = Literal["worse", "better", "not shown to differ"]
@@ -177,7 +179,8 @@ class Comparison:
         return tuple(name for name, verdict in self.verdicts.items() if verdict == "worse")
 
     def __str__(self) -> str:
-        title = f"a: {self.names[0]}, b: {self.names[1]}; {self.scenarios} scenarios in {self.houses} houses"
+        size = f"{counted(self.scenarios, 'scenario')} in {counted(self.houses, 'house')}"
+        title = f"a: {self.names[0]}, b: {self.names[1]}; {size}"
         confidence = f"verdicts with {self.confidence:.0%} confidence together, intervals of the median change each"
         width = max(*(len(each.name) for each in self.figures), *(len(each.name) - _MEANS for each in self.claims), 0)
         means = f"{'mean a':>8} {'mean b':>8}"
@@ -190,7 +193,8 @@ class Comparison:
         """Yield a sentence if the houses are too few for any difference, however large it is."""
         none_shown = set(self.verdicts.values()) == {"not shown to differ"}
         if none_shown and self.houses < self.fewest_houses:
-            yield f"with {self.houses} houses no difference can be shown; at least {self.fewest_houses} are needed"
+            houses = counted(self.houses, "house")
+            yield f"with {houses} no difference can be shown; at least {self.fewest_houses} are needed"
 
     def _figure_row(self, change: FigureChange, width: int) -> str:
         within = change.interval(self.confidence)
@@ -228,7 +232,7 @@ def compare(
         SimError: an argument is not valid, or a scenario cannot be run.
     """
     for name, new_slam in (("a", a), ("b", b)):
-        check_slam_factory(f"compare: {name}", new_slam)
+        _check_takes_nothing(f"compare: {name}", new_slam)
     wanted = _checked(claims, figures, confidence)
     chosen = items("compare: scenarios", Scenario, scenarios)
     pairs = [(check(scenario, a()), check(scenario, b())) for scenario in chosen]
@@ -279,6 +283,19 @@ def compare_results(
         (_completed_change(a, b), *(_claim_change(claim, houses) for claim in wanted)),
         confidence,
     )
+
+
+def _check_takes_nothing(place: str, new_slam: object) -> None:
+    """Raise SimError unless `new_slam` makes a SLAM when it is called without arguments. A `Program` does not."""
+    check_slam_factory(place, new_slam)
+    try:
+        signature(new_slam).bind()  # type: ignore[arg-type]  # it is callable
+    except TypeError as error:
+        valid = "a class or function without arguments; results of programs are compared by `compare_results`"
+        takes = f"{kind_of(new_slam)}, which cannot be called without arguments: {error}"
+        raise SimError(f"{place} is {takes}; valid: {valid}") from None
+    except ValueError:  # a callable that is written in C states no signature
+        pass
 
 
 def _checked(claims: object, figures: Mapping[str, Rule], confidence: float) -> list[Claim]:

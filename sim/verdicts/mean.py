@@ -16,6 +16,7 @@ from scipy.stats import t as student
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.results import RunResult
+from sim.harness.wording import counted
 from sim.verdicts.items import items
 from sim.verdicts.rate import RateOutcome
 
@@ -62,7 +63,7 @@ class MeanVerdict:
         mean = "without a value" if self.mean is None else f"fulfilled by {self.mean:.3g} on average"
         low, high = self.interval
         bounds = f"at least {low:.3g}, at most {high:.3g} with {self.confidence:.0%} confidence"
-        return f"in {len(self.margins)} houses {mean} ({bounds}): {self.outcome}"
+        return f"in {counted(len(self.margins), 'house')} {mean} ({bounds}): {self.outcome}"
 
 
 def assert_mean(results: Iterable[RunResult], claim: Claim | str, confidence: float = 0.95) -> MeanVerdict:

@@ -20,6 +20,7 @@ from scipy.special import betainc, betaincc, betaln, xlog1py, xlogy
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.results import RunResult
+from sim.harness.wording import counted
 from sim.verdicts.items import items
 
 RateOutcome = Literal["holds", "fails", "undecided"]
@@ -80,7 +81,7 @@ class RateVerdict:
     def __str__(self) -> str:
         low, high = self.interval
         rate = f"rate at least {low:.2f}, at most {high:.2f} with {self.confidence:.0%} confidence"
-        kept = f"kept in {round(self.held, 2):g} of {self.houses} houses"
+        kept = f"kept in {round(self.held, 2):g} of {counted(self.houses, 'house')}"
         return f"{kept} (wanted: in {100 * self.p:g}%; {rate}): {self.outcome}"
 
 

@@ -20,6 +20,7 @@ from typing import Any
 from lexis.errors import one_line
 from sim.bench.mutation.planting import Mutant, planted
 from sim.errors import SimError
+from sim.harness.wording import counted
 from sim.processes import ONE_THREAD
 from sim.suites.examination import COMPLETES
 from sim.verdicts import load_results
@@ -225,4 +226,4 @@ def _graded(start: tuple[str, str, int], data: Mapping[str, Any], shown: str, se
     if found is None:
         return caught
     blamed = "" if found[3].startswith("replay:") else found[3]  # the smallest scenario of a law can only be replayed
-    return replace(caught, smallest=f"{found[1]} rooms, {found[2]} m", blamed=blamed)
+    return replace(caught, smallest=f"{counted(int(found[1]), 'room')}, {found[2]} m", blamed=blamed)

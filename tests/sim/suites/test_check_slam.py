@@ -166,6 +166,8 @@ def test_what_makes_no_slam_is_refused(slam, message):
     [
         (check_slam, ("stairs", OdometryOnly), "check_slam: new_slam is an instance of str; valid: the class of a SLAM"),
         (check_slam, (OdometryOnly, OdometryOnly), "suite is the class OdometryOnly; valid: a Suite, or the name"),
+        (check_slam, (OdometryOnly, FLAT, "7"), "suite: seed is '7'; valid: a whole number from 0"),
+        (check_slam, (OdometryOnly, FLAT, 7, "2"), "suite: workers is '2'; valid: a whole number from 1"),
         (slam_checks, ("stairs", OdometryOnly), "slam_checks: new_slam is an instance of str; valid: the class"),
         (slam_checks, (OdometryOnly, FLAT, ["flat: origin"]), "expected_failures is an instance of list; valid: a mapping"),
         (Suite.with_size, (FLAT, "small"), "suite flat: the share is 'small'; valid: a positive number"),
@@ -538,7 +540,7 @@ def outcome_of(test, name):
             WrongLabels,
             "labels.accuracy >= 0.8",
             "Failed",
-            r"but it is undecided: more scenarios .*\n.*kept in 0 of 1 houses",
+            r"but it is undecided: more scenarios .*\n.*kept in 0 of 1 house",
         ),
         (OdometryOnly, "labels.accuracy >= 0.8", "Failed", "but the SLAM does not claim what it is about: remove the entry"),
         (Broken, "origin", "Failed", "but no scenario reaches it"),

@@ -13,6 +13,7 @@ from scipy.stats import binom
 from sim.errors import SimError
 from sim.harness.adapters import OdometryOnly
 from sim.harness.results import MatchFigures
+from sim.programs import Program
 from sim.verdicts.comparison import ClaimChange, FigureChange, Rule, compare, compare_results
 
 
@@ -145,6 +146,10 @@ def test_results_that_cannot_be_paired_are_refused():
     [
         (([OPEN_FLAT], OdometryOnly, OdometryOnly), "a is an instance of list; valid: the class of a SLAM, or a function"),
         ((OdometryOnly, OdometryOnly(), [OPEN_FLAT]), "b is an instance of OdometryOnly; valid: the class of a SLAM"),
+        (
+            (OdometryOnly, Program("slam {dataset} {out}"), [OPEN_FLAT]),
+            "b is an instance of Program, which cannot be called without arguments: missing a required argument: 'scenario'",
+        ),
         ((OdometryOnly, OdometryOnly, OPEN_FLAT), "scenarios is an instance of Scenario; valid: several values"),
         ((OdometryOnly, OdometryOnly, [3]), r"scenarios\[0\] is an instance of int; valid: an instance of Scenario"),
         ((OdometryOnly, OdometryOnly, [], "rooms.pq >= 0.5"), r"claims is the text .*such as \['rooms.pq >= 0.5'\]"),

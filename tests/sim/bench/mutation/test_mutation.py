@@ -94,7 +94,7 @@ def test_a_grade_names_the_first_check_that_failed():
     assert graded == Grade(*start, "homes: origin", 3, 12.0, "floors 0.4", "2 rooms, 4.1 m", blamed="")
     checks[1]["check"] = "other"  # a claim about a figure, for which the blame table has been made
     claim = _graded(start, {"results": [{}] * 3, "checks": checks, "means": [], "worse": []}, SHOWN, 12.0)
-    assert (claim.smallest, claim.blamed) == ("1 rooms, 3 m", "mended by: perfect odometry.")
+    assert (claim.smallest, claim.blamed) == ("1 room, 3 m", "mended by: perfect odometry.")
     assert _graded(start, {"results": [{}], "checks": checks[:1], "means": [], "worse": []}, "", 1.0).caught_by is None
     low = [{"claim": "rooms.pq >= 0.7", "outcome": "fails"}]
     by_mean = _graded(start, {"results": [{}], "checks": checks[:1], "means": low, "worse": ["x"]}, "", 1.0)
