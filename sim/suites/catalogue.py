@@ -13,7 +13,7 @@ from sim.harness.scenario import Scenario
 from sim.harness.wording import kind_of
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ, HOUSE_SEEDS
 from sim.suites.checks import Check
-from sim.suites.consistency import CONSISTENCY, Consistent
+from sim.suites.consistency import CONSISTENCY, LEVEL_FLOORS, Consistent
 from sim.suites.laws import LAWS
 from sim.suites.plans import plans_can_be_walked
 from sim.suites.suite import Suite, SuitePart, claims
@@ -250,7 +250,7 @@ REVISITS = SuitePart(
     revisits,
     (
         # While no loop is closed, the heights of this odometry may drift by more than "floors are level" tolerates.
-        *(law for law in CONSISTENCY if law.name != "floors are level"),
+        *(law for law in CONSISTENCY if law is not LEVEL_FLOORS),
         *_laws("a slip of the odometry", "slips that add up"),
         *claims(
             0.9,
