@@ -31,7 +31,7 @@ SWAY_HELP = "how the body swings as it walks (default: %(default)s)"
 START_HELP = "swing on the spot for five seconds before the walk, which lets visual-inertial systems initialise"
 _TOURS = {kind.replace(" ", "-"): kind for kind in TOUR_KINDS}
 RIG_HELP = (
-    "wide, stereo, front-rear, four or fisheye; LEXIS sees all their pinholes, the fisheye is for recordings "
+    "wide, stereo, front-rear, four or fisheye; LEXIS sees all their pinholes; only RigRenderer in Python draws the fisheye "
     "(default: %(default)s)"
 )
 SCENARIO_HELP = "a run as a file, such as scenario.json in the folder of a run, in place of all options that describe one"
