@@ -8,11 +8,11 @@ import operator
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, is_dataclass, replace
-from types import MappingProxyType
-from typing import Any, Literal, get_type_hints
+from types import MappingProxyType, NoneType, UnionType
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from sim.errors import SimError
-from sim.harness.results import RunResult, figure_meant
+from sim.harness.results import MATCHES, RunResult, figure_meant
 from sim.harness.wording import kind_of
 
 _OPERATORS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
@@ -66,7 +66,7 @@ class Claim:
         return Claim.parse(claim)
 
     def __str__(self) -> str:
-        return f"{self.figure} {self.comparison} {self.limit:g}" + ("" if self.of is None else f" * {self.of}")
+        return f"{self.figure} {self.comparison} {self.limit:.15g}" + ("" if self.of is None else f" * {self.of}")
 
     @property
     def figures(self) -> tuple[str, ...]:
@@ -129,8 +129,6 @@ class Claim:
             value = result[name]
         except KeyError:
             return None
-        if value is not None and not isinstance(value, int | float):
-            raise SimError(f"claim {str(self)!r}: {name} is no number; valid: the name of a figure below it")
         return None if value is None else float(value)
 
     def _check_names(self) -> None:
@@ -139,14 +137,31 @@ class Claim:
 
 
 def _check_name(claim: str, name: str) -> None:
-    """Raise `SimError` unless results have the figure. Names inside a mapping, such as room names, are not checked."""
+    """Raise `SimError` unless results have a number of this name.
+
+    The keys of mappings are free, because they depend on the run, as names of rooms do; those of `place_recognition` are not.
+    """
     kind: Any = RunResult
-    for part in name.split("."):
-        if not is_dataclass(kind):
-            return
-        types = get_type_hints(kind)
-        if part not in types:
-            raise SimError(f"claim {claim!r}: no figure {part!r}{figure_meant(kind, part)}; valid: {', '.join(types)}")
-        kind = types[part]
-    if is_dataclass(kind):
+    parts = name.split(".")
+    for depth, part in enumerate(parts):
+        if is_dataclass(kind):
+            types = get_type_hints(kind)
+            if part not in types:
+                raise SimError(f"claim {claim!r}: no figure {part!r}{figure_meant(kind, part)}; valid: {', '.join(types)}")
+            kind = _without_none(types[part])
+        elif get_origin(kind) is Mapping:
+            if parts[:depth] == ["place_recognition"] and part not in map(str, MATCHES):
+                raise SimError(f"claim {claim!r}: no figure {part!r}; valid: {', '.join(map(str, MATCHES))}")
+            kind = _without_none(get_args(kind)[1])
+        else:
+            raise SimError(f"claim {claim!r}: {name} is no figure; valid: {'.'.join(parts[:depth])}")
+    if is_dataclass(kind) or get_origin(kind) is Mapping:
         raise SimError(f"claim {claim!r}: {name} is no number; valid: the name of a figure below it")
+    if kind not in (int, float):
+        raise SimError(f"claim {claim!r}: {name} is no number; valid: a figure, such as labels.accuracy")
+
+
+def _without_none(hint: Any) -> Any:
+    """Return the type that an optional value has if it is not None; any other type as it is."""
+    kinds = [kind for kind in get_args(hint) if kind is not NoneType]
+    return kinds[0] if isinstance(hint, UnionType) else hint

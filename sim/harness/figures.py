@@ -23,6 +23,7 @@ from sim.faults import written
 from sim.harness.last_run import last_run
 from sim.harness.planning import Trial, try_plans
 from sim.harness.results import (
+    MATCHES,
     CoverageFigures,
     FaultFigures,
     FloorFigures,
@@ -42,7 +43,6 @@ from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import SlamUnderTest
 from worlds.truth import ambiguity_at, floor_area, openness
 
-_MATCHES = (1, 3, 5)
 _ROUNDING_M = 1e-9
 """Least error of a trajectory that is reported [m]. Smaller errors come from rounding, and are reported as 0."""
 _REVISIT = PlaceRecognitionConfig()
@@ -153,11 +153,11 @@ def _loops(run: Run) -> LoopFigures:
 def _place_recognition(run: Run) -> dict[str, MatchFigures]:
     candidates = run.estimate.candidates
     if candidates is None:
-        return {str(n): MatchFigures() for n in _MATCHES}
+        return {str(n): MatchFigures() for n in MATCHES}
     path_m = arc_length(run.odometry_poses[:, :3, 3])
     eligible = old_enough(np.arange(len(path_m))[:, None], run.stamps, path_m, _REVISIT)
     right = at_one_place(run.true_poses)
-    counts = {str(n): count_matches(candidates, eligible, right, n) for n in _MATCHES}
+    counts = {str(n): count_matches(candidates, eligible, right, n) for n in MATCHES}
     return {n: MatchFigures(**asdict(count), precision=count.precision) for n, count in counts.items()}
 
 

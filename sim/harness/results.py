@@ -8,6 +8,9 @@ from typing import Any, get_type_hints
 from sim.errors import SimError
 
 SCHEMA = 1
+MATCHES = (1, 3, 5)
+"""Least numbers of right matches for which a query counts as a true positive; `RunResult.place_recognition` has figures for
+each."""
 _SHORT = 3
 """Words of at most this length need less likeness to a name, because one wrong letter changes much of them."""
 
@@ -175,8 +178,8 @@ class RunResult:
     floors: FloorFigures
     loops: LoopFigures
     place_recognition: Mapping[str, MatchFigures]
-    """Figures of place recognition. The keys "1", "3" and "5" are the least numbers of right matches for which a query
-    counts as a true positive."""
+    """Figures of place recognition by the least number of right matches for which a query counts as a true positive; the keys
+    are the numbers in `MATCHES`, as text."""
     coverage: CoverageFigures
     trajectory: TrajectoryFigures
     planning: PlanningFigures
@@ -201,9 +204,14 @@ class RunResult:
         return float(value)
 
     def __getitem__(self, name: str) -> Any:
-        """Return the figure with a dotted name, such as "labels.accuracy". Raises KeyError that lists the valid names."""
+        """Return the figure with a dotted name, such as "labels.accuracy"; None below `faults` if the run has no faults.
+
+        Raises KeyError that lists the valid names.
+        """
         value: Any = self
         for part in name.split("."):
+            if value is None:
+                return None
             choices = value if isinstance(value, Mapping) else vars(value)
             if part not in choices:
                 raise KeyError(f"{name!r}: no figure {part!r}; valid: {', '.join(choices)}")

@@ -57,6 +57,15 @@ def test_a_figure_alone_is_once_that_figure():
     )
 
 
+def test_a_claim_about_faults_is_unknown_without_faults():
+    assert Claim.parse("faults.delivered >= 1").outcome(result(0.9)) == "unknown"
+
+
+def test_a_claim_keeps_all_digits_of_its_limit():
+    claim = Claim.parse("labels.accuracy < 0.7142857142")
+    assert Claim.parse(str(claim)) == claim
+
+
 def test_a_claim_about_one_room():
     assert Claim.parse("labels.per_room.kitchen < 0.5").outcome(result(0.9)) == "holds"
 
@@ -81,6 +90,13 @@ def test_a_claim_about_one_room():
         ("wheels < 1", "no figure 'wheels'; valid: seed"),
         ("realtime < 1", "no figure 'realtime' (did you mean 'time.realtime_factor'?); valid: seed"),
         ("labels < 0.7", "labels is no number; valid: the name of a figure below it"),
+        ("labels.per_room < 0.7", "labels.per_room is no number; valid: the name of a figure below it"),
+        ("labels.accuracy.x < 0.7", "labels.accuracy.x is no figure; valid: labels.accuracy"),
+        ("place_recognition.1.precison >= 0.5", "no figure 'precison' (did you mean 'precision'?); valid: tp, fp"),
+        ("place_recognition.2.precision >= 0.5", "no figure '2'; valid: 1, 3, 5"),
+        ("faults.deliverd >= 1", "no figure 'deliverd' (did you mean 'delivered'?); valid: given, frames"),
+        ("slam >= 1", "slam is no number; valid: a figure, such as labels.accuracy"),
+        ("faults.given >= 1", "faults.given is no number; valid: a figure, such as labels.accuracy"),
     ],
 )
 def test_bad_claims_are_named(text, message):
