@@ -8,7 +8,7 @@ from sim.harness.adapters.lexis import Lexis
 from sim.harness.blame_table import blame
 from sim.harness.crash import Runner
 from sim.harness.failure_signature import FailureTest, Signature
-from sim.harness.failures.failure_folder import LEXIS_REPLAY, Replay, write_failure
+from sim.harness.failures.failure_folder import LEXIS_REPLAY, Replay, not_reproduced, write_failure
 from sim.harness.reducer import DEADLINE_S, Reduction, reduce
 from sim.harness.scenario import Scenario
 from sim.harness.world_tests import SCENARIO, slug_of
@@ -60,10 +60,7 @@ def smallest_failure(
     """
 
     def fails(candidate: Scenario) -> Signature | None:
-        found = finding(check, candidate, new_slam)
-        if found.holds is not False:
-            return None
-        return Signature(found.measured.partition(":")[0] if check is None else check.name)
+        return _signature(check, finding(check, candidate, new_slam))
 
     return reduce(scenario, fails, deadline_s)
 
@@ -99,14 +96,23 @@ def _written(verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: R
         reduction = smallest_failure(check, scenario, new_slam)
         imports = "" if replay == LEXIS_REPLAY else replay.imports
         names = {"name": verdict.name, "part": verdict.failures[0].part, "check": verdict.check}
-        measured = finding(check, reduction.scenario, new_slam).measured
+        smallest = finding(check, reduction.scenario, new_slam)
+        if _signature(check, smallest) != reduction.signature:
+            raise not_reproduced(reduction)
         with replaced_folder(folder, SCENARIO) as beside:
             reduction.scenario.save(beside / SCENARIO)
-            (beside / "why.md").write_text(_why(verdict, measured, reduction))
+            (beside / "why.md").write_text(_why(verdict, smallest.measured, reduction))
             (beside / "test_replay.py").write_text(_REPLAY.format(**names, imports=imports, new_slam=replay.new_slam))
         found = f"replay: pytest {folder / 'test_replay.py'}"
     old, new = reduction.sizes
     return f"{verdict.name}: rooms {old.rooms} -> {new.rooms}, walk {old.length_m:g} -> {new.length_m:g} m\n  {found}"
+
+
+def _signature(check: Check | None, found: CheckFinding) -> Signature | None:
+    """Return the signature of a check that fails, from what it found; None if it does not fail."""
+    if found.holds is not False:
+        return None
+    return Signature(found.measured.partition(":")[0] if check is None else check.name)
 
 
 def _why(verdict: CheckVerdict, measured: str, reduction: Reduction) -> str:

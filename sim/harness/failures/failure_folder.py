@@ -40,8 +40,7 @@ def write_failure(
     """
     smallest = test.outcome(reduction.scenario)
     if test.signature_of(smallest) != reduction.signature:
-        again = "valid: a SLAM that does the same in the same scenario"
-        raise SimError(f"the failure ({reduction.signature}) did not come back in the smallest scenario; {again}")
+        raise not_reproduced(reduction)
     original = json.dumps(reduction.original.data(), indent=1) + "\n"
     files = {"original.json": original.encode(), "test_replay.py": replay_test(test.claim, replay).encode()}
     files |= why_page(reduction, test, blamed, smallest).files
@@ -53,6 +52,12 @@ def write_failure(
             smallest.run, f"{test.claim}: {test.claim.figure} is {smallest.value:.4g}", test.claim.figure
         )
         write_run(smallest.run, smallest.result, smallest.trials, out, files, failure)
+
+
+def not_reproduced(reduction: Reduction) -> SimError:
+    """Return the error for a failure that does not come back in another run of the smallest scenario."""
+    again = "valid: a SLAM that does the same in the same scenario"
+    return SimError(f"the failure ({reduction.signature}) did not come back in the smallest scenario; {again}")
 
 
 def replay_test(claim: Claim | None, replay: Replay = LEXIS_REPLAY) -> str:

@@ -657,6 +657,27 @@ def test_the_smallest_failure_of_a_claim_relative_to_the_odometry_is_one_that_a_
     runpy.run_path(str(folder / "test_replay.py"))["test_replay"]()
 
 
+class FailsOnce:
+    """A law that fails when it is examined for the first time, and holds ever after."""
+
+    name, says, rate, examinations = "once", "It holds the second time.", None, 0
+
+    def examine(self, base, new_slam):
+        self.examinations += 1
+        return CheckFinding(self.examinations > 1, f"examination {self.examinations}")
+
+
+def test_a_failure_of_a_law_that_does_not_come_back_is_told_and_not_written(tmp_path):
+    verdict = replace(verdict_on(False, rate=None), part=replace(PART, checks=(FailsOnce(),)), check="once")
+    found = (replace(verdict.examined[0], findings={"once": CheckFinding(False, "examination 0")}),)
+    told = write_smallest(replace(verdict, examined=found), OdometryOnly, run, Replay(), False, tmp_path)
+    assert told == (
+        "flat: once: no smallest scenario: the failure (once) did not come back in the smallest scenario; "
+        "valid: a SLAM that does the same in the same scenario"
+    )
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_replayed_check_that_no_suite_has_is_refused():
     with pytest.raises(SimError, match="no suite has the check homes: nonsense"):
         finding_of("homes", "nonsense", OPEN_FLAT)
