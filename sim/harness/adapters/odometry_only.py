@@ -30,21 +30,23 @@ class OdometryOnly:
 
     def _begin(self) -> None:
         self._keyframes: dict[int, Pose] = {}
-        self._last: Observation | None = None
+        self._last: tuple[int, Pose] | None = None
         self._path_m = 0.0
 
     def process(self, observation: Observation) -> None:
         """Take the next odometry pose. Raises `ObservationError` for frames out of order and poses that are not rigid."""
         if not is_pose(observation.T_O_B):
             raise ObservationError(f"observation {observation.index}: T_O_B is unusable; valid: a finite rigid motion")
+        pose = observation.T_O_B.astype(float)  # a copy, because the caller may overwrite the array
         if self._last is not None:
-            if observation.index <= self._last.index:
-                raise ObservationError(f"observation {observation.index} comes after {self._last.index}; valid: ascending")
-            self._path_m += float(np.linalg.norm(observation.T_O_B[:3, 3] - self._last.T_O_B[:3, 3]))
-        self._last = observation
+            last_index, last_pose = self._last
+            if observation.index <= last_index:
+                raise ObservationError(f"observation {observation.index} comes after {last_index}; valid: ascending")
+            self._path_m += float(np.linalg.norm(pose[:3, 3] - last_pose[:3, 3]))
+        self._last = observation.index, pose
         if not self._keyframes or self._path_m >= SPACING_M:
             self._path_m = 0.0
-            self._keyframes[observation.index] = observation.T_O_B.astype(float)
+            self._keyframes[observation.index] = pose
 
     def finish(self) -> Estimate:
         """Return the poses of all keyframes. Raises `SimError` if no observation was usable."""

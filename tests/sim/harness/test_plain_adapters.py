@@ -16,6 +16,8 @@ from sim.harness import Scenario, check, run
 from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.harness.adapters.geometric_rooms import ROOM_M, STAIRS, floors_by_height, rooms_by_distance
 from sim.harness.results import FloorFigures, LabelFigures, LoopFigures, RoomFigures, TrajectoryFigures
+from sim.suites.changed_stream import changed
+from sim.suites.stream_changes import ReusedArrays
 from worlds.presets import sample_from_rooms
 
 SCENARIO = Scenario(
@@ -64,6 +66,13 @@ def test_keyframes_are_half_a_metre_of_path_apart():
         slam.process(observation(k, 0.1 * k if k < 50 else 10.0 - 0.1 * k))
     steps = np.diff(slam.finish().frames)
     assert (steps[:9] <= 6).all() and (steps >= 5).all() and len(steps) in range(16, 21)
+
+
+@pytest.mark.parametrize("slam", [OdometryOnly, GeometricRooms])
+def test_an_array_that_is_overwritten_after_a_call_does_not_change_the_claims(slam):
+    kept, reused = (run(SCENARIO, tested).estimate for tested in (slam(), changed(slam(), ReusedArrays())))
+    np.testing.assert_array_equal(kept.frames, reused.frames)
+    np.testing.assert_array_equal(kept.T_W_B, reused.T_W_B)
 
 
 def test_a_second_run_forgets_the_first():
