@@ -14,6 +14,7 @@ from jaxtyping import Float64, Int
 
 from lexis.config import PlaceRecognitionConfig, PoseGraphConfig, VerificationConfig
 from lexis.evaluation.place_recognition import at_one_place
+from lexis.floors import NO_FLOOR
 from lexis.graph.graph_optimisation import GraphOptimiser
 from lexis.maths.paths import arc_length
 from lexis.maths.se3 import between
@@ -57,7 +58,7 @@ class GoodSlam:
             "T_W_B": poses,
             "labels": run.true_labels,
             "rooms": run.true_rooms,
-            "floors": run.true_storeys,
+            "floors": np.where(run.on_stairs, NO_FLOOR, run.true_storeys),
         }
         made = {name: value for name, value in good.items() if getattr(run.estimate, name) is not None}
         result = evaluate(replace(run, estimate=replace(run.estimate, **made)), trials)

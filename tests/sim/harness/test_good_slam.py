@@ -9,9 +9,10 @@ from helpers.open_flat import OPEN_FLAT
 
 from lexis.maths.se3 import between
 from sim.faults.poses import OdometryNaN
-from sim.harness import Lexis, evaluate, good_slam, run
-from sim.harness.adapters import OdometryOnly
+from sim.harness import Estimate, Lexis, Scenario, evaluate, good_slam, run
+from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.harness.good_slam import GOOD_SLAMS, GoodSlam, Reference, with_true_loops
+from worlds.presets import sample_from_rooms
 
 LONG = replace(OPEN_FLAT, length_m=80.0)
 ONCE = replace(OPEN_FLAT, length_m=15.0)
@@ -36,6 +37,17 @@ def test_claims_that_the_slam_does_not_make_are_not_added(drifting):
     assert result.labels.accuracy is result.rooms.pq is result.floors.accuracy is None and result.trajectory.ate_m == 0.01
     silent = replace(drifting, estimate=replace(drifting.estimate, T_W_B=None))
     assert all(slam.result(silent).trajectory.ate_m is None for slam in GOOD_SLAMS)
+
+
+def test_a_storey_of_which_only_the_stairs_are_seen_is_not_claimed_as_a_floor():
+    house = sample_from_rooms(("kitchen", "bedroom"), 103, storeys=2)
+    finished = run(Scenario(house=house, seed=5, length_m=60.0, frame_rate_hz=4.0, fidelity="features"), GeometricRooms())
+    rows = np.flatnonzero(finished.on_stairs | (finished.true_storeys == 0))
+    claims = Estimate(finished.estimate.frames[rows], floors=finished.estimate.floors[rows])
+    below = replace(finished, estimate=claims)
+    assert set(below.true_storeys.tolist()) == {0, 1}
+    figures = GoodSlam(0.01).result(below).floors
+    assert (figures.accuracy, figures.count_error) == (1.0, 0)
 
 
 @pytest.mark.parametrize("most", [500, 40])
