@@ -9,7 +9,7 @@ from jaxtyping import Int
 from lexis.evaluation.trajectory import aligned
 from lexis.maths.se3 import inverse
 from lexis.types import Poses
-from sim.harness.failures.first_wrong import WITHOUT_LABELS, WrongFrame, wrong_claims
+from sim.harness.failures.first_wrong import WITH_LABELS, WrongFrame, wrong_claims
 from sim.harness.runner import Run
 from sim.report.data import NO_LABEL
 from sim.report.frame_picture import FrameClaims
@@ -17,21 +17,19 @@ from sim.report.palette import instance_colours, label_colours
 
 
 def claimed_frames(run: Run, figure: str | None, wrong: WrongFrame) -> FrameClaims:
-    """Return the estimated path and the claims that the figure is about: rooms, floors, labels, or none for a trajectory.
+    """Return the estimated path and the claims that the figure is about: rooms, floors, labels, or none.
 
     If `wrong` is a wrong motion, the estimated path is moved as a whole so that it agrees with the truth where this motion
     begins. Otherwise it is aligned with the true path as for the absolute trajectory error.
     """
     kind = "" if figure is None else figure.partition(".")[0]
-    named = run.estimate.labels is not None and kind not in WITHOUT_LABELS
+    named = run.estimate.labels is not None and kind in WITH_LABELS
     claims = FrameClaims(run.estimate.frames, _in_world(run, wrong), names_labels=named)
-    if kind in ("trajectory", "loops"):
-        return claims
     if kind == "rooms" and run.estimate.rooms is not None:
         return _numbered(run, claims, "rooms", run.estimate.rooms, "claimed room {}", "in no claimed room")
     if kind == "floors" and run.estimate.floors is not None:
         return _numbered(run, claims, "floors", run.estimate.floors, "claimed floor {}", "claimed to be on stairs")
-    return _labelled(run, claims)
+    return _labelled(run, claims) if kind in WITH_LABELS else claims
 
 
 def _in_world(run: Run, wrong: WrongFrame) -> Poses | None:

@@ -56,10 +56,11 @@ def first_wrong(run: Run, figure: str | None = None) -> WrongFrame | None:
     """Return the first frame that is wrong for a figure, such as a frame with a wrong floor for "floors.accuracy".
 
     Without a figure, the result is the first frame with a wrong label or, if no label is wrong, the frame that is wrong for
-    the trajectory. The result is None if there is no such frame, or if the SLAM does not make the claim.
+    the trajectory. The result is None if there is no such frame, or if the SLAM does not make the claim. It is also None for
+    a figure that describes the run as a whole, such as "coverage.path_covered".
     """
     kind = "" if figure is None else figure.partition(".")[0]
-    found = next(_SEARCHES.get(kind, _label)(run), None)
+    found = next(_SEARCHES[kind](run), None) if kind in _SEARCHES else None
     if found is None and figure is None and (found := next(_position(run), None)) is not None:
         found = found._replace(what=f"no label is wrong, {found.what}" if run.estimate.labels is not None else found.what)
     if found is None:
@@ -68,7 +69,7 @@ def first_wrong(run: Run, figure: str | None = None) -> WrongFrame | None:
     stamps, frames = run.session.tour.stamps, run.estimate.frames.tolist()
     similar = run.most_similar(row, _TOP) if kind in ("", "labels", "rooms") else ()
     begin = None if since is None else frames[since]
-    room = _room(run, int(run.true_rooms[row])) if kind not in WITHOUT_LABELS else _room_id(run, row)
+    room = _room(run, int(run.true_rooms[row])) if kind in WITH_LABELS else _room_id(run, row)
     return WrongFrame(frames[row], room, float(stamps[frames[row]] - stamps[0]), what, begin, similar)
 
 
@@ -193,9 +194,18 @@ def _most_frequent(groups: Int[np.ndarray, "n"], values: Int[np.ndarray, "n"]) -
     return chosen
 
 
-WITHOUT_LABELS = ("trajectory", "floors", "loops")
-"""First parts of the names of figures that no label affects."""
+WITH_LABELS = ("", "labels", "rooms", "planning")
+"""First parts of the names of figures that labels affect; "" stands for no figure."""
 _SEARCHES: Mapping[str, Callable[[Run], Iterator[_Wrong]]] = MappingProxyType(
-    {"floors": _floor, "trajectory": _position, "loops": _loop, "rooms": _label_or_instance}
+    {
+        "": _label,
+        "labels": _label,
+        "planning": _label,
+        "rooms": _label_or_instance,
+        "floors": _floor,
+        "trajectory": _position,
+        "loops": _loop,
+    }
 )
-"""Searches for wrong rows of the estimate, by the first part of a figure's name. `_label` is used for all other figures."""
+"""Searches for wrong rows of the estimate, by the first part of a figure's name; "" stands for no figure. There is no search
+for other figures, because they describe the run as a whole."""

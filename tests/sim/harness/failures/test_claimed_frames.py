@@ -67,6 +67,12 @@ def test_figures_of_the_trajectory_show_no_other_claims(true):
         np.testing.assert_array_equal(claims.T_W_B, aligned(poses, true.true_poses))
 
 
+def test_figures_that_describe_the_run_as_a_whole_show_no_claims(true):
+    run = claiming(true, labels=(true.true_labels + 1) % 2)
+    claims = claimed_frames(run, "coverage.path_covered", first_wrong(run))
+    assert claims.groups == () and claims.wrong is None and not claims.names_labels
+
+
 def test_the_estimate_agrees_with_the_truth_where_a_wrong_motion_begins(true):
     poses = true.true_poses.copy()
     poses[20:, 0, 3] += 2.0

@@ -98,6 +98,15 @@ def test_the_truth_has_no_wrong_frame(true):
     assert first_wrong(true) is None
 
 
+@pytest.mark.parametrize(
+    "figure", ["coverage.path_covered", "place_recognition.1.precision", "time.slam_s", "run.keyframes", "faults.refused"]
+)
+def test_no_frame_is_named_for_a_figure_that_describes_the_run_as_a_whole(true, figure):
+    wrong = replace(true, estimate=replace(true.estimate, labels=spoilt(true.estimate.labels)))
+    assert first_wrong(wrong, "planning.success").what.startswith("labelled ")
+    assert first_wrong(wrong, figure) is None
+
+
 def test_where_nothing_is_claimed_nothing_is_wrong(silent):
     for figure in (None, "labels.accuracy", "rooms.pq", "floors.accuracy", "loops.precision", "trajectory.ate_m"):
         assert first_wrong(silent, figure) is None
