@@ -21,9 +21,9 @@ RESULT = "result.json"
 _FILE = FileKind("a file of results, as `lexis-sim check --json` writes it, or result.json of a run", 500_000_000, SimError)
 
 
-def save_results(results: Sequence[RunResult], path: Path) -> None:
+def save_results(results: Sequence[RunResult], path: Path | str) -> None:
     """Write results to one JSON file. Raises `LexisError` if the file cannot be written."""
-    with replaced_file(path) as beside:
+    with replaced_file(Path(path)) as beside:
         beside.write_text(json.dumps(results_data(results), indent=1) + "\n")
 
 
@@ -32,13 +32,14 @@ def results_data(results: Sequence[RunResult]) -> dict[str, Any]:
     return {"format": FORMAT, "results": [result.data() for result in results]}
 
 
-def load_results(path: Path) -> tuple[RunResult, ...]:
+def load_results(path: Path | str) -> tuple[RunResult, ...]:
     """Read the results in a file, or of the run of a folder and of all runs whose folders lie somewhere below it.
 
     The results are sorted by path.
 
     Raises `SimError` if there is no result, or if a result is not valid.
     """
+    path = Path(path)
     if not path.is_dir():
         return _results_in(path)
     files = sorted(path.rglob(RESULT))
@@ -58,8 +59,9 @@ class StoredRun:
     """Hashes of the scenarios that were begun; None if this is not known."""
 
     @classmethod
-    def load(cls, path: Path) -> "StoredRun":
+    def load(cls, path: Path | str) -> "StoredRun":
         """Read a file or a folder as `load_results` does. Only files of suites say which scenarios were begun."""
+        path = Path(path)
         if path.is_dir():
             return cls(load_results(path))
         data = read_json(path, _FILE)
@@ -81,8 +83,10 @@ def _results_in(path: Path) -> tuple[RunResult, ...]:
 def _results_of(data: Any, path: Path) -> tuple[RunResult, ...]:
     if isinstance(data, dict) and data.get("format") == FORMAT:
         several = data.get("results")
-        if not isinstance(several, list) or not several:
+        if not isinstance(several, list):
             raise _FILE.refusal(path, "contains no list of results")
+        if not several:
+            raise _FILE.refusal(path, "contains no result: no scenario was completed")
         return tuple(_result(each, path, f"results[{i}].") for i, each in enumerate(several))
     return (_result(data, path, ""),)
 

@@ -36,11 +36,21 @@ def test_results_are_found_in_the_folders_of_runs(tmp_path):
     assert load_results(tmp_path / "runs" / MANY[1].scenario / "result.json") == MANY[1:2]
 
 
+def test_a_path_may_be_text(tmp_path):
+    save_results(MANY, str(tmp_path / "all.json"))
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "result.json").write_text(json.dumps(MANY[0].data()))
+    for name, results in (("all.json", MANY), ("run", MANY[:1])):
+        path = str(tmp_path / name)
+        assert load_results(path) == StoredRun.load(path).results == results
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
         ("[]", "it is no result with schema 1"),
-        ('{"format": "lexis-results", "results": []}', "contains no list of results"),
+        ('{"format": "lexis-results", "results": {}}', "contains no list of results"),
+        ('{"format": "lexis-results", "results": [], "examined": ["a"]}', "contains no result: no scenario was completed"),
         ('{"format": "lexis-results", "results": [3]}', r"results\[0\]. is no result"),
         (json.dumps(RESULT.data() | {"labels": 3}), "labels: "),
         (json.dumps(RESULT.data() | {"labels": {"accuracy": "high"}}), "labels.accuracy: "),
