@@ -33,7 +33,7 @@ def fewer_storeys(spec: HouseSpec) -> Iterator[HouseSpec]:
     Stairs to a dropped storey are dropped as well.
     """
     for kept in dict.fromkeys(_storey_choices(len(spec.storeys))):
-        yield from _if_smaller(keep_rooms(spec, {room.id for k in kept for room in spec.storeys[k].rooms}))
+        yield from _if_any(keep_rooms(spec, {room.id for k in kept for room in spec.storeys[k].rooms}))
 
 
 def _storey_choices(count: int) -> list[tuple[int, ...]]:
@@ -59,7 +59,7 @@ def fewer_rooms(spec: HouseSpec) -> Iterator[HouseSpec]:
         rooms = sorted(spec.storeys[level].rooms, key=lambda room: -Polygon(room.polygon_m).area)
         kept += [frozenset(near) - _cells_of(spec, level, room) for room in rooms]
     for ids in dict.fromkeys(kept):
-        yield from _if_smaller(keep_rooms(spec, ids))
+        yield from _if_any(keep_rooms(spec, ids))
 
 
 def less_furniture(spec: HouseSpec) -> Iterator[HouseSpec]:
@@ -229,7 +229,7 @@ def _leads_somewhere(spec: HouseSpec, level: int, opening: OpeningSpec) -> bool:
     return any(cell_on(spec, level + step, cell) for cell in cells)
 
 
-def _if_smaller(spec: HouseSpec | None) -> Iterator[HouseSpec]:
+def _if_any(spec: HouseSpec | None) -> Iterator[HouseSpec]:
     if spec is not None:
         yield spec
 

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int
 from scipy.cluster.hierarchy import fcluster, linkage
 
+from lexis.floors import NO_FLOOR
 from lexis.types import Camera, Observation
 from sim.harness.adapters.odometry_only import OdometryOnly
 from sim.harness.estimate import Estimate
@@ -21,8 +22,6 @@ STOREY_M = 0.6
 LANDING_SHARE = 0.05
 """A group of keyframes at about the same height is a landing of the stairs, not a floor, if it contains less than this share
 of all keyframes that are not on steps."""
-STAIRS = -1
-"""Floor number of a keyframe on stairs, in an estimate."""
 
 
 class GeometricRooms:
@@ -55,8 +54,8 @@ class GeometricRooms:
 
 
 def floors_by_height(heights: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
-    """Compute the floor of every keyframe from its height [m]: 0 for the lowest floor, `STAIRS` for steps and landings."""
-    floors = np.full(len(heights), STAIRS)
+    """Compute the floor of every keyframe from its height [m]: 0 for the lowest floor, `NO_FLOOR` for steps and landings."""
+    floors = np.full(len(heights), NO_FLOOR)
     level = ~_climbs(heights)
     if not level.any():
         return floors

@@ -7,6 +7,7 @@ import pytest
 from helpers.documentation import blocks
 
 from lexis.errors import ObservationError
+from lexis.floors import NO_FLOOR
 from lexis.maths.se3 import between
 from lexis.types import Camera, Intrinsics, Observation
 from sim.errors import SimError
@@ -14,7 +15,7 @@ from sim.faults.delivery import Duplicated
 from sim.faults.poses import OdometryNaN
 from sim.harness import Scenario, check, run
 from sim.harness.adapters import GeometricRooms, OdometryOnly
-from sim.harness.adapters.geometric_rooms import ROOM_M, STAIRS, floors_by_height, rooms_by_distance
+from sim.harness.adapters.geometric_rooms import ROOM_M, floors_by_height, rooms_by_distance
 from sim.harness.results import FloorFigures, LabelFigures, LoopFigures, RoomFigures, TrajectoryFigures
 from sim.suites.changed_stream import changed
 from sim.suites.stream_changes import ReusedArrays
@@ -93,11 +94,11 @@ def test_two_storeys_are_found_and_landings_belong_to_the_stairs(rng):
     truth = [0.0] * 60 + [*flight, *[1.35] * 4, *(1.35 + flight)] + [2.7] * 50
     floors = floors_by_height(np.array(truth) + 1.4 + rng.uniform(-0.05, 0.05, len(truth)))
     assert (floors[:59] == 0).all() and (floors[-49:] == 1).all()
-    assert (floors[60:-50] == STAIRS).all()
+    assert (floors[60:-50] == NO_FLOOR).all()
 
 
 def test_a_climb_without_level_stretches_has_no_floor():
-    assert (floors_by_height(0.5 * np.arange(10.0)) == STAIRS).all()
+    assert (floors_by_height(0.5 * np.arange(10.0)) == NO_FLOOR).all()
 
 
 def test_rooms_never_cross_floors_and_are_no_larger_than_the_cut_off(rng):
