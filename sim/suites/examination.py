@@ -27,6 +27,8 @@ from worlds.errors import WorldsError
 
 COMPLETES = "the run completes"
 """Name of the check that every part has besides its own: the SLAM raises no exception, and its claims are valid."""
+DIED = "a process died while it ran the SLAM on"
+"""Part of the message of the error for a SLAM that aborts its process."""
 _DRAWS = 20
 """Largest number of draws for one scenario; a draw is unlucky if its house or its walk is impossible."""
 
@@ -139,7 +141,7 @@ def examinations(
         except BrokenProcessPool:
             during = ", or ".join(sorted(note.read_text() for note in notes.iterdir()))
             valid = "valid: a SLAM that does not abort; with one process (workers=1), its own messages tell where it does"
-            raise SimError(f"suite: a process died while it ran the SLAM on {during or 'a scenario'}; {valid}") from None
+            raise SimError(f"suite: {DIED} {during or 'a scenario'}; {valid}") from None
         finally:
             pool.shutdown(cancel_futures=True)
 

@@ -22,11 +22,17 @@ from sim.bench.mutation.planting import Mutant, planted
 from sim.errors import SimError
 from sim.harness.wording import counted
 from sim.processes import ONE_THREAD
-from sim.suites.examination import COMPLETES
+from sim.suites.examination import COMPLETES, DIED
 from sim.verdicts import load_results
 
 COMPARED = "worse than before"
 """Beginning of `Grade.caught_by` for a mutant that passes the suite, but has worse figures than unchanged LEXIS."""
+_HANGS = "the suite does not end"
+_ENDS = "the suite ends with status"
+"""`Grade.caught_by` begins with one of these two texts for a suite that ended without verdicts."""
+_CANNOT_RUN = 2
+"""Exit status of `lexis-sim check` if it cannot check the SLAM. It is also the status if LEXIS aborts one of several worker
+processes; the error output then contains `DIED`."""
 _MOST_S = 3600.0
 
 
@@ -79,7 +85,8 @@ def grade(
 ) -> Grade:
     """Plant a mutant into LEXIS, and check the changed LEXIS by a suite that stops at the first failure.
 
-    The mutant is caught if a check or a mean over all scenarios fails, or if LEXIS hangs or aborts.
+    The mutant is caught if a check or a mean over all scenarios fails, if a figure is worse than in `before`, or if the
+    suite ends without verdicts because LEXIS hangs or aborts.
 
     Args:
         mutant: the mutant. If it is None, LEXIS stays unchanged, and a failing check is a false alarm.
@@ -92,7 +99,7 @@ def grade(
         before: a file with verdicts on unchanged LEXIS. If the suite finds nothing, its figures are compared with these.
 
     Raises `SimError` if the suite cannot check unchanged LEXIS, if the text that the mutant replaces is not in LEXIS, or if
-    `before` has none of the suite's scenarios.
+    the suite cannot run for another reason than LEXIS, for example because `before` has none of its scenarios.
     """
     begin = time.time()  # wall-clock time, because it is compared with the time of the file of verdicts
     start = "unchanged" if mutant is None else mutant.name, suite if laws else f"{suite} without laws", seed
@@ -112,9 +119,10 @@ def grade(
                 return graded
             return replace(graded, changed=_changed(_stored(before), data["results"]))
         seconds = time.time() - begin
-    how = "the suite does not end" if status is None else f"the suite ends with status {status}"
-    if mutant is None:
-        raise SimError(f"unchanged LEXIS: {how}: {one_line(errors, 300)}; valid: a suite that LEXIS completes")
+    how = _HANGS if status is None else f"{_ENDS} {status}"
+    if mutant is None or (status == _CANNOT_RUN and DIED not in errors):
+        what = "unchanged LEXIS" if mutant is None else f"mutant {mutant.name!r}"
+        raise SimError(f"{what}: {how}: {one_line(errors, 300)}; valid: a suite that LEXIS completes")
     return Grade(*start, how, 0, seconds, one_line(errors, 160), fingerprint=fingerprint)
 
 
@@ -149,13 +157,14 @@ def markdown_table(grades: Sequence[Grade]) -> str:
 
 def counts(grades: Sequence[Grade]) -> str:
     """Return in one line how many mutants were found, and how."""
-    compared = sum(grade.is_caught and str(grade.caught_by).startswith(COMPARED) for grade in grades)
-    checked = sum(grade.is_caught for grade in grades) - compared
-    equivalent = sum(grade.changed == 0 for grade in grades)
-    passed = len(grades) - checked - compared - equivalent
+    compared = sum(str(grade.caught_by).startswith(COMPARED) for grade in grades)
+    aborted = sum(str(grade.caught_by).startswith((_HANGS, _ENDS)) for grade in grades)
+    checked = sum(grade.is_caught for grade in grades) - compared - aborted
+    equivalent = sum(not grade.is_caught and grade.changed == 0 for grade in grades)
+    passed = sum(not grade.is_caught for grade in grades) - equivalent
     return (
-        f"of {len(grades)} mutants, {checked} are caught by a check, {compared} by the comparison with unchanged LEXIS; "
-        f"{passed} pass, and {equivalent} change no figure"
+        f"of {len(grades)} mutants, {checked} are caught by a check, {aborted} abort without verdicts, and {compared} are "
+        f"caught by the comparison with unchanged LEXIS; {passed} pass, and {equivalent} change no figure"
     )
 
 

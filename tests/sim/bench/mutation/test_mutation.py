@@ -1,6 +1,7 @@
 """Every mutant fits the present code, and planting changes exactly one module."""
 
 import json
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -18,6 +19,7 @@ from sim.bench.mutation.grading import (
     _graded,
     _stored,
     counts,
+    grade,
     markdown_table,
     read_grades,
     write_grade,
@@ -123,11 +125,58 @@ def test_results_that_were_stored_and_read_are_not_changed(tmp_path):
 
 
 def test_mutants_are_counted_by_how_they_are_found():
-    ways = [("homes: origin", None), (f"{COMPARED}: rooms.pq", None), (None, 3), (None, None), (None, 0)]
+    ways = [
+        ("homes: origin", None),
+        ("the suite ends with status -6", None),
+        ("the suite does not end", None),
+        (f"{COMPARED}: rooms.pq", None),
+        ("all parts: mean rooms.pq >= 0.7", 0),
+        (None, 3),
+        (None, None),
+        (None, 0),
+    ]
     grades = [Grade(str(k), "pr", 7, by, 9, 9.0, "", changed=changed) for k, (by, changed) in enumerate(ways)]
     assert counts(grades) == (
-        "of 5 mutants, 1 are caught by a check, 1 by the comparison with unchanged LEXIS; 2 pass, and 1 change no figure"
+        "of 8 mutants, 2 are caught by a check, 2 abort without verdicts, and 1 are caught by the comparison with "
+        "unchanged LEXIS; 2 pass, and 1 change no figure"
     )
+
+
+def _ends_with(monkeypatch, status, errors):
+    """Let the command that checks a mutant end without verdicts."""
+    monkeypatch.setattr("sim.bench.mutation.grading._check", lambda folder, options: (status, "", errors))
+
+
+DIED = "lexis-sim: suite: a process died while it ran the SLAM on scenario 3 of part homes, seed 7; valid: a SLAM that does"
+
+
+@pytest.mark.parametrize(
+    ("status", "errors", "caught_by"),
+    [
+        (-6, "Fatal Python error: Aborted", "the suite ends with status -6"),
+        (1, "ZeroDivisionError: division by zero", "the suite ends with status 1"),
+        (2, f"RuntimeWarning: overflow\n{DIED}", "the suite ends with status 2"),
+        (None, "", "the suite does not end"),
+    ],
+)
+def test_a_mutant_with_which_lexis_ends_its_process_is_caught(status, errors, caught_by, monkeypatch):
+    _ends_with(monkeypatch, status, errors)
+    graded = grade(MUTANTS[0])
+    assert (graded.caught_by, graded.scenarios) == (caught_by, 0)
+
+
+@pytest.mark.parametrize(
+    "errors",
+    [
+        "lexis-sim: all.json: has no results of the suite pr with seed 0; valid: a file of lexis-sim check",
+        "lexis-sim: verdicts.json: cannot be written: No space left on device; valid: a place with room for it",
+    ],
+)
+def test_a_suite_that_cannot_run_is_no_grade_of_a_mutant(errors, monkeypatch):
+    _ends_with(monkeypatch, 2, errors)
+    message = f"mutant {MUTANTS[0].name!r}: the suite ends with status 2: {errors}"
+    with pytest.raises(SimError, match=re.escape(message)):
+        grade(MUTANTS[0])
 
 
 @pytest.mark.parametrize(
