@@ -1,5 +1,6 @@
 """`attempt`: runs a SLAM on a scenario, and returns the finished run or, if the SLAM crashed, a `Crash`."""
 
+import os
 import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -20,7 +21,9 @@ Runner = Callable[[Scenario, Progress | None], Run]
 keeps its SLAM."""
 TRACEBACK = "failure-traceback.txt"
 """Name of the file with the traceback. A folder with this file is the output of a crash, which a new result may replace."""
-_NOT_OWN = tuple(str(Path(package.__file__).parent) for package in (lexis, sim, worlds, traceback) if package.__file__)
+_NOT_OWN = tuple(
+    f"{Path(package.__file__).parent}{os.sep}" for package in (lexis, sim, worlds, traceback) if package.__file__
+)
 """Folders whose code is not the user's: the packages of the project, and Python's library with all installed packages."""
 _INSTALLED = "site-packages"
 _MESSAGE = 160
@@ -92,10 +95,17 @@ def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None
 
 
 def attempt_plans(finished: Run) -> Sequence[Trial] | Crash:
-    """Let a robot drive the SLAM's plans; return the driven plans, or the crash if the SLAM's `plan` raised an exception."""
-    try:
-        return try_plans(finished)
-    except SimError:
-        raise
-    except (Exception, SystemExit) as error:
-        return Crash(finished.scenario, error, None, type(finished.slam).__name__)
+    """Let a robot drive the SLAM's plans; return the driven plans, or the crash if the SLAM's `plan` raised an exception.
+
+    Exceptions from outside `plan` are passed on. Raises `ClaimError` for a plan that is not valid.
+    """
+    with noted() as last:
+        last.in_slam = False
+        try:
+            return try_plans(finished)
+        except SimError:
+            raise
+        except (Exception, SystemExit) as error:
+            if not last.in_slam:
+                raise
+            return Crash(finished.scenario, error, None, type(finished.slam).__name__)

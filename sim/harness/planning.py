@@ -13,6 +13,8 @@ from lexis.errors import PlanError
 from lexis.maths.se3 import inverse
 from lexis.maths.ties import rounded
 from lexis.types import Pose
+from sim.errors import ClaimError
+from sim.harness.last_run import last_run
 from sim.harness.parts import odometry_config
 from sim.harness.runner import Run
 from sim.harness.slam_under_test import PlansPaths
@@ -85,6 +87,8 @@ def try_plans(run: Run, steering: Steering = "estimate", blind: bool = False) ->
     Stairs are neither start nor goal. The robot starts at the first frame of the plan. Its odometry has the error that it
     had at the end of the run, and drifts on from there. If `blind`, the robot uses no range scan to avoid obstacles. If the
     SLAM claims no labelled rooms or cannot plan paths, there are no trials.
+
+    Raises `ClaimError` for a plan that does not consist of rows of the estimate.
     """
     if not isinstance(run.slam, PlansPaths):
         return []
@@ -100,12 +104,27 @@ def planned_pairs(run: Run) -> list[tuple[str, str]]:
     return list(permutations(sorted(set(rooms.values()) - {STAIRS}), 2))
 
 
+def ask_plan(run: Run, slam: PlansPaths, start: str, goal: str) -> Int[np.ndarray, "k"] | None:
+    """Ask the SLAM for a plan; return the rows of the estimate in driving order, or None if the SLAM finds no plan.
+
+    Raises `ClaimError` unless the plan has one or more rows of the estimate. Other exceptions of the SLAM are passed on.
+    """
+    try:
+        with last_run().calling_slam():
+            plan = slam.plan(start, goal)
+    except PlanError:
+        return None
+    rows, n = np.array(plan), len(run.estimate.frames)
+    if rows.ndim != 1 or not rows.size or rows.dtype.kind not in "iu" or not 0 <= rows.min() <= rows.max() < n:
+        valid = f"one or more rows of the estimate, 0 to {n - 1}; without a plan, raise PlanError"
+        raise ClaimError(f"the plan from {start} to {goal} is {plan!r:.60}; valid: {valid}")
+    return rows
+
+
 def _trials(run: Run, slam: PlansPaths, pairs: list[tuple[str, str]], robot: Robot, belief: _Belief) -> Iterator[Trial]:
     for query, (start, goal) in enumerate(pairs):
         rng = np.random.default_rng(np.random.SeedSequence(run.scenario.seed, spawn_key=(_STREAM, query)))
-        try:
-            keyframes = np.array(slam.plan(start, goal))
-        except PlanError:
+        if (keyframes := ask_plan(run, slam, start, goal)) is None:
             yield Trial(start, goal, False, 0.0, 0.0, (), np.zeros((0, 3)), np.zeros((0, 3)))
             continue
         yield _try(run, robot, belief, start, goal, keyframes, rng)

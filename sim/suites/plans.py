@@ -3,8 +3,9 @@
 import numpy as np
 from jaxtyping import Int
 
-from lexis.errors import PlanError, one_line
-from sim.harness.planning import planned_pairs
+from lexis.errors import one_line
+from sim.errors import ClaimError
+from sim.harness.planning import ask_plan, planned_pairs
 from sim.harness.runner import Run
 from sim.harness.slam_under_test import PlansPaths
 from sim.suites.checks import CheckFinding
@@ -33,13 +34,13 @@ def plans_can_be_walked(run: Run) -> CheckFinding:
     blocked, begins, ends = 0, 0, 0
     for start, goal in pairs:
         try:
-            plan = np.array(slam.plan(start, goal))
-        except PlanError:
-            return CheckFinding(False, f"there is no plan from {start} to {goal}")
+            plan = ask_plan(run, slam, start, goal)
+        except ClaimError as error:
+            return CheckFinding(False, one_line(str(error), 160))
         except Exception as error:  # whatever a user's SLAM raises
             return CheckFinding(False, one_line(f"plan() of the SLAM raises {type(error).__name__}: {error}", 160))
-        if plan.ndim != 1 or not plan.size or plan.dtype.kind not in "iu" or plan.min() < 0 or plan.max() >= len(labels):
-            return CheckFinding(False, f"the plan from {start} to {goal} is no list of rows of the estimate")
+        if plan is None:
+            return CheckFinding(False, f"there is no plan from {start} to {goal}")
         blocked += _blocked_steps(run, plan)
         begins += int(labels[plan[0]] == run.room_names.index(start))
         ends += int(labels[plan[-1]] == run.room_names.index(goal))

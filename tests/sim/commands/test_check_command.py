@@ -10,6 +10,7 @@ import pytest
 from sim.cli import main
 from sim.errors import SimError
 from sim.harness import Scenario
+from sim.harness.last_run import last_run
 from sim.render.rig import RigConfig
 from worlds.presets import sample_from_rooms
 
@@ -97,18 +98,20 @@ def test_whatever_ends_a_method_of_the_slam_is_a_crash(name, message, capsys):
 
 def test_an_exception_of_plan_is_a_crash(monkeypatch, capsys):
     def lost(finished):
-        raise KeyError("kitchen")
+        with last_run().calling_slam():
+            raise KeyError("kitchen")
 
     monkeypatch.setattr("sim.harness.crash.try_plans", lost)
     assert status_of(["check", "--scenario", "scenario.json", *ODOMETRY]) == 1
     assert capsys.readouterr().err.splitlines()[-1] == "failed: the SLAM raises KeyError: 'kitchen'"
 
 
-def test_what_the_slam_did_not_raise_is_no_crash(monkeypatch):
+@pytest.mark.parametrize("place", ["sim.harness.runner.walk", "sim.harness.crash.try_plans"])
+def test_what_the_slam_did_not_raise_is_no_crash(place, monkeypatch):
     def broken(*_):
         raise RuntimeError("no disk")
 
-    monkeypatch.setattr("sim.harness.runner.walk", broken)
+    monkeypatch.setattr(place, broken)
     with pytest.raises(RuntimeError, match="no disk"):
         status_of(["check", "--scenario", "scenario.json", *ODOMETRY])
 

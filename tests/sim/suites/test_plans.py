@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 
 from lexis.errors import PlanError
+from sim.errors import ClaimError
 from sim.harness import Lexis, Scenario, run
 from sim.harness.adapters import GeometricRooms
+from sim.harness.crash import attempt_plans
+from sim.suites.checks import examined
 from sim.suites.plans import plans_can_be_walked
 from worlds.presets import sample_house
 
@@ -52,14 +55,23 @@ def test_plans_of_lexis_can_be_walked(finished):
         (lambda plan: plan[:1], " 100% begin and 0% end in a room of the wanted label; 0 steps"),
         (fail(PlanError("no way")), "there is no plan from"),
         (fail(ZeroDivisionError("oh")), "raises ZeroDivisionError: oh"),
-        (lambda plan: [], "is no list of rows"),
-        (lambda plan: [0, 99999], "is no list of rows"),
+        (lambda plan: [], r"is \[\]; valid: one or more rows of the estimate, 0 to \d+; without a plan, raise PlanError"),
+        (lambda plan: [0, 99999], r"is \[0, 99999\]; valid: one or more rows"),
     ],
     ids=["straight ahead", "backwards", "stays", "none", "crash", "empty", "beyond"],
 )
 def test_plans_through_walls_to_other_rooms_or_none_at_all_are_found(finished, change, said):
     found = plans_can_be_walked(replace(finished, slam=Planner(finished.slam, change)))
     assert found.holds is False and re.search(said, found.measured)
+
+
+def test_a_plan_that_is_no_list_of_rows_fails_the_run_and_not_the_suite(finished, monkeypatch):
+    broken = replace(finished, slam=Planner(finished.slam, lambda plan: [0.5]))
+    with pytest.raises(ClaimError, match=r"is \[0.5\]; valid: one or more rows of the estimate"):
+        attempt_plans(broken)
+    monkeypatch.setattr("sim.suites.checks.attempted", lambda *_: broken)
+    found = examined(replace(HOME, fidelity="render", encoder="mini"), Lexis)
+    assert found.holds is False and found.measured.startswith("the plan from ")
 
 
 def test_a_slam_without_plans_or_with_one_label_is_not_judged(finished):
