@@ -1,7 +1,8 @@
 """The claims of a SLAM about a run. Every claim is optional: figures that need a missing claim are null, never 0."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from operator import index
 from types import MappingProxyType
 
 import numpy as np
@@ -68,7 +69,8 @@ class Estimate:
     """The claims of a SLAM about a run. Arrays have one row for each frame in `frames`: a SLAM's keyframes, or all frames.
 
     Raises `ClaimError` for claims that are not arrays of finite numbers, that differ in their number of rows, or that refer
-    to rows that do not exist; for poses that are no rigid motions; and for labels, rooms and floors below -1.
+    to rows that do not exist; for poses that are no rigid motions; for labels, rooms and floors below -1; and for loops
+    whose query is not later than its match.
     """
 
     frames: Int[np.ndarray, "n"]
@@ -113,8 +115,8 @@ class Estimate:
         if self.loops is not None:
             _check_loops(self.loops)
         rows = [] if self.loops is None else [*self.loops.query.tolist(), *self.loops.match.tolist()]
-        rows += [row for query, matches in self.candidates or () for row in (query, *matches)]
-        rows += [row for verdict in self.verdicts or () for row in (verdict.query, verdict.match)]
+        rows += _candidate_rows(self.candidates or ()) + _verdict_rows(self.verdicts or ())
+        _check_stages(self.stage_seconds)
         if rows and not 0 <= min(rows) <= max(rows) < n:
             found = f"rows {min(rows)} to {max(rows)}"
             raise ClaimError(f"estimate: loops, candidates and verdicts refer to {found}; valid: 0 to {n - 1}")
@@ -146,11 +148,39 @@ def _checked_frames(frames: object) -> int:
     return len(frames)
 
 
-def _check_loops(loops: LoopClaims) -> None:
-    """Raise `ClaimError` unless the loops have as many matches, rigid motions and weights in [0, 1] as queries."""
+def _candidate_rows(candidates: object) -> list[int]:
+    """Return all rows that proposed revisits refer to. Raises `ClaimError` for another form."""
+    try:
+        return [index(row) for query, matches in candidates for row in (query, *matches)]  # type: ignore[attr-defined]
+    except (TypeError, ValueError):
+        valid = "a tuple of pairs of a row and other rows, such as ((7, (2, 0)),)"
+        raise ClaimError(f"estimate: candidates is {candidates!r:.60}; valid: {valid}") from None
+
+
+def _verdict_rows(verdicts: object) -> list[int]:
+    """Return all rows that verdicts refer to. Raises `ClaimError` for anything but a sequence of `VerdictClaim`."""
+    if not isinstance(verdicts, Sequence) or not all(isinstance(each, VerdictClaim) for each in verdicts):
+        raise ClaimError(f"estimate: verdicts is {verdicts!r:.60}; valid: a tuple of VerdictClaim")
+    return [row for verdict in verdicts for row in (verdict.query, verdict.match)]
+
+
+def _check_stages(seconds: object) -> None:
+    """Raise `ClaimError` for anything but a mapping."""
+    if not isinstance(seconds, Mapping):
+        raise ClaimError(f"estimate: stage_seconds is {_form_of(seconds)}; valid: a mapping of the stage's name to seconds")
+
+
+def _check_loops(loops: object) -> None:
+    """Raise `ClaimError` unless there are as many earlier matches, rigid motions and weights in [0, 1] as later queries."""
+    if not isinstance(loops, LoopClaims):
+        raise ClaimError(f"estimate: loops is {_form_of(loops)}; valid: LoopClaims")
     n = len(loops.query) if isinstance(loops.query, np.ndarray) else 0
     for name in ("query", "match"):
         _check_rows(f"loops.{name}", getattr(loops, name), n, "iu", ())
+    if (wrong := np.flatnonzero(loops.query <= loops.match)).size:
+        row = wrong[0]
+        pair = f"query {loops.query[row]} and match {loops.match[row]} in row {row}"
+        raise ClaimError(f"estimate: loops has {pair}; valid: a query that is later than its match")
     _check_rows("loops.T_match_query", loops.T_match_query, n, "fiu", (4, 4))
     _check_rigid("loops.T_match_query", loops.T_match_query)
     if loops.weights is not None:
