@@ -1,4 +1,4 @@
-"""`check_count`: refuses an argument that is no whole number of a range."""
+"""Checks of numbers that a user gives: `check_count` for whole numbers, `check_between` for the inside of an interval."""
 
 from sim.errors import SimError
 
@@ -11,3 +11,9 @@ def check_count(place: str, value: object, least: int, most: int | None = None) 
     if not isinstance(value, bool) and isinstance(value, int) and least <= value and (most is None or value <= most):
         return
     raise SimError(f"{place} is {value!r:.60}; valid: a whole number from {least}" + ("" if most is None else f" to {most}"))
+
+
+def check_between(place: str, value: object, low: float, high: float, example: float) -> None:
+    """Raise `SimError` unless `value` is a number above `low` and below `high`; the message gives an example."""
+    if not isinstance(value, int | float) or not low < value < high:
+        raise SimError(f"{place} is {value!r:.60}; valid: a number above {low:g} and below {high:g}, such as {example:g}")

@@ -139,7 +139,8 @@ class Claim:
 def _check_name(claim: str, name: str) -> None:
     """Raise `SimError` unless results have a number of this name.
 
-    The keys of mappings are free, because they depend on the run, as names of rooms do; those of `place_recognition` are not.
+    The keys of mappings are free, as they depend on the run: names of rooms, for example. Those of `place_recognition` are
+    not free.
     """
     kind: Any = RunResult
     parts = name.split(".")

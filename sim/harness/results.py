@@ -178,8 +178,8 @@ class RunResult:
     floors: FloorFigures
     loops: LoopFigures
     place_recognition: Mapping[str, MatchFigures]
-    """Figures of place recognition by the least number of right matches for which a query counts as a true positive; the keys
-    are the numbers in `MATCHES`, as text."""
+    """Figures of place recognition by the least number of right matches for which a query counts as a true positive. The
+    keys are the numbers in `MATCHES`, as text."""
     coverage: CoverageFigures
     trajectory: TrajectoryFigures
     planning: PlanningFigures

@@ -21,6 +21,7 @@ import numpy as np
 from jaxtyping import Float64
 from scipy.stats import binom, binomtest
 
+from sim.counts import check_between
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.figures import check
@@ -298,10 +299,11 @@ def _check_takes_nothing(place: str, new_slam: object) -> None:
         pass
 
 
-def _checked(claims: object, figures: Mapping[str, Rule], confidence: float) -> list[Claim]:
+def _checked(claims: object, figures: object, confidence: object) -> list[Claim]:
     """Return the claims, each once. Raises SimError for a claim, a figure or a confidence that is not valid."""
-    if not 0.5 < confidence < 1.0:
-        raise SimError(f"compare: confidence is {confidence!r:.40}; valid: above 0.5, below 1, such as 0.95")
+    check_between("compare: confidence", confidence, 0.5, 1.0, 0.95)
+    if not isinstance(figures, Mapping) or not all(isinstance(rule, Rule) for rule in figures.values()):
+        raise SimError(f"compare: figures is {figures!r:.60}; valid: a mapping, such as {{'rooms.pq': Rule(1, 0.002)}}")
     for name in figures:
         Claim.parse(f"{name} >= 0")
     if isinstance(claims, str):

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student
 
+from sim.counts import check_between
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.results import RunResult
@@ -34,8 +35,7 @@ class MeanVerdict:
     """By how much each house fulfils the claim; negative where the claim is violated. See `Claim.margin`."""
 
     def __post_init__(self) -> None:
-        if not 0.5 < self.confidence < 1.0:
-            raise SimError(f"mean: confidence is {self.confidence!r:.40}; valid: above 0.5, below 1, such as 0.95")
+        check_between("mean: confidence", self.confidence, 0.5, 1.0, 0.95)
         if not all(map(math.isfinite, self.margins)):
             raise SimError("mean: a margin is not finite; valid: finite numbers")
 
@@ -69,7 +69,9 @@ class MeanVerdict:
 def assert_mean(results: Iterable[RunResult], claim: Claim | str, confidence: float = 0.95) -> MeanVerdict:
     """Assert that a claim such as "rooms.pq >= 0.6" is not violated on average over houses.
 
-    Results without the figure are left out. All results are read before the mean is judged.
+    The assertion passes unless the results show that the mean violates the claim. The verdict that is returned says whether
+    they show that the mean fulfils it. Results without the figure are left out. All results are read before the mean is
+    judged.
 
     Args:
         results: results of independent scenarios, whose number does not depend on the results.
@@ -78,11 +80,14 @@ def assert_mean(results: Iterable[RunResult], claim: Claim | str, confidence: fl
 
     Raises:
         AssertionError: the mean violates the claim, with this confidence.
-        SimError: an argument is not valid.
+        SimError: an argument is not valid, or fewer than 8 results have the figure, which could not fail.
     """
     wanted = Claim.of_argument("assert_mean: claim", claim)
     margins = (wanted.margin(result) for result in items("assert_mean: results", RunResult, results))
     verdict = MeanVerdict(confidence, tuple(margin for margin in margins if margin is not None))
+    if (n := len(verdict.margins)) < _FEWEST:
+        have = f"{counted(n, 'result')} with the figures of {str(wanted)!r}"
+        raise SimError(f"assert_mean: there {'is' if n == 1 else 'are'} {have}; valid: {_FEWEST} or more")
     if verdict.outcome == "fails":
         raise AssertionError(f"{wanted} {verdict}")
     return verdict

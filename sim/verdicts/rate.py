@@ -17,6 +17,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import betainc, betaincc, betaln, xlog1py, xlogy
 
+from sim.counts import check_between
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.results import RunResult
@@ -47,10 +48,8 @@ class RateVerdict:
     """Number of houses that were examined."""
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.p < 1.0:
-            raise SimError(f"rate: p is {self.p!r:.40}; valid: a rate between 0 and 1, without these two")
-        if not 0.5 < self.confidence < 1.0:
-            raise SimError(f"rate: confidence is {self.confidence!r:.40}; valid: above 0.5, below 1, such as 0.95")
+        check_between("rate: p", self.p, 0.0, 1.0, 0.9)
+        check_between("rate: confidence", self.confidence, 0.5, 1.0, 0.95)
         if not 0 <= self.held <= self.houses:
             raise SimError(f"rate: held is {self.held!r:.40} of {self.houses} houses; valid: 0 to {self.houses}")
 

@@ -153,6 +153,9 @@ def test_results_that_cannot_be_paired_are_refused():
         ((OdometryOnly, OdometryOnly, OPEN_FLAT), "scenarios is an instance of Scenario; valid: several values"),
         ((OdometryOnly, OdometryOnly, [3]), r"scenarios\[0\] is an instance of int; valid: an instance of Scenario"),
         ((OdometryOnly, OdometryOnly, [], "rooms.pq >= 0.5"), r"claims is the text .*such as \['rooms.pq >= 0.5'\]"),
+        ((OdometryOnly, OdometryOnly, [], (), ["rooms.pq"]), "figures is .*; valid: a mapping, such as {'rooms.pq': Rule"),
+        ((OdometryOnly, OdometryOnly, [], (), {"rooms.pq": 1}), "figures is .*; valid: a mapping"),
+        ((OdometryOnly, OdometryOnly, [], (), {}, "0.95"), "confidence is '0.95'; valid: a number above 0.5 and below 1"),
         ((OdometryOnly, OdometryOnly, [], [0.5]), r"claims\[0\] is an instance of float; valid: a claim"),
     ],
 )

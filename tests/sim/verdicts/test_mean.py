@@ -67,13 +67,19 @@ def test_results_without_the_figure_are_left_out():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"confidence": 1.0, "margins": ()}, "confidence is 1.0; valid: above 0.5, below 1"),
+        ({"confidence": 1.0, "margins": ()}, "confidence is 1.0; valid: a number above 0.5 and below 1"),
         ({"confidence": 0.9, "margins": (math.nan,)}, "a margin is not finite"),
     ],
 )
 def test_bad_arguments_are_refused(arguments, message):
     with pytest.raises(SimError, match=message):
         MeanVerdict(**arguments)
+
+
+@pytest.mark.parametrize(("values", "have"), [((), "are 0 results"), ((0.1,), "is 1 result"), ((0.1,) * 7, "are 7 results")])
+def test_too_few_results_to_fail_are_refused(values, have):
+    with pytest.raises(SimError, match=f"^assert_mean: there {have} with the figures of 'labels.accuracy >= 0.9'; valid: 8"):
+        assert_mean(results(*values, None), "labels.accuracy >= 0.9")
 
 
 def test_a_claim_of_equality_has_no_mean():

@@ -122,8 +122,9 @@ def test_no_house_at_all_decides_nothing():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"p": 1.0}, "p is 1.0; valid: a rate between 0 and 1"),
-        ({"p": 0.5, "confidence": 0.2}, "confidence is 0.2; valid: above 0.5"),
+        ({"p": 1.0}, "p is 1.0; valid: a number above 0 and below 1, such as 0.9"),
+        ({"p": 0.5, "confidence": 0.2}, "confidence is 0.2; valid: a number above 0.5"),
+        ({"p": "0.9"}, "p is '0.9'; valid: a number"),
         ({"p": 0.5, "undecided": "ignore"}, "undecided is 'ignore'; valid: 'fail', 'pass' or 'skip'"),
         ({"p": 0.5, "claim": "labels.accuracies > 1"}, "no figure 'accuracies'"),
     ],
