@@ -12,6 +12,7 @@ from typing import Literal, NamedTuple, Protocol
 
 from lexis.errors import one_line
 from lexis.types import Percept
+from sim.counts import check_between
 from sim.errors import ClaimError, ProgramError, SimError
 from sim.harness.claims import Claim
 from sim.harness.crash import Crash, attempt, attempt_plans
@@ -74,10 +75,16 @@ class Check(Protocol):
 
 @dataclass(frozen=True)
 class ClaimCheck:
-    """A claim about figures of a run, such as "rooms.pq >= 0.5", which has to hold in a share of the scenarios."""
+    """A claim about figures of a run, such as "rooms.pq >= 0.5", which has to hold in a share of the scenarios.
+
+    Raises `SimError` unless the share is above 0 and below 1: no number of scenarios shows that a claim always holds.
+    """
 
     claim: Claim
     rate: float
+
+    def __post_init__(self) -> None:
+        check_between(f"claim {self.claim}: rate", self.rate, 0.0, 1.0, 0.99)
 
     @property
     def name(self) -> str:
@@ -136,8 +143,9 @@ class SameClaims:
         found = agreement(base.run.estimate, second.estimate)
         if found.frames == 0.0:
             return CheckFinding(False, "the two runs make claims about different frames")
-        if not self.compares_poses and all(getattr(found, name) is None for name in self.compares):
-            return CheckFinding(None, f"the SLAM does not claim {', '.join(self.compares)}")
+        compared = (*self.compares, "position_m") if self.compares_poses else self.compares
+        if all(getattr(found, name) is None for name in compared):
+            return CheckFinding(None, "the SLAM claims nothing that the law compares")
         poses_agree = self._poses_agree(found)
         if self.needs_poses and not poses_agree:
             return CheckFinding(None, f"the law is about runs whose poses agree; {_written(found)}")
@@ -225,7 +233,10 @@ def examined(scenario: Scenario, new_slam: NewSlam) -> Examined | CheckFinding:
     finished = attempted(scenario, new_slam)
     if isinstance(finished, CheckFinding):
         return finished
-    trials = attempt_plans(finished) if scenario.fidelity == "render" else ()
+    try:
+        trials = attempt_plans(finished) if scenario.fidelity == "render" else ()
+    except ClaimError as error:
+        return CheckFinding(False, one_line(str(error), 160))
     if isinstance(trials, Crash):
         return CheckFinding(False, f"plan() of {_described(trials)}")
     return Examined(finished, evaluate(finished, trials))

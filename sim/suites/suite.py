@@ -9,6 +9,7 @@ from numbers import Real
 
 import numpy as np
 
+from sim.counts import check_count
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.scenario import Scenario
@@ -20,7 +21,11 @@ from worlds.valid_names import did_you_mean
 
 @dataclass(frozen=True)
 class SuitePart:
-    """Scenarios of one kind, with their checks. Raises `SimError` for two checks of one name, or for no scenario."""
+    """Scenarios of one kind, with their checks.
+
+    Raises `SimError` for two checks of one name, for no scenario or group, and for checks that cannot be hashed, as those of
+    a dataclass that is not frozen.
+    """
 
     name: str
     about: str
@@ -39,9 +44,12 @@ class SuitePart:
     """Whether the scenarios are rendered, whatever their own fidelity is."""
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "checks", tuple(self.checks))
         _check_unique(f"part {self.name}", "check", (check.name for check in self.checks))
-        if self.n < 1:
-            raise SimError(f"suite: part {self.name} has {self.n} scenarios; valid: 1 or more")
+        for check in self.checks:
+            _check_hashable(self.name, check)
+        check_count(f"part {self.name}: n", self.n, 1)
+        check_count(f"part {self.name}: group", self.group, 1)
 
     def scenario(self, rng: np.random.Generator, number: int) -> Scenario:
         """Draw the scenario with a number. Raises `SimError` or `WorldsError` for an unlucky draw."""
@@ -125,7 +133,9 @@ class Suite:
         Parts that consist of laws only are left out, unless the suite makes claims about means: these are about the
         scenarios of all parts, which are therefore still run. Raises `SimError` if nothing is left.
         """
-        claims = ((part, tuple(check for check in part.checks if isinstance(check, ClaimCheck))) for part in self.parts)
+        claims = [(part, tuple(check for check in part.checks if isinstance(check, ClaimCheck))) for part in self.parts]
+        if not self.means and not any(checks for _, checks in claims):
+            raise SimError(f"suite {self.name}: has laws only; valid: with laws, or a suite that makes claims")
         return replace(self, parts=tuple(replace(part, checks=checks) for part, checks in claims if checks or self.means))
 
     def with_images(self) -> "Suite":
@@ -136,6 +146,15 @@ class Suite:
 def claims(rate: float, *texts: str) -> tuple[ClaimCheck, ...]:
     """Make claims, each of which has to hold in the share `rate` of the scenarios."""
     return tuple(ClaimCheck(Claim.parse(text), rate) for text in texts)
+
+
+def _check_hashable(part: str, check: Check) -> None:
+    """Raise `SimError` unless a check can be hashed: drawn scenarios are remembered by part and checks."""
+    try:
+        hash(check)
+    except TypeError as error:
+        valid = "a check such as a frozen dataclass of texts, numbers and tuples"
+        raise SimError(f"part {part}: check {check.name!r} cannot be hashed: {error}; valid: {valid}") from None
 
 
 def _is_finite(value: object) -> bool:

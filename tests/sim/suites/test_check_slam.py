@@ -5,7 +5,7 @@ import multiprocessing
 import pickle
 import re
 import runpy
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -13,12 +13,12 @@ from helpers.aborting_slam import AbortingSlam
 from helpers.open_flat import OPEN_FLAT
 from helpers.planted_commands import program
 from helpers.results import RESULT
-from helpers.unchecked import untyped
+from helpers.unchecked import unchecked, untyped
 
 from sim.cli import main
 from sim.commands.check_suite import _by_cause
 from sim.errors import SimError
-from sim.harness import Lexis, Scenario, run
+from sim.harness import Estimate, Lexis, Scenario, run
 from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.harness.claims import Claim
 from sim.harness.estimate import LoopClaims
@@ -384,6 +384,52 @@ def test_a_share_that_is_no_size_is_refused(share):
         SUITES["open-plan"].with_size(share)
 
 
+class OnlyLoops(Oracle):
+    """LEXIS that claims its loop closures and nothing else."""
+
+    def finish(self):
+        claims = super().finish()
+        return Estimate(claims.frames, loops=claims.loops)
+
+
+def test_a_law_holds_only_if_something_was_compared():
+    law = SameClaims("slip", "", MovedOrigin(), compares=("labels", "rooms"))
+    assert law.examine(examined(OPEN_FLAT, OnlyLoops), OnlyLoops).holds is None
+    assert ORIGIN.examine(examined(OPEN_FLAT, Oracle), Oracle).holds
+
+
+@dataclass
+class Changeable:
+    """A check that can change, and therefore has no hash."""
+
+    name: str = "mine"
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            {"checks": [Changeable()]},
+            "part flat: check 'mine' cannot be hashed: .*; valid: a check such as a frozen dataclass",
+        ),
+        ({"n": 0}, "part flat: n is 0; valid: a whole number from 1"),
+        ({"group": 0}, "part flat: group is 0; valid: a whole number from 1"),
+    ],
+)
+def test_a_part_that_cannot_be_examined_is_refused(change, message):
+    with pytest.raises(SimError, match=message):
+        unchecked(SuitePart, **vars(PART) | change)
+
+
+def test_a_list_of_checks_is_as_good_as_a_tuple():
+    assert unchecked(SuitePart, **vars(PART) | {"checks": list(PART.checks)}) == PART
+
+
+def test_a_claim_that_has_to_hold_in_all_scenarios_is_refused_before_any_run():
+    with pytest.raises(SimError, match=r"rate is 1\.0; valid: a number above 0 and below 1, such as 0\.99"):
+        claims(1.0, "rooms.pq >= 0.5")
+
+
 @pytest.mark.parametrize("law", SUITES["language"].parts[0].checks, ids=lambda law: law.name)
 def test_laws_about_room_names_say_nothing_of_a_slam_without_labels(law):
     part = replace(PART, checks=(law,), n=1)
@@ -459,7 +505,7 @@ def test_without_laws_a_suite_makes_its_claims_only():
     assert outcomes(check_slam(FloorsByHeight, FLAT.without_laws())).keys() == {
         COMPLETES, "labels.accuracy >= 0.8", "floors.accuracy >= 0.9",
     }  # fmt: skip
-    with pytest.raises(SimError, match="suite language: has no part"):
+    with pytest.raises(SimError, match="suite language: has laws only; valid: with laws"):
         SUITES["language"].without_laws()
 
 
@@ -601,9 +647,13 @@ def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):
         (["-x"], "--exitfirst is for suites; valid: with --suite"),
         (["--suite", "homes", "--limit", "rooms.pq=nan"], "the limit of rooms.pq is nan; valid: a finite number"),
         (["--suite", "homes", "--json", "no/such/folder.json"], "its folder does not exist"),
+        (["--suite", "homes", "--json", "."], ".: is a folder; valid: the name of a file"),
+        (["--suite", "homes", "--picture", "."], ".: is a folder; valid: the name of a file"),
+        (["--suite", "homes", "--json", "/dev/null"], "/dev/null: is a device or a pipe; valid: the name of a file"),
     ],
 )
-def test_options_that_do_not_go_together_are_refused(options, message, capsys):
+def test_options_that_cannot_be_used_are_refused_before_the_run(options, message, capsys, monkeypatch):
+    monkeypatch.setattr("sim.suites.report.check_slam", None)
     assert main(["check", *options]) == 2
     assert message in capsys.readouterr().err
 
