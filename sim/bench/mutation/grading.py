@@ -34,6 +34,8 @@ _CANNOT_RUN = 2
 """Exit status of `lexis-sim check` if it cannot check the SLAM. It is also the status if LEXIS aborts one of several worker
 processes; the error output then contains `DIED`."""
 _MOST_S = 3600.0
+_RUNNING: set[subprocess.Popen[str]] = set()
+"""The commands that check mutants at this moment."""
 
 
 @dataclass(frozen=True)
@@ -126,6 +128,12 @@ def grade(
     return Grade(*start, how, 0, seconds, one_line(errors, 160), fingerprint=fingerprint)
 
 
+def end_suites() -> None:
+    """End all suites that `grade` is running in any thread. Each of these calls returns soon, and its grade is void."""
+    for process in tuple(_RUNNING):
+        _kill(process)
+
+
 def write_grade(grade: Grade, file: Path) -> None:
     """Append a grade to a file, so that a grading that is interrupted can go on from there."""
     with file.open("a") as lines:
@@ -203,15 +211,22 @@ def _check(folder: Path, options: list[str]) -> tuple[int | None, str, str]:
     process = subprocess.Popen(
         command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
     )
+    _RUNNING.add(process)
     try:
         shown, errors = process.communicate(timeout=_MOST_S)
         return process.returncode, shown, errors
     except subprocess.TimeoutExpired:
         return None, "", ""
     finally:
-        with suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)  # its workers, too
+        _RUNNING.discard(process)
+        _kill(process)
         process.wait()
+
+
+def _kill(process: subprocess.Popen[str]) -> None:
+    """Kill a process and its worker processes, which are in its process group."""
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
 
 
 def _graded(start: tuple[str, str, int], data: Mapping[str, Any], shown: str, seconds: float) -> Grade:

@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import time
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import astuple
 from functools import partial
@@ -28,7 +29,7 @@ _OWN_PYTESTS = 10
 def _mutation(arguments: argparse.Namespace) -> int:
     """Print a line for each mutant as soon as it is graded, and a table; return 1 if unchanged LEXIS fails a check."""
     from sim.bench.mutation import MUTANTS, grade
-    from sim.bench.mutation.grading import counts, markdown_table, read_grades, write_grade
+    from sim.bench.mutation.grading import counts, end_suites, markdown_table, read_grades, write_grade
     from sim.suites.catalogue import suite_named
 
     laws, before, chosen = not arguments.no_laws, arguments.against, suite_named(arguments.suite)
@@ -51,15 +52,19 @@ def _mutation(arguments: argparse.Namespace) -> int:
         print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  unchanged LEXIS, seed {seed}: {verdict}", flush=True)
         alarms.append(found)
     threads = ThreadPoolExecutor(arguments.processes)  # the work is done in a process of each mutant
+    futures = [threads.submit(graded, mutant, arguments.seed) for mutant in mutants]
     try:
-        for future in as_completed([threads.submit(graded, mutant, arguments.seed) for mutant in mutants]):
+        for future in as_completed(futures):
             grades.append(found := future.result())
             verdict = f"caught by {found.caught_by}" if found.is_caught else "not caught"
             print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  {found.mutant}: {verdict}", flush=True)
             if arguments.out is not None:
                 write_grade(found, arguments.out)
     finally:
-        threads.shutdown(cancel_futures=True)
+        threads.shutdown(wait=False, cancel_futures=True)
+        while not all(future.done() for future in futures):  # after an error, or after Ctrl-C
+            end_suites()  # the suites do not get Ctrl-C themselves, because they are in process groups of their own
+            time.sleep(0.1)
     print(markdown_table(grades))
     print(f"{counts(grades)}; {sum(found.is_caught for found in alarms)} false alarms")
     return int(any(found.is_caught for found in alarms))

@@ -2,8 +2,10 @@
 
 import json
 import re
+import signal
 import subprocess
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -193,6 +195,35 @@ def test_a_wrong_set_up_is_refused_before_anything_is_graded(tmp_path, monkeypat
     save_results([RESULT], Path("other.json"))
     assert main(["bench", "mutation", *options, "--out", "grades.jsonl"]) == 2
     assert said in capsys.readouterr().err and not Path("grades.jsonl").exists()
+
+
+_COMMAND = """#!{python}
+import json, pathlib, sys, time
+here = pathlib.Path(__file__).parent
+if not (here / "unchanged").exists():  # the first suite checks unchanged LEXIS
+    (here / "unchanged").touch()
+    verdicts = dict(checks=[], results=[], means=[], worse=[])
+    pathlib.Path(sys.argv[sys.argv.index("--json") + 1]).write_text(json.dumps(verdicts))
+    sys.exit(0)
+(here / "begun").touch()
+time.sleep(20)
+(here / "ended").touch()
+"""
+_MAIN = "import sys; from sim.cli import main; sys.executable = sys.argv[1]; sys.exit(main(sys.argv[2:]))"
+
+
+def test_ctrl_c_ends_the_suites_that_are_running(tmp_path):
+    command = tmp_path / "python"
+    command.write_text(_COMMAND.format(python=sys.executable))
+    command.chmod(0o755)
+    options = ["bench", "mutation", "--only", "loop", "--processes", "2", "--out", str(tmp_path / "grades.jsonl")]
+    with subprocess.Popen([sys.executable, "-c", _MAIN, str(command), *options]) as process:
+        while not (tmp_path / "begun").exists():
+            assert process.poll() is None
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+    assert process.returncode == 130
+    assert not (tmp_path / "ended").exists() and not (tmp_path / "grades.jsonl").exists()
 
 
 def test_grades_are_kept_in_a_file_to_go_on_from(tmp_path):
