@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from sim.suites.suite_means import SuiteMean
 
 SUITE_HELP = "check by a suite in place of one run: pr, open-plan or another; an unknown name lists them all"
-AGAINST_HELP = "with --suite: results of an earlier version (a file of --json); the check fails if a figure got worse, too"
+AGAINST_HELP = "with --suite: results of an earlier version (a file of --json); the check also fails if a figure got worse"
 NO_LAWS_HELP = "with --suite: make claims about single runs only, which is several times faster"
 IMAGES_HELP = "with --suite: render all scenarios, for a SLAM that does not accept features"
 EXIT_HELP = "with --suite: stop after the first scenario in which a check fails; show only the checks failed by then"
@@ -64,15 +64,19 @@ def refuse_suite_options(arguments: argparse.Namespace) -> None:
 
 
 def run_suite(arguments: argparse.Namespace) -> int:
-    """Check the chosen SLAM by the chosen suite, print the verdicts, and return 1 if a check fails or a figure got worse."""
+    """Check the chosen SLAM by the chosen suite, and print the verdicts.
+
+    Return 1 if a check fails, if a figure got worse, or if no scenario was completed both in this run and in the earlier run
+    of `--against`; otherwise 0. Raises `SimError` before the run for options that cannot be used.
+    """
     from sim.suites.report import check_slam, runnable
 
     _refuse_scenario_options(arguments)
     new_slam, workers = _new_slam(arguments), arguments.workers or os.cpu_count() or 1
     suite = _suite(arguments)
     for path in (arguments.json, arguments.picture):
-        if path is not None and not path.absolute().parent.is_dir():
-            raise SimError(f"{path}: its folder does not exist; valid: a file in an existing folder")
+        if path is not None:
+            _refuse_unwritable(path)
     before = None if arguments.against is None else EarlierRun.read(arguments.against)
     if before is not None:
         before.refuse_other_scenarios(runnable(suite, new_slam), arguments.seed)
@@ -94,6 +98,14 @@ def run_suite(arguments: argparse.Namespace) -> int:
         print(f"failed: {', '.join(worse)} worse than in {arguments.against}", file=sys.stderr)
     _search_smallest(report, new_slam, arguments)
     return 0 if report.ok and not worse and (before is None or comparison is not None) else 1
+
+
+def _refuse_unwritable(path: Path) -> None:
+    """Raise SimError if the folder of an output file does not exist, or if its name belongs to anything but a file."""
+    if not path.absolute().parent.is_dir():
+        raise SimError(f"{path}: its folder does not exist; valid: a file in an existing folder")
+    if path.exists() and not path.is_file():
+        raise SimError(f"{path}: is {'a folder' if path.is_dir() else 'a device or a pipe'}; valid: the name of a file")
 
 
 def _suite(arguments: argparse.Namespace) -> "Suite":
