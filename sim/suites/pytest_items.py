@@ -32,7 +32,7 @@ _INSTEAD: Mapping[SuiteOutcome, str] = MappingProxyType(
     {
         "holds": f"it holds now: {_REMOVE}",
         "undecided": "it is undecided: more scenarios are needed",
-        "not claimed": f"the SLAM does not claim what it is about: {_REMOVE}",
+        "not claimed": f"it could not be decided in any scenario: {_REMOVE}",
         "not examined": "no scenario reaches it",
     }
 )
@@ -59,9 +59,10 @@ def slam_checks(
 ) -> Callable[..., None]:
     """Make a test that checks a SLAM by a suite; assign it to a name that begins with `test`.
 
-    An item fails if its check fails with the confidence of a suite (`sim.suites.report.CONFIDENCE`), and is skipped if the
-    SLAM does not make the claims that the check is about. The first item of a part runs all scenarios of the part. The
-    verdicts about several parts together, which are means and laws that parts share, have no items: see `check_slam`.
+    An item fails if its check fails with the confidence of a suite (`sim.suites.report.CONFIDENCE`). It is skipped, and says
+    why, if the check could not be decided in any scenario, for example because the SLAM does not make the claims that the
+    check is about. The first item of a part runs all scenarios of the part. The verdicts about several parts together, which
+    are means and laws that parts share, have no items: see `check_slam`.
 
     Args:
         new_slam: makes a SLAM that has not run yet, such as a class that takes no arguments.

@@ -120,10 +120,13 @@ class CheckVerdict:
         """Return part, check and verdict.
 
         If the check fails, the text also says what the check demands and what it measured in the first houses in which it
-        fails.
+        fails. If it could not be decided, the text gives the reason in the first scenario.
         """
-        if self.outcome in ("not claimed", "not examined"):
-            return f"{self.name}: {self.outcome}"
+        if self.outcome == "not examined":
+            return f"{self.name}: not examined"
+        if self.outcome == "not claimed":
+            reason = next(each.findings[self.check].measured for each in self.examined if self.check in each.findings)
+            return f"{self.name}: not claimed ({reason})"
         held, decided = self.counts
         counts = f"kept in {held} of {decided} scenarios (wanted: in all): {self.outcome}"
         lines = [f"{self.name}: {self.verdict or counts}"]

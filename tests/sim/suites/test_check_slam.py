@@ -588,7 +588,12 @@ def outcome_of(test, name):
             "Failed",
             r"but it is undecided: more scenarios .*\n.*kept in 0 of 1 house",
         ),
-        (OdometryOnly, "labels.accuracy >= 0.8", "Failed", "but the SLAM does not claim what it is about: remove the entry"),
+        (
+            OdometryOnly,
+            "labels.accuracy >= 0.8",
+            "Failed",
+            r"but it could not be decided in any scenario: remove .*\n.*: not claimed \(labels\.accuracy is null\)$",
+        ),
         (Broken, "origin", "Failed", "but no scenario reaches it"),
     ],
 )
@@ -597,6 +602,12 @@ def test_an_expected_failure_that_does_not_fail_says_why(slam, check, reported, 
     test = slam_checks(slam, suite, expected_failures={f"flat: {check}": "a reason"})
     outcome, said = outcome_of(test, f"flat: {check}")
     assert outcome == reported and re.search(text, said)
+
+
+def test_an_item_that_is_skipped_says_why():
+    law = replace(FLAT, parts=(replace(PART, checks=(LAWS["false loop closures"],), n=1),))
+    skipped = outcome_of(slam_checks(OdometryOnly, law), "flat: false loop closures")
+    assert skipped == ("Skipped", "flat: false loop closures: not claimed (the change does not reach this SLAM)")
 
 
 def test_an_item_that_fails_shows_the_verdict_and_nothing_else():
