@@ -140,8 +140,13 @@ def examinations(
             yield from (each for each in found if each is not None)
         except BrokenProcessPool:
             during = ", or ".join(sorted(note.read_text() for note in notes.iterdir()))
+            if not during:
+                raise SimError(
+                    "suite: a process died before it began a scenario; valid: in a script, a call of check_slam below "
+                    "'if __name__ == \"__main__\":', or one process (workers=1)"
+                ) from None
             valid = "valid: a SLAM that does not abort; with one process (workers=1), its own messages tell where it does"
-            raise SimError(f"suite: {DIED} {during or 'a scenario'}; {valid}") from None
+            raise SimError(f"suite: {DIED} {during}; {valid}") from None
         finally:
             pool.shutdown(cancel_futures=True)
 

@@ -5,6 +5,8 @@ import multiprocessing
 import pickle
 import re
 import runpy
+import subprocess
+import sys
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -303,8 +305,11 @@ def test_a_report_counts_the_checks_that_could_not_fail(capsys, monkeypatch):
 def test_failures_are_told_house_by_house():
     told = str(verdict_on(*[True, False, False] * 5, group=3, n=15, rate=0.95)).splitlines()[2:]
     assert [line.partition(":")[0].strip() for line in told] == [
-        f"scenario {first}, seed {OPEN_FLAT.seed} (and 1 more of this house)" for first in (1, 4, 7)
+        f"scenario {first} of flat, seed {OPEN_FLAT.seed} (and 1 more of this house)" for first in (1, 4, 7)
     ]
+    verdict = verdict_on(False, rate=None)  # a law over several parts names the part of each scenario
+    told = str(replace(verdict, part=replace(PART, name="all parts"))).splitlines()[2:]
+    assert told == [f"  scenario 0 of flat, seed {OPEN_FLAT.seed}: "]
 
 
 def with_accuracies(*accuracies, suite=FLAT, group=1):
@@ -852,6 +857,19 @@ def test_the_command_compares_with_the_results_of_an_earlier_version(tmp_path, c
 def test_a_slam_that_kills_its_process_is_reported_with_the_scenario():
     with pytest.raises(SimError, match=r"a process died while it ran the SLAM on scenario [01] of part flat, seed 3"):
         check_slam(AbortingSlam, FLAT, seed=3, workers=2)
+
+
+def test_a_script_that_runs_again_in_its_worker_processes_is_told_what_it_lacks(tmp_path):
+    script = tmp_path / "check_mine.py"
+    script.write_text(
+        "from sim import check_slam\nfrom sim.harness.adapters import OdometryOnly\n"
+        "check_slam(OdometryOnly, 'homes', workers=2)\n"
+    )
+    ended = subprocess.run([sys.executable, str(script)], capture_output=True, text=True)
+    assert ended.stderr.splitlines()[-1] == (
+        "sim.errors.SimError: suite: a process died before it began a scenario; valid: in a script, a call of check_slam "
+        "below 'if __name__ == \"__main__\":', or one process (workers=1)"
+    )
 
 
 def test_a_program_is_checked_on_images_by_what_needs_no_change_of_its_input(capsys, monkeypatch):
