@@ -72,8 +72,8 @@ class CheckVerdict:
     def verdict(self) -> RateVerdict | None:
         """The result of the sequential test of the rate at which the check holds.
 
-        It is the first answer "fails", if the test ever gives it; otherwise the latest definite answer or, if there is none,
-        the answer after the last scenario so far. The result is None for a check that has to hold in all scenarios.
+        The test is read after every group. Its first "fails" counts, whatever follows. Otherwise its last "holds" counts or,
+        without one, its answer after the last group. The result is None for a check that has to hold in all scenarios.
         """
         if self.rate is None:
             return None
@@ -149,7 +149,8 @@ class CheckVerdict:
         """Return one line about the failures in a group of scenarios, with what was measured in the first of them."""
         first, more = failures[0], len(failures) - 1
         others = f" (and {more} more of this house)" if more else ""
-        return f"  scenario {first.number}, seed {first.scenario.seed}{others}: {first.findings[self.check].measured}"
+        scenario = f"scenario {first.number} of {first.part}, seed {first.scenario.seed}"
+        return f"  {scenario}{others}: {first.findings[self.check].measured}"
 
     def _shares(self) -> Iterator[float]:
         """Yield for each completely examined group the share of its decided scenarios in which the check holds.
