@@ -9,8 +9,10 @@ test_my_slam = slam_checks(MySlam, suite="pr", expected_failures={"homes: a paus
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from fnmatch import fnmatchcase
-from types import MappingProxyType
+from types import MappingProxyType, TracebackType
 from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from sim.errors import SimError
 from sim.harness.last_run import LastRun, watched
@@ -21,6 +23,7 @@ from sim.suites.checks import NewSlam
 from sim.suites.examination import COMPLETES
 from sim.suites.report import SEED, CheckVerdict, SuiteOutcome, SuiteReport, check_slam, runnable
 from sim.suites.suite import Suite, SuitePart
+from worlds.errors import WorldsError
 from worlds.valid_names import did_you_mean, listed
 
 if TYPE_CHECKING:
@@ -84,7 +87,8 @@ def slam_checks(
     chosen = runnable(suite_named(suite), new_slam)
     items = [Item(part, check) for part in chosen.parts for check in (COMPLETES, *(each.name for each in part.checks))]
     _check_names(expected_failures, items)
-    parameters = [pytest.param(item, id=item.name, marks=_tier(item)) for item in items]
+    tiers = {part.name: _tier(part) for part in chosen.parts}
+    parameters = [pytest.param(item, id=item.name, marks=tiers[item.part.name]) for item in items]
 
     reports = _Reports(new_slam, chosen, seed)
 
@@ -102,20 +106,35 @@ class _Reports:
     def __init__(self, new_slam: NewSlam, suite: Suite, seed: int) -> None:
         self._new_slam, self._suite, self._seed = new_slam, suite, seed
         self._of_part: dict[str, SuiteReport] = {}
+        self._errors: dict[str, tuple[Exception, TracebackType | None]] = {}
 
     def verdict(self, item: Item) -> CheckVerdict:
-        """Return the verdict about one check."""
+        """Return the verdict about one check. For all items of a part, raises the exception that ended its scenarios."""
         name = item.part.name
-        if name not in self._of_part:
-            with watched(LastRun()):  # otherwise the plugin reports the last of the many runs
-                self._of_part[name] = check_slam(self._new_slam, replace(self._suite, parts=(item.part,)), self._seed)
+        if name not in self._of_part and name not in self._errors:
+            self._examine(item.part)
+        if name in self._errors:
+            error, origin = self._errors[name]
+            raise error.with_traceback(origin)  # otherwise the traceback would grow from item to item
         return next(each for each in self._of_part[name].verdicts if each.check == item.check)
 
+    def _examine(self, part: SuitePart) -> None:
+        try:
+            with watched(LastRun()):  # otherwise the plugin reports the last of the many runs
+                self._of_part[part.name] = check_slam(self._new_slam, replace(self._suite, parts=(part,)), self._seed)
+        except Exception as error:
+            self._errors[part.name] = error, error.__traceback__
 
-def _tier(item: Item) -> "pytest.MarkDecorator":
+
+def _tier(part: SuitePart) -> "pytest.MarkDecorator":
+    """Return the mark for the fidelity of a part. One scenario shows it, because the scenarios of a part are of one kind."""
     import pytest
 
-    return pytest.mark.render if item.part.on_images else pytest.mark.features
+    try:
+        is_rendered = part.on_images or part.draw(np.random.default_rng(0), 0).fidelity == "render"
+    except (SimError, WorldsError):  # an unlucky draw
+        is_rendered = False
+    return pytest.mark.render if is_rendered else pytest.mark.features
 
 
 def _report(verdict: CheckVerdict, reason: str | None) -> None:

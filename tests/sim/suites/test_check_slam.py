@@ -615,6 +615,36 @@ def test_an_item_that_is_skipped_says_why():
     assert skipped == ("Skipped", "flat: false loop closures: not claimed (the change does not reach this SLAM)")
 
 
+def test_a_part_that_cannot_be_drawn_is_tried_once_and_fails_every_item():
+    drawn = []
+
+    def impossible(rng, number):
+        drawn.append(number)
+        raise SimError("there is no house")
+
+    test = slam_checks(OdometryOnly, replace(FLAT, parts=(replace(PART, draw=impossible),)))
+    drawn.clear()  # the marks of the items need a scenario, too
+    items = [parameter.values[0] for parameter in test.pytestmark[0].args[1]]
+    depths = []
+    for item in items:
+        with pytest.raises(SimError, match="part flat has no possible scenarios from number 0: there is no house") as raised:
+            test(item)
+        depths.append(len(raised.traceback))
+    assert len(drawn) == 20  # the draws for one scenario
+    assert len(depths) == 4 and len(set(depths)) == 1
+
+
+def _rendered(rng, number):
+    return replace(flat(rng, number), encoder="mini", fidelity="render")
+
+
+def test_items_are_marked_by_the_fidelity_of_the_scenarios():
+    parts = PART, replace(PART, name="drawn", draw=_rendered), replace(PART, name="images", on_images=True)
+    test = slam_checks(OdometryOnly, replace(FLAT, parts=parts))
+    marks = {parameter.values[0].part.name: parameter.marks[0].name for parameter in test.pytestmark[0].args[1]}
+    assert marks == {"flat": "features", "drawn": "render", "images": "render"}
+
+
 def test_an_item_that_fails_shows_the_verdict_and_nothing_else():
     with pytest.raises(pytest.fail.Exception) as raised:
         slam_checks(FloorsByHeight, suite=FLAT)(Item(PART, "origin"))
