@@ -63,8 +63,8 @@ class LoopFile(_Strict):
 def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
     """Read loops.json, and return its claims as fields of `Estimate`: `loops`, and `candidates` if the file lists them.
 
-    Raises `SimError` for a file that is not valid, a stamp that belongs to no frame, a loop whose match is not earlier than
-    its query, and a quaternion whose norm is not 1.
+    Raises `SimError` for a file that is not valid, a stamp that belongs to no frame, a loop or a candidate whose match is
+    not earlier than its query, and a quaternion whose norm is not 1.
     """
     file = read_model(path, _LOOPS_FILE, LoopFile)
     query, match = (rows_of([getattr(loop, name) for loop in file.loops]) for name in ("query", "match"))
@@ -74,6 +74,10 @@ def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
     if file.candidates is not None:
         queries = rows_of([revisit.query for revisit in file.candidates]).tolist()
         matches = [tuple(rows_of(revisit.matches).tolist()) for revisit in file.candidates]
+        for revisit, later, earlier in zip(file.candidates, queries, matches, strict=True):
+            if max(earlier, default=-1) >= later:
+                place = f"{LOOPS}: the candidates of {revisit.query:.6f} s"
+                raise SimError(f"{place} are not all earlier; valid: matches before their query")
         claims["candidates"] = tuple(zip(queries, matches, strict=True))
     return claims
 

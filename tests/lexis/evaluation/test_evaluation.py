@@ -148,6 +148,12 @@ def test_place_recognition_asks_for_n_right_matches():
     assert Counts(0, 0, possible=1).precision is None
 
 
+def test_a_keyframe_that_is_not_old_enough_is_no_right_match():
+    earlier, one_place = np.tri(3, k=-1, dtype=bool), np.ones((3, 3), dtype=bool)
+    itself = [(query, (query,)) for query in range(3)]
+    assert count_matches(itself, earlier, one_place, 1) == Counts(0, 3, possible=2)
+
+
 def test_a_query_is_possible_where_enough_keyframes_that_may_be_proposed_are_at_its_place():
     truth = np.stack([pose(), pose(0.5), pose(0.9), pose(3.0), pose(0.0, 1.0), pose(0.1)])
     everyone = [(query, ()) for query in range(6)]

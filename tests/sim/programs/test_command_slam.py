@@ -295,6 +295,13 @@ def test_wrong_loops_are_named(loops, message, tmp_path):
     assert message in str(caught.value) and "\n" not in str(caught.value)
 
 
+def test_a_candidate_that_is_not_earlier_is_named(tmp_path):
+    with pytest.raises(
+        SimError, match=r"the candidates of \d+\.\d+ s are not all earlier; valid: matches before their query"
+    ):
+        claimed(tmp_path, [2, 3, 4], loops={"loops": [], "candidates": [{"query": at(3), "matches": [at(2), at(3)]}]})
+
+
 def test_the_loops_of_a_program_are_compared_with_the_truth(tmp_path, unlit):
     (block,) = (block for block in blocks("sim/pages/your-slam.md") if block.language == "py")
     content = block.content + LOOPS
