@@ -1,6 +1,7 @@
 """`lexis-sim bench openness` and `bench sweep`: rooms by LEXIS and by baselines, while one difficulty of the runs grows.
 
-All methods follow the same walks in the same houses; between the values of a difficulty, nothing else changes.
+All methods follow the same walks in the same houses. Between the values of a difficulty, nothing else changes, except that
+walks go through open walls and around furniture.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -29,7 +30,7 @@ from sim.harness import Scenario, SlamUnderTest, evaluate
 from sim.harness.adapters import GeometricRooms, Lexis
 from sim.harness.parts import house_spec, in_house
 from sim.harness.walk import with_walk_m
-from sim.harness.world_tests import usual_rate_hz
+from sim.harness.world_tests import RENDER_FRAME_RATE_HZ, usual_rate_hz
 from worlds.variant import in_light, in_texture
 
 Value: TypeAlias = float | str
@@ -64,6 +65,8 @@ class Difficulty:
     """Names of the methods that are compared."""
     fidelity: Fidelity = "features"
     """Lighting and textures show in images only."""
+    frame_rate_hz: float | None = None
+    """Frames per second [Hz]; None: the usual rate of the fidelity, with which keyframes on features are 0.7 m apart."""
     adjusted: Callable[[SlamUnderTest, Any], SlamUnderTest] = lambda slam, value: slam
     """Returns the SLAM with the settings that belong to the value, for a property of the SLAM rather than of the run."""
 
@@ -94,7 +97,11 @@ DIFFICULTIES: Mapping[str, Difficulty] = MappingProxyType(
             _WITHOUT_MAP,
         ),
         "spacing": Difficulty(
-            (0.25, 0.5, 1.0, 2.0), lambda scenario, value: scenario, tuple(LEXIS_VARIANTS), adjusted=_spaced
+            (0.25, 0.5, 1.0, 2.0),
+            lambda scenario, value: scenario,
+            tuple(LEXIS_VARIANTS),
+            adjusted=_spaced,
+            frame_rate_hz=RENDER_FRAME_RATE_HZ,
         ),
         "light": Difficulty(
             ("day", "evening", "dim"),
@@ -142,7 +149,8 @@ def sweep(
 
     `length_m` is the length of the walks [m], see `with_walk_m`. None: the usual length of a scenario.
     """
-    usual = Scenario(preset=preset, fidelity=difficulty.fidelity, frame_rate_hz=usual_rate_hz(difficulty.fidelity))
+    rate_hz = difficulty.frame_rate_hz or usual_rate_hz(difficulty.fidelity)
+    usual = Scenario(preset=preset, fidelity=difficulty.fidelity, frame_rate_hz=rate_hz)
     for value in difficulty.values:
         for scenario in configs(usual, seeds):
             if length_m is not None:
