@@ -1,8 +1,9 @@
 """`lexis-sim bench fidelity`: how well runs with simulated features predict runs with rendered images, house by house.
 
 LEXIS maps the same walks through the same houses in both fidelities. The benchmark compares label accuracy and panoptic
-quality of rooms. Loop closing is off, since it hardly changes these figures. To save time, the walks have few frames, and
-images are rendered in the small size that LEXIS uses.
+quality of rooms. LEXIS uses the methods of the paper for labels and rooms, which need embeddings and poses only. Loop
+closing is off, since it hardly changes these figures. To save time, the walks have few frames, and images are rendered in
+the small size that LEXIS uses.
 """
 
 import collections
@@ -15,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import spearmanr
 
-from lexis.config import Config, LandmarkConfig
+from lexis.config import PAPER, Config, LandmarkConfig
 from lexis.perception import Encoder
 from sim.feature_fitting.fit_samples import choices
 from sim.feature_sensor.model import MINI_FEATURES, load_features
@@ -39,8 +40,11 @@ _LOOKS = (("texture", "poor"), ("light", "dim"), ("light", "evening"))
 """Unusual looks, which the feature sensor ignores: settings of a house's appearance, as (field, value)."""
 _LOOKS_SHARE = 5
 """For every `_LOOKS_SHARE` houses with usual looks, one house with each look of `_LOOKS` is added."""
-_NO_LANDMARKS = Config(landmarks=LandmarkConfig(akaze_threshold=0.1, max_features=8))
-"""Settings of LEXIS that find hardly any key points, which saves time. Loops are off, so key points are not needed."""
+_NO_LANDMARKS = Config(
+    labels=PAPER.labels, segmentation=PAPER.segmentation, landmarks=LandmarkConfig(akaze_threshold=0.1, max_features=8)
+)
+"""Settings of LEXIS that find hardly any key points, which saves time. The methods of the paper for labels and rooms need no
+key points, and loops are off; the usual methods would need the landmarks of both fidelities."""
 
 
 @dataclass(frozen=True)
