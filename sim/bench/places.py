@@ -28,12 +28,12 @@ from sim.harness.world_tests import usual_rate_hz
 
 METHODS: Mapping[str, PlaceRecognitionConfig] = MappingProxyType(
     {
-        "room (paper)": PlaceRecognitionConfig(method="room", candidates=5),
-        "similarity": PlaceRecognitionConfig(method="similarity", candidates=5),
+        "room": PlaceRecognitionConfig(method="room"),
+        "similarity": PlaceRecognitionConfig(method="similarity"),
         "probability": PlaceRecognitionConfig(method="probability"),
     }
 )
-"""Settings of place recognition by the names of the methods."""
+"""Settings of place recognition by the names of the methods. All methods may propose as many candidates."""
 _CONDITIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "usual odometry": {},
@@ -117,7 +117,7 @@ def walks(presets: Sequence[str], seeds: Sequence[int], fidelity: Fidelity) -> d
 def ask_everywhere(scenario: Scenario) -> Answers:
     """Run LEXIS on a scenario, and return what every method proposes for each of its keyframes."""
     listener = _Listener()
-    with_rooms = Config(place_recognition=METHODS["room (paper)"])  # other methods need no rooms before the map is finished
+    with_rooms = Config(place_recognition=METHODS["room"])  # other methods need no rooms before the map is finished
     finished = run(scenario, Lexis(config=with_rooms, place_recogniser=listener))
     right = at_one_place(finished.true_poses)
     eligible = np.zeros_like(right)

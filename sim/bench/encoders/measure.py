@@ -62,7 +62,7 @@ class EncoderRow:
     recall: float | None
     """Recall@1 of revisits, by the cosine similarity of embeddings."""
     recall_in_room: float | None
-    """Recall@1 of revisits if only keyframes with the query's predicted label are searched, as LEXIS does."""
+    """Recall@1 of revisits if only keyframes with the query's predicted label are searched."""
     recall_orb: float | None
     """Recall@1 of revisits by ORB bag-of-words."""
     calibration_error: float

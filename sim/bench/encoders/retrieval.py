@@ -25,8 +25,8 @@ def found_at_1(
         descriptors: descriptors of all keyframes, unit norm, compared by cosine similarity.
         T_W_B: true poses.
         stamps: time stamps [s].
-        groups: if given, the candidates are restricted to the query's group, as LEXIS searches only among keyframes of one
-            label; a query without candidates counts as not found.
+        groups: if given, the candidates are restricted to the query's group, such as the
+            keyframes of one label; a query without candidates counts as not found.
     """
     queries = true_revisits(T_W_B, stamps)
     eligible = np.abs(stamps[queries, None] - stamps[None, :]) >= REVISIT_S

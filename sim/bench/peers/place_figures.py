@@ -115,7 +115,7 @@ def figures(walk: PlaceWalk, method: str, scores: Scores, least: float) -> Place
     false = np.array([bool(ids) for _, ids in given]) & ~hits.any(axis=1)
     where = np.bincount(whereabouts(walk, rows[false], ranking.keyframes[false, 0]), minlength=len(PLACES))
     possible = (walk.right & eligible).any(axis=1)
-    recall = [float(hits[possible, :n].any(axis=1).mean()) if possible.any() else 0.0 for n in REQUIRED]
+    recall = [float(hits[possible, :n].any(axis=1).mean()) if possible.any() else np.nan for n in REQUIRED]
     numbers = [number for each in counts for number in (each.tp, each.fp, each.possible)]
     row = MatchRow(walk.preset, walk.seed, method, *numbers, *where.tolist(), *recall)
     return PlaceFigures(row, ranking.scores[:, 0], hits[:, 0])

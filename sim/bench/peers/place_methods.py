@@ -82,7 +82,7 @@ def compare_place_methods(walks: Iterable[PlaceWalk]) -> Iterator[PlaceFigures]:
 
 @dataclass(frozen=True)
 class PlaceTotal:
-    """Figures of one method over all walks of a preset: counts are sums, and recalls are means over the walks."""
+    """Figures of one method over all walks of a preset: counts are sums; recalls are means over walks with revisits."""
 
     counts: tuple[Counts, ...]
     """Counts for N = 1, 3 and 5."""
@@ -108,5 +108,5 @@ def _total(found: Sequence[PlaceFigures]) -> PlaceTotal:
 
     counts = tuple(Counts(*(sum(of(f"{name}_{n}")) for name in ("tp", "fp", "possible"))) for n in REQUIRED)
     false = tuple(sum(of(name)) for name in FALSE_FIELDS)
-    recalls = tuple(float(np.mean(of(f"recall_at_{n}"))) for n in REQUIRED)
+    recalls = tuple(float(np.nanmean(of(f"recall_at_{n}"))) for n in REQUIRED)
     return PlaceTotal(counts, false, recalls, curve(found))

@@ -35,7 +35,7 @@ class MethodRow:
     """Panoptic quality of rooms."""
     rooms_std: float
     splits_and_merges: float
-    """Number of rooms that were split or merged, per house."""
+    """Number of surplus rooms by splitting and by merging, per house; see `lexis.evaluation.rooms.RoomScores`."""
 
 
 def compare_methods(preset: str, seeds: Sequence[int], openness: float | None = None) -> Iterator[MethodRow]:
