@@ -96,7 +96,8 @@ def gains(rows: Sequence[StageRow]) -> dict[str, StageGain]:
         values = np.array([_values(row) for row in mine])
         if name != UNCHANGED:
             values = values - [unchanged[row.preset, row.seed] for row in mine]
-        error = np.nanstd(values, axis=0) / np.sqrt(len(values) - 1) if len(values) > 1 else np.full(len(values[0]), np.nan)
+        known = np.isfinite(values).sum(axis=0)
+        error = np.where(known > 1, np.nanstd(values, axis=0) / np.sqrt(np.maximum(known - 1, 1)), np.nan)
         found[name] = StageGain(len(mine), Figures(*np.nanmean(values, axis=0).tolist()), Figures(*error.tolist()))
     return found
 

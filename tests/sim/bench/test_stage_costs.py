@@ -1,5 +1,7 @@
 """What stages cost: differences are paired by house, and the truth in place of a stage leaves nothing to lose."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -18,6 +20,13 @@ def test_differences_are_paired_by_house():
     assert found["truth"].error.labels == pytest.approx(0.1) and found["truth"].mean.ate_m == pytest.approx(0.0)
     assert found["no clutter"].mean.labels == 0.0 and np.isnan(found["no clutter"].error.labels)
     assert found[UNCHANGED].mean.labels == pytest.approx(0.7) and found[UNCHANGED].houses == 3
+
+
+def test_a_house_without_plans_does_not_count_in_their_error():
+    rows = [replace(row(seed, UNCHANGED, 0.5), plans=plans) for seed, plans in enumerate((0.4, 0.6, np.nan, np.nan))]
+    found = gains(rows)[UNCHANGED]
+    assert found.error.plans == pytest.approx(0.1) == gains(rows[:2])[UNCHANGED].error.plans
+    assert np.isnan(gains(rows[1:])[UNCHANGED].error.plans) and found.error.labels == 0.0
 
 
 def test_the_order_of_houses_does_not_matter():
