@@ -15,7 +15,8 @@ def measure_memory(seed: int) -> int:
     command = [sys.executable, "-m", "sim.bench.memory", str(seed)]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
-        raise SimError(f"a run to measure its memory failed: {done.stderr.strip().splitlines()[-1]}")
+        said = done.stderr.strip().splitlines() or [f"exit status {done.returncode}"]
+        raise SimError(f"a run to measure its memory failed: {said[-1]}")
     return int(done.stdout.split()[-1])
 
 

@@ -14,7 +14,7 @@ _Row = TypeVar("_Row")
 PICTURES = (".png", ".svg")
 """Endings of the names of pictures."""
 Curve = Sequence[tuple[float, float, float]]
-"""Points of a curve: x, y, and the standard deviation of y."""
+"""Points of a curve: x, y, and half the length of the error bar of y."""
 
 
 def grouped(rows: Iterable[_Row], *names: str) -> dict[tuple[Any, ...], list[_Row]]:
@@ -34,18 +34,18 @@ def write_rows(rows: Sequence[Any], path: Path) -> None:
         writer.writerows(records)
 
 
-def check_files(*paths: Path | None) -> None:
+def check_files(*paths: Path | None, valid: Sequence[str] = (".csv", *PICTURES)) -> None:
     """Check the files that a benchmark will write, before minutes of work; None stands for no file.
 
     Raises `SimError` for a file in a folder that does not exist, for a folder in place of a file, and for an ending that is
-    neither .csv nor that of a picture; also for a picture if matplotlib is not installed.
+    not in `valid`; also for a picture if matplotlib is not installed.
     """
     for path in paths:
         if path is None:
             continue
         check_folder(path)
-        if path.suffix not in (".csv", *PICTURES):
-            raise SimError(f"{path}: unknown ending; valid: .csv, {' or '.join(PICTURES)}")
+        if path.suffix not in valid:
+            raise SimError(f"{path}: unknown ending; valid: {', '.join(valid)}")
         if path.suffix in PICTURES:
             import_matplotlib()
 

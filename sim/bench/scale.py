@@ -27,7 +27,8 @@ class Portion:
     """Id of the first keyframe of the part."""
     last: int
     keyframe_ms: float
-    """Processor time of LEXIS per keyframe, features and percepts not included [ms]."""
+    """Processor time of LEXIS per keyframe [ms]. It includes the simulated verification of loops, but no images: neither
+    encoding nor feature extraction."""
     active: int
     """Number of keyframes at the end of the part that have not retired from the pose graph."""
     map_bytes: int

@@ -32,7 +32,13 @@ def run_all(arguments: argparse.Namespace) -> int:
     chosen = [each for each in listed if arguments.only in each.name]
     if not chosen:
         raise SimError(f"--only {arguments.only}: no benchmark; valid: part of {', '.join(each.name for each in listed)}")
-    arguments.out.mkdir(parents=True, exist_ok=True)
+    for file in arguments.pose_graphs:
+        if not file.is_file():
+            raise SimError(f"--pose-graphs: no file {file}; valid: g2o files")
+    try:
+        arguments.out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise SimError(f"--out {arguments.out}: {error.strerror}; valid: a folder that can be written") from None
     failed = 0
     columns = TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TextColumn("left:"), TimeRemainingColumn()
     console = Console(file=sys.stderr)

@@ -100,11 +100,17 @@ def tables(arguments: argparse.Namespace) -> Iterator[Table]:
 def _check(arguments: argparse.Namespace) -> None:
     """Check the arguments that are used only after minutes of work. Raises `SimError` or `EncoderError`."""
     from sim.bench.encoders.times import check_architecture
-    from sim.bench.row_files import check_files
+    from sim.bench.row_files import PICTURES, check_files
+    from sim.errors import SimError
+    from sim.training.houses import TEST_SEEDS
 
+    if arguments.seed + arguments.houses > len(TEST_SEEDS):
+        valid = f"at most {len(TEST_SEEDS)}, the number of test houses"
+        raise SimError(f"--seed {arguments.seed} with --houses {arguments.houses}: their sum is too large; valid: {valid}")
     for architecture in arguments.architectures:
         check_architecture(architecture)
-    check_files(arguments.csv, arguments.plot)
+    check_files(arguments.csv, valid=(".csv",))
+    check_files(arguments.plot, valid=PICTURES)
 
 
 def _of_preset(title: str, houses: Sequence["EncoderFigures"], worst: int | None) -> Iterator[Table]:

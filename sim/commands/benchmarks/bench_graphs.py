@@ -44,9 +44,10 @@ def _pose_graph(arguments: argparse.Namespace) -> Iterator[Table]:
 def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
     from lexis.config import PoseGraphConfig
     from sim.bench.kernels import draw_kernels, kernel_runs, mapped_houses, summarised
-    from sim.bench.row_files import check_files, write_rows
+    from sim.bench.row_files import PICTURES, check_files, write_rows
 
-    check_files(arguments.csv, arguments.plot)
+    check_files(arguments.csv, valid=(".csv",))
+    check_files(arguments.plot, valid=PICTURES)
     seeds = seeds_of(arguments)
     threshold = arguments.threshold or PoseGraphConfig.outlier_threshold
     houses = mapped_houses(arguments.preset, seeds)
@@ -100,7 +101,7 @@ def _rigs(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.rigs import measure_rigs, summary
     from sim.bench.row_files import check_files, write_rows
 
-    check_files(arguments.csv)
+    check_files(arguments.csv, valid=(".csv",))
     seeds, count = seeds_of(arguments), len(arguments.rigs) * arguments.houses
     settings = read_config(arguments.config) if arguments.config else None
     measured = measure_rigs(arguments.rigs, arguments.preset, seeds, arguments.fidelity, settings)
@@ -153,7 +154,7 @@ BENCHMARKS = (
         "lexis-sim bench scale --rooms 40 --length 10000",
         (
             argument("--rooms", type=positive, default=10, help="number of rooms of the home (default: %(default)s)"),
-            argument("--length", type=float, default=1000.0, help="length of the walk in metres (default: %(default)s)"),
+            argument("--length", type=number(1.0, 1e6), default=1000.0, help="metres of the walk (default: %(default)s)"),
             argument("--laps", type=positive, help="walk one circuit of 40 m this many times, whatever --length says"),
             argument("--portions", type=positive, default=10, help="largest number of rows (default: %(default)s)"),
             SEED,
@@ -167,8 +168,13 @@ BENCHMARKS = (
         (
             PRESET,
             HOUSES,
-            argument("--every", type=float, default=10.0, help="metres of walk between starts (default: %(default)s)"),
-            argument("--length", type=float, default=15.0, help="length of each session in metres (default: %(default)s)"),
+            argument("--every", type=number(0.1, 1e5), default=10.0, help="metres between starts (default: %(default)s)"),
+            argument(
+                "--length",
+                type=number(0.1, 1e5),
+                default=15.0,
+                help="metres of each session (default: %(default)s)",
+            ),
             SEED,
         ),
     ),

@@ -51,7 +51,8 @@ def seeds_of(arguments: argparse.Namespace) -> range:
 
 def tracked(items: Iterable[_Item], total: int, description: str) -> Iterator[_Item]:
     """Yield the items, with a progress bar on standard error until the last of them."""
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         yield from bar.track(items, total=total, description=description)
 
 

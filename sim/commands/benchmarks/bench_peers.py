@@ -63,7 +63,7 @@ def _table2(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.peers.labels import PAPER_ACCURACY, compare_labels, means
     from sim.bench.row_files import check_files, write_rows
 
-    check_files(arguments.csv)
+    check_files(arguments.csv, valid=(".csv",))
     seeds, presets = seeds_of(arguments), arguments.presets
     walks = compare_labels(presets, seeds, arguments.fidelity)
     rows = [row for walk in tracked(walks, len(presets) * len(seeds), "walks") for row in walk]
@@ -89,7 +89,7 @@ def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.peers.trajectories import PAPER_ATE_M, compare_trajectories, means
     from sim.bench.row_files import check_files, write_rows
 
-    check_files(arguments.csv)
+    check_files(arguments.csv, valid=(".csv",))
     seeds, presets = seeds_of(arguments), arguments.presets
     rows = list(compare_trajectories(presets, seeds, arguments.fidelity))
     title = f"seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: ATE in m (share of the odometry's)"

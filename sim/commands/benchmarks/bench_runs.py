@@ -129,7 +129,7 @@ def _stages(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.row_files import check_files, write_rows
     from sim.bench.stage_costs import UNCHANGED, gains, measure_stages
 
-    check_files(arguments.csv)
+    check_files(arguments.csv, valid=(".csv",))
     seeds, presets = seeds_of(arguments), arguments.presets
     measured = tracked(measure_stages(presets, seeds), len(presets) * len(seeds), "houses")
     rows = [row for house in measured for row in house]
@@ -163,9 +163,10 @@ def _planning(arguments: argparse.Namespace) -> Iterator[Table]:
     for driver in drivers:
         mine = [row for row in rows if row.driver == driver and row.queries]
         queries = sum(row.queries for row in mine)
-        means = (sum(getattr(row, name) * row.queries for row in mine) / max(queries, 1) for name in ("success", "spl"))
+        totals = (sum(getattr(row, name) * row.queries for row in mine) for name in ("success", "spl"))
+        means = (shown(total / queries if queries else None, "{:.3f}") for total in totals)
         sums = str(sum(row.touched for row in mine)), f"{sum(row.seconds for row in mine):.1f}"
-        table.add_row("all", driver, str(queries), *(f"{mean:.3f}" for mean in means), *sums)
+        table.add_row("all", driver, str(queries), *means, *sums)
     yield table
 
 

@@ -13,7 +13,7 @@ from lexis.types import Features, Keyframe, Landmarks, LoopArrays, LoopEdge
 from sim.bench import kernels as module
 from sim.bench.injected_loops import GROUP, KINDS, injected
 from sim.bench.kernels import KERNELS, KernelRow, MappedHouse, draw_kernels, kernel_runs, mapped_houses, summarised
-from sim.bench.row_files import check_files, write_rows
+from sim.bench.row_files import PICTURES, check_files, write_rows
 from sim.errors import SimError
 from sim.harness import Scenario
 from sim.harness.adapters import Lexis
@@ -128,3 +128,6 @@ def test_rows_become_a_csv_file_and_pictures(runs, tmp_path):
     for name in ("a.pdf", "nowhere/a.png", "nowhere/a.csv", "."):
         with pytest.raises(SimError, match="valid"):
             check_files(tmp_path / name)
+    for name, valid in (("a.csv", PICTURES), ("a.png", (".csv",))):
+        with pytest.raises(SimError, match=f"unknown ending; valid: {', '.join(valid)}"):
+            check_files(tmp_path / name, valid=valid)

@@ -91,6 +91,26 @@ def test_what_is_to_be_read_and_is_not_there_costs_one_line(parser, tmp_path, mo
 
 
 @pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        (["sessions", "--every", "0"], "--every: '0'; valid: a number from 0.1 to 100000"),
+        (["scale", "--length", "-1"], "--length: '-1'; valid: a number from 1 to 1e+06"),
+        (["encoders", "--seed", "900000"], "--seed 900000 with --houses 5: their sum is too large; valid: at most "),
+        (["kernels", "--plot", "kernels.csv"], "kernels.csv: unknown ending; valid: .png, .svg"),
+        (["all", "-o", "tables", "--pose-graphs", "missing.g2o"], "--pose-graphs: no file missing.g2o; valid: g2o files"),
+        (
+            ["all", "-o", "/proc/tables"],
+            "--out /proc/tables: No such file or directory; valid: a folder",
+        ),
+    ],
+)
+def test_a_benchmark_refuses_bad_values_before_it_begins(command, said, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["lexis-sim", "bench", *command]) == 2
+    assert said in capsys.readouterr().err and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
     ("benchmark", "option"),
     [
         ("speed", ["--encoder", "mini"]),
