@@ -79,7 +79,6 @@ _LIST = (
     ("places", "places --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 60),
     ("kernels", "kernels --houses {houses} --seed 500 --csv {out}/kernels.csv --plot {out}/kernels.png", 20),
     ("sessions", "sessions --houses {houses} --seed 500", 25),
-    ("rigs", "rigs --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/rigs.csv", 15),
     ("planning", "planning --houses {houses} --fidelity {fidelity} --drivers {drivers} --seed 500", 45),
     ("certainty", "certainty --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 20),
     ("queries", "queries --houses {houses} --seed 500", 85),
@@ -92,6 +91,7 @@ _OF_PRESETS = (
 )
 """The same for benchmarks of a single preset, which run once for each of `_PRESETS`."""
 _TIMINGS = (
+    ("rigs", "rigs --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/rigs.csv", 15),
     ("table1", "encoders --presets {encoders} --encoders mini --houses {houses} --seed 500", 65),
     ("stages", "stages --presets {presets} --houses {houses} --seed 500 --csv {out}/stages.csv", 130),
     ("scale", "scale --rooms {rooms} --length {length} --seed 300", 15),

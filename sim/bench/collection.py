@@ -7,6 +7,7 @@ so already is not run again, so that an interrupted collection can be continued.
 import hashlib
 import json
 import os
+import shlex
 import subprocess
 import sys
 import time
@@ -49,14 +50,11 @@ def collect(benchmarks: Iterable[Benchmark], out: Path, workers: int) -> Iterato
         out: an existing folder, in which each benchmark gets a file.
         workers: number of benchmarks that run at the same time, each with one thread.
     """
-    heading = source()
     chosen = tuple(benchmarks)
     for timing, together in ((False, workers), (True, 1)):
         pool = ThreadPoolExecutor(together)
         try:
-            begun: list[Future[Outcome]] = [
-                pool.submit(_run, each, out, heading) for each in chosen if each.is_timing is timing
-            ]
+            begun: list[Future[Outcome]] = [pool.submit(_run, each, out) for each in chosen if each.is_timing is timing]
             for ended in as_completed(begun):
                 yield ended.result()
         finally:
@@ -87,9 +85,9 @@ def _git(*arguments: str) -> str | None:
         return None
 
 
-def _run(benchmark: Benchmark, out: Path, heading: str) -> Outcome:
-    """Run a benchmark and write its file, unless the file is there."""
-    beginning = f"lexis-sim bench {' '.join(benchmark.arguments)}\n{heading}\n"
+def _run(benchmark: Benchmark, out: Path) -> Outcome:
+    """Run a benchmark and write its file, unless the file is there. The file states the commit at which the run began."""
+    beginning = f"lexis-sim bench {shlex.join(benchmark.arguments)}\n{source()}\n"
     file = out / f"{benchmark.name}.txt"
     if file.is_file() and file.read_text(encoding="utf-8").startswith(beginning):
         return Outcome(benchmark, None)
