@@ -11,6 +11,7 @@ from types import MappingProxyType
 import numpy as np
 from jaxtyping import Bool, Float64, Int
 
+from lexis.floors import NO_FLOOR
 from lexis.maths.paths import arc_length
 from lexis.maths.se3 import between
 from lexis.types import Camera, Observation
@@ -67,7 +68,8 @@ def planted(bug: Bug) -> Runner:
 
 def no_bug(run: Run) -> Estimate:
     """Claim true poses, labels, rooms and floors."""
-    return replace(run.estimate, T_W_B=run.true_poses, labels=run.true_labels, rooms=run.true_rooms, floors=run.true_storeys)
+    floors = np.where(run.on_stairs, NO_FLOOR, run.true_storeys)
+    return replace(run.estimate, T_W_B=run.true_poses, labels=run.true_labels, rooms=run.true_rooms, floors=floors)
 
 
 def small_errors(run: Run) -> Estimate:

@@ -113,8 +113,9 @@ class Scenario(Settings, place="scenario", error=SimError):
             beside.write_text(json.dumps(self.data(), indent=1) + "\n")
 
     @staticmethod
-    def load(path: Path) -> "Scenario":
+    def load(path: Path | str) -> "Scenario":
         """Read a scenario from a JSON file. Raises `SimError` or `worlds.WorldsError` that says what is wrong and where."""
+        path = Path(path)
         try:
             return scenario_of(read_json(path, _FILE))
         except SimError as error:

@@ -24,8 +24,9 @@ if TYPE_CHECKING:
     from sim.harness.scenario import Scenario
 
 
-_FIGURE = re.compile(r"\b((?:labels|rooms|floors|loops|trajectory)\.\w+)")
-"""The dotted name of a figure in a statement, whatever name the result has in the test."""
+_FIGURE = re.compile(r"\b((?:labels|rooms|floors|loops|trajectory|coverage|planning)\.\w+|place_recognition\b)")
+"""The dotted name of a figure in a statement, whatever name the result has in the test. A figure of place recognition has a
+key, so that only the name before it is found."""
 
 
 @dataclass(frozen=True, eq=False)

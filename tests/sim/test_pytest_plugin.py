@@ -21,6 +21,7 @@ import sim.pytest_plugin.protocol
 from sim.harness import Scenario
 from sim.harness.world_tests import FreshWorld
 from sim.pytest_plugin.collection import with_world
+from sim.pytest_plugin.execution import Reason
 from worlds.errors import WorldsError
 from worlds.presets import sample_from_rooms
 from worlds.spec import HouseSpec
@@ -722,3 +723,17 @@ def test_the_entry_point_loads_the_plugin_and_no_lexis_switches_it_off(pytester,
     result = start("-p", "no:lexis", plugin=())
     result.assert_outcomes(passed=1)
     result.stdout.no_fnmatch_line("*lexis-seed*")
+
+
+@pytest.mark.parametrize(
+    ("statement", "figure"),
+    [
+        ("assert run.floors.accuracy > 0.9", "floors.accuracy"),
+        ("assert result.coverage.path_covered > 0.9", "coverage.path_covered"),
+        ("assert run.planning.success == 1.0", "planning.success"),
+        ('assert run.place_recognition["1"].tp > 9', "place_recognition"),
+        ("assert len(rooms) == 3", None),
+    ],
+)
+def test_a_figure_is_found_in_the_failing_statement(statement, figure):
+    assert Reason("", "", 0, "", statement, "", AssertionError()).figure == figure

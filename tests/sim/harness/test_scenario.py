@@ -57,7 +57,7 @@ def test_json_and_back(scenario):
 
 def test_every_field_survives_a_file(tmp_path):
     FULL.save(tmp_path / "scenario.json")
-    assert Scenario.load(tmp_path / "scenario.json") == FULL
+    assert Scenario.load(tmp_path / "scenario.json") == Scenario.load(str(tmp_path / "scenario.json")) == FULL
 
 
 def test_what_is_left_out_keeps_its_default():
