@@ -40,6 +40,7 @@ _PARAMETERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"start": ("camera", "room_names"), "process": ("observation",), "finish": ()}
 )
 """The methods of a `SlamUnderTest`, with the names of the arguments that the harness gives to them by position."""
+_NO_ARGUMENTS = "a class or function without arguments, such as functools.partial(MySlam, argument)"
 
 
 def check_slam_methods(slam: object) -> None:
@@ -67,10 +68,20 @@ def check_slam_methods(slam: object) -> None:
             raise SimError(f"SLAM under test: {name} has {takes}: {error}; valid: {valid}") from None
 
 
-def check_slam_factory(place: str, new_slam: object) -> None:
-    """Raise SimError unless `new_slam` can be called to make a SLAM; `place` names the argument."""
+def check_slam_factory(place: str, new_slam: object, valid: str = _NO_ARGUMENTS) -> None:
+    """Raise SimError unless `new_slam`, which shall make a SLAM, can be called without arguments. A `Program` cannot.
+
+    `place` names the argument in the message. If `new_slam` takes arguments, the message ends with `valid`.
+    """
     if not callable(new_slam):
         raise SimError(f"{place} is {kind_of(new_slam)}; valid: the class of a SLAM, or a function that makes a SLAM")
+    try:
+        inspect.signature(new_slam).bind()
+    except TypeError as error:
+        takes = f"{kind_of(new_slam)}, which cannot be called without arguments: {error}"
+        raise SimError(f"{place} is {takes}; valid: {valid}") from None
+    except ValueError:  # a callable that is written in C states no signature
+        pass
 
 
 @runtime_checkable

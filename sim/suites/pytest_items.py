@@ -18,6 +18,7 @@ from sim.errors import SimError
 from sim.harness.last_run import LastRun, watched
 from sim.harness.slam_under_test import check_slam_factory
 from sim.harness.wording import kind_of
+from sim.programs.command import Program
 from sim.suites.catalogue import suite_named
 from sim.suites.checks import NewSlam
 from sim.suites.examination import COMPLETES
@@ -79,7 +80,8 @@ def slam_checks(
     """
     import pytest
 
-    check_slam_factory("slam_checks: new_slam", new_slam)
+    if not isinstance(new_slam, Program):
+        check_slam_factory("slam_checks: new_slam", new_slam)
     if not isinstance(expected_failures, Mapping):
         raise SimError(
             f"slam_checks: expected_failures is {kind_of(expected_failures)}; valid: a mapping of 'part: check' to a reason"

@@ -7,8 +7,10 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby, islice
+from numbers import Real
 from typing import Any, Literal
 
+from sim.errors import SimError
 from sim.harness.results import RunResult
 from sim.harness.runner import Progress
 from sim.harness.slam_under_test import check_slam_factory
@@ -263,6 +265,8 @@ def check_slam(
 ) -> SuiteReport:
     """Check a SLAM by a suite.
 
+    In a scenario in which an exception is raised while the SLAM is made or runs, the check "the run completes" fails.
+
     Args:
         new_slam: makes a SLAM that has not run yet, such as a class that takes no arguments; or a `Program`, for which all
             scenarios are rendered.
@@ -275,10 +279,13 @@ def check_slam(
             end leaves out scenarios of all parts.
 
     Raises:
-        SimError: the suite is unknown, the seed is negative, `workers` is less than 1, the SLAM cannot be made or sent to
-            other processes, a process died, or no scenario of a part can be drawn.
+        SimError: the suite is unknown, the seed is negative, `workers` is less than 1, `budget_s` is no number, `new_slam`
+            cannot be called without arguments, makes no SLAM or cannot be sent to other processes, a process died, or no
+            scenario of a part can be drawn.
     """
-    check_slam_factory("check_slam: new_slam", new_slam)
+    if not isinstance(new_slam, Program):
+        check_slam_factory("check_slam: new_slam", new_slam)
+    _check_budget(budget_s)
     chosen, end = runnable(suite_named(suite), new_slam), time.monotonic() + budget_s
     jobs = jobs_of(chosen, seed)
     report = SuiteReport(chosen, seed, ())
@@ -298,6 +305,12 @@ def runnable(suite: Suite, new_slam: NewSlam) -> Suite:
     Programs cannot read percepts (embeddings of views, which replace images). For any other SLAM, the suite does not change.
     """
     return suite.with_images() if isinstance(new_slam, Program) else suite
+
+
+def _check_budget(budget_s: object) -> None:
+    """Raise SimError unless the budget is a number, which may be infinite."""
+    if not isinstance(budget_s, Real) or math.isnan(budget_s):
+        raise SimError(f"check_slam: budget_s is {budget_s!r:.60}; valid: a number of seconds, such as 720")
 
 
 def _check_data(each: CheckVerdict) -> Mapping[str, Any]:

@@ -12,7 +12,6 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from inspect import signature
 from itertools import count
 from types import MappingProxyType
 from typing import Literal, NamedTuple
@@ -28,7 +27,7 @@ from sim.harness.figures import check
 from sim.harness.results import RunResult
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import SlamUnderTest, check_slam_factory
-from sim.harness.wording import counted, kind_of
+from sim.harness.wording import counted
 from sim.verdicts.items import items
 
 Change = Literal["worse", "better", "not shown to differ"]
@@ -232,8 +231,9 @@ def compare(
     Raises:
         SimError: an argument is not valid, or a scenario cannot be run.
     """
+    valid = "a class or function without arguments; results of programs are compared by `compare_results`"
     for name, new_slam in (("a", a), ("b", b)):
-        _check_takes_nothing(f"compare: {name}", new_slam)
+        check_slam_factory(f"compare: {name}", new_slam, valid)
     wanted = _checked(claims, figures, confidence)
     chosen = items("compare: scenarios", Scenario, scenarios)
     pairs = [(check(scenario, a()), check(scenario, b())) for scenario in chosen]
@@ -284,19 +284,6 @@ def compare_results(
         (_completed_change(a, b), *(_claim_change(claim, houses) for claim in wanted)),
         confidence,
     )
-
-
-def _check_takes_nothing(place: str, new_slam: object) -> None:
-    """Raise SimError unless `new_slam` makes a SLAM when it is called without arguments. A `Program` does not."""
-    check_slam_factory(place, new_slam)
-    try:
-        signature(new_slam).bind()  # type: ignore[arg-type]  # it is callable
-    except TypeError as error:
-        valid = "a class or function without arguments; results of programs are compared by `compare_results`"
-        takes = f"{kind_of(new_slam)}, which cannot be called without arguments: {error}"
-        raise SimError(f"{place} is {takes}; valid: {valid}") from None
-    except ValueError:  # a callable that is written in C states no signature
-        pass
 
 
 def _checked(claims: object, figures: object, confidence: object) -> list[Claim]:

@@ -2,6 +2,7 @@
 
 import json
 import re
+from functools import partial
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from sim.harness.failures.first_wrong import first_wrong
 from sim.harness.figures import evaluate
 from sim.harness.report_data import report_data
 from sim.harness.results import FloorFigures, LabelFigures, LoopFigures, RoomFigures
+from sim.harness.slam_under_test import check_slam_factory
 from sim.report.findings import findings
 from worlds.presets import sample_from_rooms
 
@@ -255,6 +257,27 @@ def test_the_arguments_of_start_are_named():
     message = "Slam has def start(self, camera): too many positional arguments; valid: def start(self, camera, room_names)"
     with pytest.raises(SimError, match=re.escape(message)):
         run(SCENARIO, Slam())
+
+
+@pytest.mark.parametrize(
+    ("new_slam", "what"),
+    [
+        (Recorder(), "an instance of Recorder; valid: the class of a SLAM, or a function that makes a SLAM"),
+        (
+            lambda name: Recorder(),
+            "an instance of function, which cannot be called without arguments: missing a required argument: 'name'; "
+            "valid: a class or function without arguments, such as functools.partial(MySlam, argument)",
+        ),
+    ],
+)
+def test_what_makes_no_slam_without_arguments_is_refused(new_slam, what):
+    with pytest.raises(SimError, match=f"^test: slam is {re.escape(what)}$"):
+        check_slam_factory("test: slam", new_slam)
+
+
+@pytest.mark.parametrize("new_slam", [Recorder, lambda *names: Recorder(), partial(Recorder, labels=None), type])
+def test_what_can_be_called_without_arguments_may_make_a_slam(new_slam):
+    check_slam_factory("test: slam", new_slam)
 
 
 def test_methods_may_name_their_arguments_otherwise_and_have_more_with_defaults():

@@ -8,6 +8,7 @@ import runpy
 import subprocess
 import sys
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -126,6 +127,13 @@ class BrokenNow(OdometryOnly):
         raise RuntimeError("not today")
 
 
+class Named(OdometryOnly):
+    """Takes an argument when it is made."""
+
+    def __init__(self, name):
+        self.name = name
+
+
 class Quits(OdometryOnly):
     """Ends the process at the first observation."""
 
@@ -170,6 +178,10 @@ def test_what_makes_no_slam_is_refused(slam, message):
         (check_slam, (OdometryOnly, OdometryOnly), "suite is the class OdometryOnly; valid: a Suite, or the name"),
         (check_slam, (OdometryOnly, FLAT, "7"), "suite: seed is '7'; valid: a whole number from 0"),
         (check_slam, (OdometryOnly, FLAT, 7, "2"), "suite: workers is '2'; valid: a whole number from 1"),
+        (check_slam, (OdometryOnly, FLAT, 7, 1, False, None, "12m"), "budget_s is '12m'; valid: a number of seconds, such"),
+        (check_slam, (OdometryOnly, FLAT, 7, 1, False, None, np.nan), "budget_s is nan; valid: a number of seconds, such"),
+        (check_slam, (Named, FLAT), "check_slam: new_slam is the class Named, which cannot be called without arguments: "),
+        (slam_checks, (Named, FLAT), "slam_checks: new_slam is the class Named, which cannot be called without arguments: "),
         (slam_checks, ("stairs", OdometryOnly), "slam_checks: new_slam is an instance of str; valid: the class"),
         (slam_checks, (OdometryOnly, FLAT, ["flat: origin"]), "expected_failures is an instance of list; valid: a mapping"),
         (Suite.with_size, (FLAT, "small"), "suite flat: the share is 'small'; valid: a positive number"),
@@ -181,6 +193,10 @@ def test_what_makes_no_slam_is_refused(slam, message):
 def test_arguments_of_the_wrong_kind_or_in_the_wrong_order_are_named(function, arguments, message):
     with pytest.raises(SimError, match=message):
         untyped(function)(*arguments)
+
+
+def test_a_slam_that_takes_arguments_is_checked_with_all_of_them_given():
+    assert check_slam(partial(Named, "mine"), FLAT).ok
 
 
 def verdict_on(*held, rate=0.9, group=1, n=20):

@@ -148,7 +148,8 @@ def test_results_that_cannot_be_paired_are_refused():
         ((OdometryOnly, OdometryOnly(), [OPEN_FLAT]), "b is an instance of OdometryOnly; valid: the class of a SLAM"),
         (
             (OdometryOnly, Program("slam {dataset} {out}"), [OPEN_FLAT]),
-            "b is an instance of Program, which cannot be called without arguments: missing a required argument: 'scenario'",
+            "b is an instance of Program, which cannot be called without arguments: missing a required argument: 'scenario'"
+            "; valid: a class or function without arguments; results of programs are compared by `compare_results`",
         ),
         ((OdometryOnly, OdometryOnly, OPEN_FLAT), "scenarios is an instance of Scenario; valid: several values"),
         ((OdometryOnly, OdometryOnly, [3]), r"scenarios\[0\] is an instance of int; valid: an instance of Scenario"),
