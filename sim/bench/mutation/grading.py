@@ -23,6 +23,7 @@ from sim.errors import SimError
 from sim.harness.wording import counted
 from sim.processes import ONE_THREAD
 from sim.suites.examination import COMPLETES, DIED
+from sim.suites.suite_means import name_of_mean
 from sim.verdicts import load_results
 
 COMPARED = "worse than before"
@@ -239,7 +240,7 @@ def _graded(start: tuple[str, str, int], data: Mapping[str, Any], shown: str, se
     scenarios = len(data["results"]) + sum(len(check["failures"]) for check in data["checks"] if check["check"] == COMPLETES)
     means = [mean["claim"] for mean in data["means"] if mean["outcome"] == "fails"]
     if means and not failed:
-        return Grade(*start, f"all parts: mean {means[0]}", scenarios, seconds, ", ".join(means))
+        return Grade(*start, name_of_mean(means[0]), scenarios, seconds, ", ".join(means))
     if not failed:
         worse = data["worse"]
         return Grade(*start, f"{COMPARED}: {worse[0]}" if worse else None, scenarios, seconds, ", ".join(worse))
