@@ -24,7 +24,7 @@ from worlds.variant import in_light, variant
 
 SMALL_M = 0.5
 """Largest side length of a piece of furniture that counts as clutter [m]."""
-Verdict = Literal["mends", "does not mend", "changes nothing", "cannot be told"]
+Effect = Literal["mends", "does not mend", "changes nothing", "cannot be told"]
 _NEEDLESS: Mapping[str, str] = MappingProxyType(
     {
         "perfect odometry": "drift",
@@ -53,11 +53,11 @@ class BlameRow:
     """The effect of one substitution on a failure."""
 
     substitution: str
-    verdict: Verdict
+    effect: Effect
     value: float | None = None
     """Value of the claim's figure in the run with the substitution; None without a claim or without such a run."""
     detail: str = ""
-    """Reason for the verdict "cannot be told"; else empty."""
+    """Reason why the effect cannot be told; else empty."""
 
 
 @dataclass(frozen=True)
@@ -66,9 +66,9 @@ class BlameTable:
 
     rows: tuple[BlameRow, ...]
 
-    def named(self, verdict: Verdict) -> tuple[str, ...]:
-        """Return the names of the substitutions with the given verdict."""
-        return tuple(row.substitution for row in self.rows if row.verdict == verdict)
+    def named(self, effect: Effect) -> tuple[str, ...]:
+        """Return the names of the substitutions with the given effect."""
+        return tuple(row.substitution for row in self.rows if row.effect == effect)
 
     def __str__(self) -> str:
         """Summarise the table, as in "mended by: oracle encoder. Not mended by: perfect odometry."."""

@@ -19,7 +19,7 @@ from sim.suites.catalogue import suite_named
 from sim.suites.checks import Check, ClaimCheck, NewSlam
 from sim.suites.examination import COMPLETES, Examination, examinations, jobs_of
 from sim.suites.suite import Suite, SuitePart
-from sim.suites.suite_means import SuiteMean
+from sim.suites.suite_means import ALL_PARTS, SuiteMean
 from sim.verdicts.rate import RateVerdict
 
 CONFIDENCE = 0.99
@@ -27,8 +27,6 @@ CONFIDENCE = 0.99
 SEED = 7
 """Default seed of the scenarios of a suite; `lexis-sim check --suite` uses the same."""
 SuiteOutcome = Literal["holds", "fails", "undecided", "not claimed", "not examined"]
-ALL_PARTS = "all parts"
-"""Stands for the name of a part in a verdict about the scenarios of several parts."""
 _EXAMPLES = 3
 """Number of houses with failing scenarios that the text of a report names for each check."""
 

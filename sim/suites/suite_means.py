@@ -14,6 +14,14 @@ from sim.suites.suite import Suite
 from sim.verdicts.mean import MeanVerdict
 from sim.verdicts.rate import RateOutcome
 
+ALL_PARTS = "all parts"
+"""Stands for the name of a part in a verdict about the scenarios of several parts."""
+
+
+def name_of_mean(claim: Claim | str) -> str:
+    """Return the name of a claim about a mean in reports, such as "all parts: mean rooms.pq >= 0.7"."""
+    return f"{ALL_PARTS}: mean {claim}"
+
 
 @dataclass(frozen=True, eq=False)
 class SuiteMean:
@@ -28,7 +36,7 @@ class SuiteMean:
     @property
     def name(self) -> str:
         """The claim, as reports name it."""
-        return f"all parts: mean {self.claim}"
+        return name_of_mean(self.claim)
 
     @property
     def is_complete(self) -> bool:

@@ -214,21 +214,21 @@ def _mends(blamed: BlameTable, figure: str) -> Iterator[str]:
     yield "## What mends it"
     yield ""
     yield f"{str(blamed)[0].upper()}{str(blamed)[1:]}"
-    if not any(row.verdict in _VERDICTS for row in blamed.rows):
+    if not any(row.effect in _EFFECTS for row in blamed.rows):
         return
     yield ""
     yield f"| the same scenario with | the failure is |{f' {figure} |' * bool(figure)}"
     yield "|---|---|" + "---|" * bool(figure)
     for row in blamed.rows:
-        if row.verdict in _VERDICTS:
-            said = _VERDICTS[row.verdict] + (f": {row.detail}" if row.detail else "")
+        if row.effect in _EFFECTS:
+            said = _EFFECTS[row.effect] + (f": {row.detail}" if row.detail else "")
             yield f"| {row.substitution} | {said} |{f' {_number(row.value)} |' * bool(figure)}"
     if blamed.not_needed:
         yield ""
         yield f"The failure needs {blamed.not_needed}."
 
 
-_VERDICTS = {"mends": "**gone**", "does not mend": "still there", "cannot be told": "unknown"}
+_EFFECTS = {"mends": "**gone**", "does not mend": "still there", "cannot be told": "unknown"}
 
 
 def _needs(reduction: Reduction) -> Iterator[str]:

@@ -55,7 +55,7 @@ def blamed(claim, **stages):
     settings = {"encoder": "oracle"} | stages
     test = FailureTest(Claim.parse(claim), lambda scenario, progress: run(scenario, Lexis(**settings), progress))
     assert test(SCENARIO) is not None
-    return {row.substitution: row.verdict for row in blame(SCENARIO, test, is_lexis=True).rows}
+    return {row.substitution: row.effect for row in blame(SCENARIO, test, is_lexis=True).rows}
 
 
 def test_an_encoder_that_swaps_two_labels():
@@ -81,7 +81,7 @@ def test_labels_that_are_lost_before_clustering():
 
 
 @pytest.mark.parametrize(
-    ("verdicts", "summary"),
+    ("effects", "summary"),
     [
         (["mends", "does not mend", "cannot be told"], "mended by: a. Not mended by: b."),
         (["does not mend", "changes nothing"], "mended by: nothing. Not mended by: a."),
@@ -90,8 +90,8 @@ def test_labels_that_are_lost_before_clustering():
         ([], "no change was tried."),
     ],
 )
-def test_the_summary_says_no_more_than_the_table(verdicts, summary):
-    assert str(BlameTable(tuple(map(BlameRow, "abc", verdicts)))) == summary
+def test_the_summary_says_no_more_than_the_table(effects, summary):
+    assert str(BlameTable(tuple(map(BlameRow, "abc", effects)))) == summary
 
 
 def test_what_the_scenario_lacks_is_named_as_what_the_failure_does_not_need():
