@@ -23,9 +23,9 @@ GRAPH_MUTANTS = (
     ),
     Mutant(
         "the last loops are not used, because the final optimisation is forgotten",
-        "graph/pose_graph.py",
-        "if now.loops == last.loops or not (waited or final):",
-        "if now.loops == last.loops or not waited:",
+        "slam.py",
+        "        self._optimise(final=True)\n        return self._map()",
+        "        return self._map()",
     ),
     Mutant(
         "the newest keyframe of the map has the pose of the odometry",

@@ -40,10 +40,12 @@ ROOM_MUTANTS = (
         "small = (size < 10 * min_keyframes)[rooms]",
     ),
     Mutant(
-        "the keyframes of an absorbed room keep their labels",
+        "the keyframes of absorbed and merged rooms keep their labels",
         "sight/room_clusters.py",
-        "rooms[members], labels[members] = into, labels[rooms == into][0]",
-        "rooms[members] = into",
+        "    rooms, labels = _absorbed(rooms, labels, floors, sees, config.min_keyframes)\n"
+        "    return merge_alike(rooms, labels, floors, probabilities, tied, config)",
+        "    rooms, absorbed = _absorbed(rooms, labels, floors, sees, config.min_keyframes)\n"
+        "    return merge_alike(rooms, absorbed, floors, probabilities, tied, config)[0], labels",
     ),
     Mutant(
         "a cut through a room is not multiplied by the length of the room",
@@ -86,12 +88,6 @@ ROOM_MUTANTS = (
         "sight/alike_rooms.py",
         "label[kept] = max(",
         "label[kept] = min(",
-    ),
-    Mutant(
-        "the keyframes of merged rooms keep their labels",
-        "sight/alike_rooms.py",
-        "return room, label[room]",
-        "return room, labels",
     ),
     Mutant(
         "the sight of a merged room is that of one of its parts",
