@@ -2,7 +2,8 @@
 
 A mutant is a small change of the text of one module of LEXIS. The mutants of each stage have a module of their own:
 `keyframe_mutants`, `graph_mutants`, `place_mutants`, `image_mutants`, `label_mutants` and `room_mutants`. `mutants` lists
-them all. `planting` makes a copy of LEXIS with one mutant in it, and `grading` lets the suite check this copy as a black box.
+them all. `planting` makes a copy of LEXIS with one mutant in it, and `grading` lets the suite check the copy as a black
+box.
 """
 
 import lazy_loader
