@@ -62,7 +62,7 @@ def _shrink(arguments: argparse.Namespace) -> int:
     blamed = blame(reduction.scenario, test, is_lexis(arguments))
     write_failure(arguments.out, reduction, test, blamed, replay_of(arguments))
     old, new = reduction.sizes
-    print(f"rooms {old.rooms} -> {new.rooms}, walk {old.length_m:g} -> {new.length_m:g} m. {reduction.note}")
+    print(f"{old} -> {new}. {reduction.note}")
     print(str(blamed))
     print(f"why: {arguments.out / 'why.md'}")
     return 0

@@ -13,6 +13,7 @@ from sim.harness import house_reductions as house_steps
 from sim.harness.parts import house_spec, in_house
 from sim.harness.scenario import NEEDS_PIXELS, Scenario
 from sim.harness.walk import shortest_walk_m
+from sim.harness.wording import counted
 from sim.render.rig import RIGS, RigConfig
 from worlds.errors import WorldsError
 from worlds.labels import ROOM_LABELS
@@ -58,6 +59,10 @@ class ScenarioSize(NamedTuple):
     frame_rate_hz: float
     rig: tuple[int, int, int]
     """Index of the rig in `RIGS`, 1 if the rig is displaced on the body (else 0), and number of pixels of an image."""
+
+    def __str__(self) -> str:
+        walk = f"{self.length_m:g} m" if math.isfinite(self.length_m) else "whole tour"
+        return f"{counted(self.rooms, 'room')}, {walk}"
 
 
 def size(scenario: Scenario) -> ScenarioSize:

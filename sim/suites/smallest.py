@@ -105,7 +105,7 @@ def _written(verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: R
             (beside / "test_replay.py").write_text(_REPLAY.format(**names, imports=imports, new_slam=replay.new_slam))
         found = f"replay: pytest {folder / 'test_replay.py'}"
     old, new = reduction.sizes
-    return f"{verdict.name}: rooms {old.rooms} -> {new.rooms}, walk {old.length_m:g} -> {new.length_m:g} m\n  {found}"
+    return f"{verdict.name}: {old} -> {new}\n  {found}"
 
 
 def _signature(check: Check | None, found: CheckFinding) -> Signature | None:
@@ -121,9 +121,8 @@ def _why(verdict: CheckVerdict, measured: str, reduction: Reduction) -> str:
     lines = (
         f"# {verdict.name}",
         verdict.says,
-        f"In the smallest scenario ({new.rooms} rooms, a walk of {new.length_m:g} m): {measured}",
-        f"In the original scenario ({old.rooms} rooms, {old.length_m:g} m): "
-        f"{verdict.failures[0].findings[verdict.check].measured}",
+        f"In the smallest scenario ({new}): {measured}",
+        f"In the original scenario ({old}): {verdict.failures[0].findings[verdict.check].measured}",
         "`pytest test_replay.py` in this folder checks the law again.",
     )
     return "\n\n".join(lines) + "\n"

@@ -20,7 +20,6 @@ from typing import Any
 from lexis.errors import one_line
 from sim.bench.mutation.planting import Mutant, planted
 from sim.errors import SimError
-from sim.harness.wording import counted
 from sim.processes import ONE_THREAD
 from sim.suites.examination import COMPLETES, DIED
 from sim.suites.suite_means import name_of_mean
@@ -246,9 +245,9 @@ def _graded(start: tuple[str, str, int], data: Mapping[str, Any], shown: str, se
         return Grade(*start, f"{COMPARED}: {worse[0]}" if worse else None, scenarios, seconds, ", ".join(worse))
     name, *also = (f"{check['part']}: {check['check']}" for check in failed)
     measured = failed[0]["failures"][0]["measured"]
-    found = re.search(rf"^{re.escape(name)}: rooms \d+ -> (\d+), walk \S+ -> (\S+) m\n *(.*)$", shown, re.MULTILINE)
+    found = re.search(rf"^{re.escape(name)}: .* -> (.*)\n *(.*)$", shown, re.MULTILINE)
     caught = Grade(*start, name, scenarios, seconds, measured, also=tuple(also))
     if found is None:
         return caught
-    blamed = "" if found[3].startswith("replay:") else found[3]  # the smallest scenario of a law can only be replayed
-    return replace(caught, smallest=f"{counted(int(found[1]), 'room')}, {found[2]} m", blamed=blamed)
+    blamed = "" if found[2].startswith("replay:") else found[2]  # the smallest scenario of a law can only be replayed
+    return replace(caught, smallest=found[1], blamed=blamed)

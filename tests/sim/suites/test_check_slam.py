@@ -741,7 +741,7 @@ def test_the_command_keeps_the_smallest_failing_scenario(tmp_path, capsys, monke
         and "The claims do not depend on the origin." in shown.err
     )
     kept = Scenario.load(tmp_path / "small" / "flat-origin" / "scenario.json")
-    assert len(kept.house.storeys[0].rooms) == 1 and "flat: origin: rooms 3 -> 1" in shown.out
+    assert len(kept.house.storeys[0].rooms) == 1 and "flat: origin: 3 rooms, 20 m -> 1 room, " in shown.out
     why = (tmp_path / "small" / "flat-origin" / "why.md").read_text()
     assert "The claims do not depend on the origin." in why and "agrees on" in why.partition("In the original")[0]
     replay = tmp_path / "small" / "flat-origin" / "test_replay.py"
@@ -803,7 +803,9 @@ def test_the_command_says_why_a_claim_fails(tmp_path, capsys, monkeypatch):
     assert main(["check", "--suite", "flat", "-x", *options]) == 1
     shown = capsys.readouterr()
     folder = tmp_path / "flat-labels.accuracy-1.1"
-    assert "flat: labels.accuracy >= 1.1: rooms 3 -> 1" in shown.out and f"why: {folder / 'why.md'}" in shown.out
+    assert (
+        "flat: labels.accuracy >= 1.1: 3 rooms, 20 m -> 1 room, " in shown.out and f"why: {folder / 'why.md'}" in shown.out
+    )
     assert {"scenario.json", "original.json", "why.md", "test_replay.py", "report.html"} <= {
         f.name for f in folder.iterdir()
     }

@@ -80,9 +80,9 @@ def test_python_imports_the_copy_with_the_mutant():
 
 
 SHOWN = """holds 3 of 3 homes: labels.accuracy >= 0.5
-homes: other: rooms 5 -> 1, walk 80 -> 3 m
+homes: other: 5 rooms, 80 m -> 1 room, 3 m
   mended by: perfect odometry.
-homes: origin: rooms 5 -> 2, walk 80 -> 4.1 m
+homes: origin: 5 rooms, whole tour -> 2 rooms, 4.1 m
   replay: pytest smallest/homes-origin/test_replay.py
 """
 
