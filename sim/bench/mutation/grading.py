@@ -67,6 +67,8 @@ class Grade:
     changed: int | None = None
     """Number of scenarios in which any figure differs from that of unchanged LEXIS, if no check finds the mutant. With 0,
     the mutant is equivalent to LEXIS on these scenarios. None if LEXIS's results are not given."""
+    searched: bool = False
+    """Whether the smallest scenario was searched."""
     fingerprint: str = ""
     """`Mutant.fingerprint`, so that a grade of another LEXIS is not taken for one of this LEXIS; "" for unchanged LEXIS."""
 
@@ -74,6 +76,10 @@ class Grade:
     def is_caught(self) -> bool:
         """Whether the suite found the mutant."""
         return self.caught_by is not None
+
+    def says(self, smallest: bool, changed: bool) -> bool:
+        """Return whether the grade has the smallest scenario and the number of changed scenarios, if they are asked for."""
+        return (self.searched or not smallest) and (self.is_caught or self.changed is not None or not changed)
 
 
 def grade(
@@ -116,7 +122,8 @@ def grade(
         status, shown, errors = _check(folder, options)
         if verdicts.exists():
             data = json.loads(verdicts.read_text())
-            graded = replace(_graded(start, data, shown, verdicts.stat().st_mtime - begin), fingerprint=fingerprint)
+            graded = _graded(start, data, shown, verdicts.stat().st_mtime - begin)
+            graded = replace(graded, searched=smallest, fingerprint=fingerprint)
             if before is None or any(check["outcome"] == "fails" for check in data["checks"]):
                 return graded
             return replace(graded, changed=_changed(_stored(before), data["results"]))
@@ -125,7 +132,7 @@ def grade(
     if mutant is None or (status == _CANNOT_RUN and DIED not in errors):
         what = "unchanged LEXIS" if mutant is None else f"mutant {mutant.name!r}"
         raise SimError(f"{what}: {how}: {one_line(errors, 300)}; valid: a suite that LEXIS completes")
-    return Grade(*start, how, 0, seconds, one_line(errors, 160), fingerprint=fingerprint)
+    return Grade(*start, how, 0, seconds, one_line(errors, 160), searched=smallest, fingerprint=fingerprint)
 
 
 def end_suites() -> None:

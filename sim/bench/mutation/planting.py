@@ -5,7 +5,6 @@ import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -42,22 +41,19 @@ class Mutant:
 def planted(mutant: Mutant | None) -> Iterator[Path]:
     """Yield a folder with a copy of the package `lexis` that contains a mutant; the copy is unchanged if `mutant` is None.
 
-    Python imports this copy if the folder comes first on Python's path. All files but the changed module are symbolic links
-    to the original files. The folder is deleted at the end of the context.
+    Python imports this copy if the folder comes first on Python's path. Files other than modules, such as the weights of the
+    encoder, are symbolic links to the original files. The folder is deleted at the end of the context.
     """
     source = Path(lexis.__file__).parent
     with TemporaryDirectory(prefix="lexis-mutant-") as folder:
         copy = Path(folder) / "lexis"
-        shutil.copytree(source, copy, copy_function=_linked, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(source, copy, copy_function=_copied, ignore=shutil.ignore_patterns("__pycache__"))
         if mutant is not None:
             module = copy / mutant.file
-            text = mutant.applied(module.read_text())
-            module.unlink()
-            module.write_text(text)
+            module.write_text(mutant.applied(module.read_text()))
         yield Path(folder)
 
 
-@cache
 def _hash_of_lexis() -> str:
     source = Path(lexis.__file__).parent
     modules = sorted(source.rglob("*.py"))
@@ -68,5 +64,9 @@ def _hash(*texts: str) -> str:
     return hashlib.sha256("\0".join(texts).encode()).hexdigest()[:16]
 
 
-def _linked(source: str, target: str) -> None:
-    Path(target).symlink_to(source)
+def _copied(source: str, target: str) -> None:
+    """Copy a module, so that the code is that of the fingerprint even if somebody edits it meanwhile; link other files."""
+    if source.endswith(".py"):
+        shutil.copy(source, target)
+    else:
+        Path(target).symlink_to(source)

@@ -30,19 +30,27 @@ def _mutation(arguments: argparse.Namespace) -> int:
     """Print a line for each mutant as soon as it is graded, and a table; return 1 if unchanged LEXIS fails a check."""
     from sim.bench.mutation import MUTANTS, grade
     from sim.bench.mutation.grading import counts, end_suites, markdown_table, read_grades, write_grade
+    from sim.bench.row_files import check_folder
     from sim.suites.catalogue import suite_named
 
     laws, before, chosen = not arguments.no_laws, arguments.against, suite_named(arguments.suite)
     wanted = {each.name: each for each in MUTANTS if arguments.only in each.name}
     if not wanted:
         raise SimError(f"--only {arguments.only!r:.60}: no mutant has this text in its name; valid: part of a name")
+    if arguments.out is not None:
+        check_folder(arguments.out)
     if before is not None:
         EarlierRun.read(before).refuse_other_scenarios(chosen, arguments.seed)
     graded = partial(grade, suite=arguments.suite, workers=1, laws=laws, smallest=arguments.smallest, before=before)
     suite = arguments.suite if laws else f"{arguments.suite} without laws"
     kept = [] if arguments.out is None else read_grades(arguments.out)
     now = {(name, suite, arguments.seed, mutant.fingerprint) for name, mutant in wanted.items()}
-    grades = [each for each in kept if (each.mutant, each.suite, each.seed, each.fingerprint) in now]
+    grades = [
+        each
+        for each in kept
+        if (each.mutant, each.suite, each.seed, each.fingerprint) in now
+        and each.says(arguments.smallest, changed=before is not None)
+    ]
     done = {found.mutant for found in grades}
     mutants = [mutant for name, mutant in wanted.items() if name not in done]
     alarms = []

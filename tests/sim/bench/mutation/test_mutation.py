@@ -107,6 +107,21 @@ def test_a_grade_names_the_first_check_that_failed():
     assert (compared.caught_by, compared.measured) == ("worse than before: rooms.pq", "rooms.pq, x")
 
 
+@pytest.mark.parametrize(
+    ("grade", "asked", "enough"),
+    [
+        (Grade("one", "pr", 7, "homes: origin", 2, 9.0, ""), (False, True), True),
+        (Grade("one", "pr", 7, "homes: origin", 2, 9.0, ""), (True, True), False),
+        (Grade("one", "pr", 7, "homes: origin", 2, 9.0, "", searched=True), (True, True), True),
+        (Grade("one", "pr", 7, None, 2, 9.0, ""), (False, True), False),
+        (Grade("one", "pr", 7, None, 2, 9.0, "", changed=0), (False, True), True),
+        (Grade("one", "pr", 7, None, 2, 9.0, ""), (False, False), True),
+    ],
+)
+def test_a_grade_is_used_again_only_if_it_says_what_is_asked(grade, asked, enough):
+    assert grade.says(*asked) is enough
+
+
 def test_a_mutant_is_equivalent_if_no_figure_differs():
     before = [{"scenario": "a", "labels": {"accuracy": 0.5}, "time": 1}, {"scenario": "b", "labels": None, "time": 1}]
     slower = [each | {"time": 2, "versions": {"x": "1"}} for each in before]
@@ -185,10 +200,11 @@ def test_a_suite_that_cannot_run_is_no_grade_of_a_mutant(errors, monkeypatch):
     ("options", "said"),
     [
         (["--only", "no such bug"], "no mutant has this text in its name; valid: part of a name"),
+        (["-o", "missing/grades.jsonl"], "missing/grades.jsonl: no folder missing; valid: a file in a folder that exists"),
         (["--suite", "prr"], "unknown suite 'prr' (did you mean 'pr'?)"),
         (["--against", "other.json"], "has no results of the suite pr with seed 0; valid: a file of lexis-sim check"),
     ],
-    ids=["no mutant", "no suite", "other scenarios"],
+    ids=["no mutant", "no folder", "no suite", "other scenarios"],
 )
 def test_a_wrong_set_up_is_refused_before_anything_is_graded(tmp_path, monkeypatch, capsys, options, said):
     monkeypatch.chdir(tmp_path)
