@@ -60,12 +60,6 @@ ROOM_MUTANTS = (
         "best = int(rounded(normalised).argmax())",
     ),
     Mutant(
-        "a part of a split room gets the number of the last room",
-        "sight/divided_rooms.py",
-        "rooms[members[part]] = rooms.max() + 1",
-        "rooms[members[part]] = rooms.max()",
-    ),
-    Mutant(
         "stairs are split like rooms",
         "sight/room_clusters.py",
         "split_divided(rooms, floors != NO_FLOOR, positions, tied, config.split_m)",
