@@ -209,7 +209,7 @@ def test_a_suite_that_cannot_run_is_no_grade_of_a_mutant(errors, monkeypatch):
 def test_a_wrong_set_up_is_refused_before_anything_is_graded(tmp_path, monkeypatch, capsys, options, said):
     monkeypatch.chdir(tmp_path)
     save_results([RESULT], Path("other.json"))
-    assert main(["bench", "mutation", *options, "--out", "grades.jsonl"]) == 2
+    assert main(["bench", "mutation", "--out", "grades.jsonl", *options]) == 2
     assert said in capsys.readouterr().err and not Path("grades.jsonl").exists()
 
 
@@ -225,7 +225,13 @@ if not (here / "unchanged").exists():  # the first suite checks unchanged LEXIS
 time.sleep(20)
 (here / "ended").touch()
 """
-_MAIN = "import sys; from sim.cli import main; sys.executable = sys.argv[1]; sys.exit(main(sys.argv[2:]))"
+_MAIN = """
+import signal, sys
+from sim.cli import main
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell ignores Ctrl-C in what it runs in the background
+sys.executable = sys.argv[1]
+sys.exit(main(sys.argv[2:]))
+"""
 
 
 def test_ctrl_c_ends_the_suites_that_are_running(tmp_path):
