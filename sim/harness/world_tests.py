@@ -14,9 +14,9 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, ParamSpec, Protocol, TypeVar, get_args, runtime_checkable
 
-from sim.counts import check_count
 from sim.errors import SimError
 from sim.fidelity import ORACLE
+from sim.number_checks import check_count
 from sim.odometry.config import ODOMETRY_PRESETS
 from worlds.preset_names import MAX_ROOMS_ASKED, MAX_STOREYS_ASKED, MIN_ROOMS_ASKED, PRESETS
 from worlds.valid_names import did_you_mean

@@ -12,7 +12,6 @@ from typing import Literal, NamedTuple, Protocol
 
 from lexis.errors import one_line
 from lexis.types import Percept
-from sim.counts import check_between
 from sim.errors import ClaimError, ProgramError, SimError
 from sim.harness.claims import Claim
 from sim.harness.crash import Crash, attempt, attempt_plans
@@ -24,6 +23,7 @@ from sim.harness.runner import Progress, Run, run
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import CommandSlam, SlamUnderTest, check_slam_methods
 from sim.harness.walk import walk
+from sim.number_checks import check_between
 from sim.programs.command import Program
 from sim.suites.agreement import ClaimAgreement, agreement
 from sim.suites.changed_stream import changed

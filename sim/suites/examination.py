@@ -15,11 +15,11 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from lexis.errors import one_line
-from sim.counts import check_count
 from sim.errors import SimError
 from sim.harness.results import RunResult
 from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
+from sim.number_checks import check_count
 from sim.processes import process_pool
 from sim.suites.checks import Check, CheckFinding, NewSlam, examined
 from sim.suites.suite import Suite, SuitePart

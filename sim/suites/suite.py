@@ -9,12 +9,12 @@ from numbers import Real
 
 import numpy as np
 
-from sim.counts import check_count
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.scenario import Scenario
 from sim.harness.wording import kind_of
 from sim.harness.world_tests import RENDER_FRAME_RATE_HZ
+from sim.number_checks import check_count
 from sim.suites.checks import Check, ClaimCheck
 from worlds.valid_names import did_you_mean
 

@@ -20,7 +20,6 @@ import numpy as np
 from jaxtyping import Float64
 from scipy.stats import binom, binomtest
 
-from sim.counts import check_between
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.figures import check
@@ -28,6 +27,7 @@ from sim.harness.results import RunResult
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import SlamUnderTest, check_slam_factory
 from sim.harness.wording import counted
+from sim.number_checks import check_between
 from sim.verdicts.items import items
 
 Change = Literal["worse", "better", "not shown to differ"]

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student
 
-from sim.counts import check_between
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.results import RunResult
 from sim.harness.wording import counted
+from sim.number_checks import check_between
 from sim.verdicts.items import items
 from sim.verdicts.rate import RateOutcome
 

@@ -17,11 +17,11 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import betainc, betaincc, betaln, xlog1py, xlogy
 
-from sim.counts import check_between
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.results import RunResult
 from sim.harness.wording import counted
+from sim.number_checks import check_between
 from sim.verdicts.items import items
 
 RateOutcome = Literal["holds", "fails", "undecided"]
