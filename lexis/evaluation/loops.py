@@ -31,6 +31,10 @@ class LoopScores:
     """Share of loop edges that are true; None without an edge."""
     recall: float | None
     """Share of true revisits from which at least one true loop edge leads; None without a revisit."""
+    error_m: float | None
+    """Root mean square of the errors in position of the true edges [m]; None without one."""
+    error_rad: float | None
+    """Root mean square of the errors in rotation of the true edges [rad]; None without one."""
 
 
 def score_loops(
@@ -51,7 +55,8 @@ def score_loops(
         T_W_B: true poses of all keyframes.
         stamps: stamps of all keyframes [s].
     """
-    is_true = true_edges(query, match, T_match_query, T_W_B)
+    errors = _errors(query, match, T_match_query, T_W_B)
+    is_true = _within_limits(errors)
     revisits = true_revisits(T_W_B, stamps)
     found = np.isin(revisits, query[is_true])
     return LoopScores(
@@ -61,6 +66,8 @@ def score_loops(
         false=int((~is_true).sum()),
         precision=float(is_true.mean()) if len(query) else None,
         recall=float(found.mean()) if len(revisits) else None,
+        error_m=_root_mean_square(errors[0][is_true]),
+        error_rad=_root_mean_square(errors[1][is_true]),
     )
 
 
@@ -68,8 +75,7 @@ def true_edges(
     query: Int[np.ndarray, "m"], match: Int[np.ndarray, "m"], T_match_query: Float64[np.ndarray, "m 4 4"], T_W_B: Poses
 ) -> Bool[np.ndarray, "m"]:
     """Whether the relative pose of each edge is within 0.5 m and 0.2 rad of the truth."""
-    error = between(between(T_W_B[match], T_W_B[query]), T_match_query)
-    return np.asarray((np.linalg.norm(error[:, :3, 3], axis=1) <= TRUE_M) & (rotation_angle(error) <= TRUE_RAD))
+    return _within_limits(_errors(query, match, T_match_query, T_W_B))
 
 
 def true_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "k"]:
@@ -93,6 +99,23 @@ def opposite_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.
 def opposite_edges(query: Int[np.ndarray, "m"], match: Int[np.ndarray, "m"], T_W_B: Poses) -> Bool[np.ndarray, "m"]:
     """Whether the body looks in opposite directions at the two ends of each edge: by more than a right angle."""
     return np.asarray(rotation_angle(between(T_W_B[match], T_W_B[query])) > np.pi / 2)
+
+
+def _errors(
+    query: Int[np.ndarray, "m"], match: Int[np.ndarray, "m"], T_match_query: Float64[np.ndarray, "m 4 4"], T_W_B: Poses
+) -> tuple[Float64[np.ndarray, "m"], Float64[np.ndarray, "m"]]:
+    """Return how far the relative pose of each edge is from the truth, in position [m] and rotation [rad]."""
+    error = between(between(T_W_B[match], T_W_B[query]), T_match_query)
+    return np.linalg.norm(error[:, :3, 3], axis=1), rotation_angle(error)
+
+
+def _within_limits(errors: tuple[Float64[np.ndarray, "m"], Float64[np.ndarray, "m"]]) -> Bool[np.ndarray, "m"]:
+    """Whether each edge is true, by its errors in position [m] and rotation [rad]."""
+    return np.asarray((errors[0] <= TRUE_M) & (errors[1] <= TRUE_RAD))
+
+
+def _root_mean_square(errors: Float64[np.ndarray, "k"]) -> float | None:
+    return float(np.sqrt(np.mean(errors**2))) if len(errors) else None
 
 
 def _close_pairs(

@@ -84,6 +84,8 @@ class LoopFigures:
     false: int | None = None
     precision: float | None = None
     recall: float | None = None
+    error_m: float | None = None
+    error_rad: float | None = None
 
 
 @dataclass(frozen=True)

@@ -164,7 +164,7 @@ HOMES = SuitePart(
         *CONSISTENCY,
         PLANS,
         *_EXACT,
-        *_laws("a slip of the odometry", "false loop closures", "a pause"),
+        *_laws("a slip of the odometry", "slips are mended to the end", "false loop closures", "a pause"),
         *claims(
             0.9,
             *_labels(0.73, 0.86, 1.0, 0.6),
@@ -251,7 +251,7 @@ REVISITS = SuitePart(
     (
         # While no loop is closed, the heights of this odometry may drift by more than "floors are level" tolerates.
         *(law for law in CONSISTENCY if law is not LEVEL_FLOORS),
-        *_laws("a slip of the odometry", "slips that add up"),
+        *_laws("a slip of the odometry", "slips that add up", "slips are mended to the end"),
         *claims(
             0.9,
             *_labels(0.77, 0.865, 1.01, 0.6),

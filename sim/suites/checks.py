@@ -199,6 +199,25 @@ class NotWorse:
         return CheckFinding(holds, ", ".join(f"{name} {a:.3g} -> {b:.3g}" for name, (a, b) in pairs.items()))
 
 
+@dataclass(frozen=True)
+class AfterChange:
+    """A law about the run on a changed input alone, in which the claims of the SLAM must not contradict themselves."""
+
+    name: str
+    says: str
+    change: StreamChange
+    find: Callable[[Run], CheckFinding]
+    """A function that examines the run on the changed input."""
+    rate: float | None = None
+
+    def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
+        """Run the SLAM on the changed input, and examine this run."""
+        if not reaches(self.change, base.run):
+            return CheckFinding(None, "the change does not reach this SLAM")
+        second = attempted(base.run.scenario, new_slam, self.change)
+        return second if isinstance(second, CheckFinding) else self.find(second)
+
+
 def reaches(change: StreamChange, run: Run) -> bool:
     """Return whether a change of the input reaches the SLAM of a run. Programs are not reached: they read recordings."""
     return not isinstance(run.slam, CommandSlam) and change.matters(run.scenario, run.slam)

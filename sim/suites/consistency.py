@@ -29,10 +29,6 @@ _FITS_M, _FITS_RAD = 0.06, 0.02
 _FITTING_SHARE, _FITTING_LOOPS = 0.5, 5
 """Least share of the fitting loops that has to be trusted, and least number of fitting loops for a judgement. LEXIS trusts
 all fitting loops."""
-_LAST_M, _LAST_FIT_M, _LAST_RATIO = 1.0, 0.07, 2.0
-"""Length of the end of the walk [m]; largest typical difference there between a trusted loop closure and the poses that it
-joins [m]; and how many times the typical difference of the other trusted loop closures it may be, for SLAMs whose loop
-closures are less accurate. The typical difference is the median. For LEXIS it is at most 0.056 m in 98 % of the runs."""
 _REVISIT_S, _REVISITING_SHARE = 10.0, 0.99
 """Least time between the two frames of a loop closure or of a proposed revisit [s], as in the definition of `loops.recall`,
 and the least share of each of them for which the time is as long. In LEXIS it is always as long."""
@@ -109,26 +105,43 @@ def _of_two_visits(stamps: Float64[np.ndarray, "n 2"]) -> float:
     return float((np.abs(stamps[:, 0] - stamps[:, 1]) >= _REVISIT_S - 1e-6).mean())
 
 
-def last_loops_fit(run: Run) -> CheckFinding:
-    """Compare the trusted loop closures at the end of the walk with the trajectory.
+@dataclass(frozen=True)
+class LastLoopsFit:
+    """Compares the trusted loop closures at the end of the walk with the trajectory.
 
-    They do not fit if a SLAM optimises its trajectory now and then, and forgets to do so at the end.
+    They do not fit if a SLAM optimises its trajectory now and then, and forgets to do so at the end, or stops too early. The
+    typical difference between a loop closure and the poses that it joins is the median.
     """
-    if (claims := _weighted_loops(run)) is None:
-        return _NO_WEIGHTS
-    poses, loops, weights = claims
-    path = arc_length(run.odometry_poses[:, :3, 3])
-    trusted = weights > _TRUSTED
-    last = trusted & (path[np.maximum(loops.query, loops.match)] >= path[-1] - _LAST_M)
-    others = trusted & ~last
-    if not last.any() or not others.any():
-        return CheckFinding(None, "the SLAM trusts no loop closure at the end of the walk, or none before")
-    moved = _loop_errors(loops, poses)[0]
-    at_end, before = float(np.median(moved[last])), float(np.median(moved[others]))
-    return CheckFinding(
-        at_end <= max(_LAST_FIT_M, _LAST_RATIO * before),
-        f"trusted loops at the end of the walk contradict the trajectory by {at_end:.2g} m, others by {before:.2g} m",
-    )
+
+    end_m: float
+    """Length of the end of the walk [m]."""
+    most_m: float
+    """Largest typical difference at the end of the walk [m]."""
+    ratio: float
+    """How many times the typical difference of the other trusted loop closures it may be, if this is more than `most_m`; for
+    SLAMs whose loop closures are less accurate."""
+
+    def __call__(self, run: Run) -> CheckFinding:
+        """Examine a run."""
+        if (claims := _weighted_loops(run)) is None:
+            return _NO_WEIGHTS
+        poses, loops, weights = claims
+        path = arc_length(run.odometry_poses[:, :3, 3])
+        trusted = weights > _TRUSTED
+        last = trusted & (path[np.maximum(loops.query, loops.match)] >= path[-1] - self.end_m)
+        others = trusted & ~last
+        if not last.any() or not others.any():
+            return CheckFinding(None, "the SLAM trusts no loop closure at the end of the walk, or none before")
+        moved = _loop_errors(loops, poses)[0]
+        at_end, before = float(np.median(moved[last])), float(np.median(moved[others]))
+        return CheckFinding(
+            at_end <= max(self.most_m, self.ratio * before),
+            f"trusted loops at the end of the walk contradict the trajectory by {at_end:.2g} m, others by {before:.2g} m",
+        )
+
+
+_LAST_LOOPS = LastLoopsFit(end_m=1.0, most_m=0.07, ratio=2.0)
+"""For LEXIS, the typical difference is at most 0.056 m in 98 % of the runs."""
 
 
 def fitting_loops_are_trusted(run: Run) -> CheckFinding:
@@ -219,9 +232,9 @@ CONSISTENCY = (
     ),
     Consistent(
         "the last loops fit the trajectory",
-        f"The trajectory satisfies the trusted loop closures of the last {_LAST_M:g} m of the walk within {_LAST_FIT_M} m, "
-        f"or within {_LAST_RATIO} times the difference of the others; these are medians.",
-        last_loops_fit,
+        f"The trajectory satisfies the trusted loop closures of the last {_LAST_LOOPS.end_m:g} m of the walk within "
+        f"{_LAST_LOOPS.most_m} m, or within {_LAST_LOOPS.ratio} times the difference of the others; these are medians.",
+        _LAST_LOOPS,
         rate=0.95,
     ),
     Consistent(

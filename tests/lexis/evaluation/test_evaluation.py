@@ -118,7 +118,10 @@ def test_loops_are_true_within_half_a_metre_and_a_fifth_of_a_radian():
     assert (scores.proposed, scores.verified, scores.true, scores.false) == (7, 4, 2, 2)
     assert scores.precision == 0.5 and scores.recall == 1.0
     assert true_revisits(truth, stamps).tolist() == [2]
-    assert score_loops(7, query[1:2], match[1:2], relative[1:2], truth, stamps).recall == 0.0
+    assert scores.error_m == pytest.approx(0.49 / np.sqrt(2.0)), "the edges at 0.49 m and 0.19 rad are true"
+    assert scores.error_rad == pytest.approx(0.19 / np.sqrt(2.0))
+    scores = score_loops(7, query[1:2], match[1:2], relative[1:2], truth, stamps)
+    assert (scores.recall, scores.error_m, scores.error_rad) == (0.0, None, None)
 
 
 def test_a_revisit_in_the_opposite_direction_was_never_seen_from_its_own():

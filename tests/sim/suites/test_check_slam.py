@@ -28,7 +28,7 @@ from sim.harness.estimate import LoopClaims
 from sim.harness.failures.failure_folder import Replay
 from sim.programs import Program
 from sim.suites.catalogue import OPENNESS, SUITES, suite_named
-from sim.suites.checks import CheckFinding, ClaimCheck, NotWorse, SameClaims, examined
+from sim.suites.checks import AfterChange, CheckFinding, ClaimCheck, NotWorse, SameClaims, examined
 from sim.suites.consistency import CONSISTENCY
 from sim.suites.examination import COMPLETES, Examination, examinations, jobs_of, scenario_of
 from sim.suites.figure_table import figure_table
@@ -38,7 +38,7 @@ from sim.suites.openness_chart import openness_chart
 from sim.suites.pytest_items import Item, slam_checks
 from sim.suites.report import CheckVerdict, SuiteReport, check_slam
 from sim.suites.smallest import finding_of, smallest_failure, write_smallest
-from sim.suites.stream_changes import NoChange
+from sim.suites.stream_changes import NoChange, Slip
 from sim.suites.suite import Suite, SuitePart, claims
 from sim.verdicts import load_results
 
@@ -68,6 +68,22 @@ class WrongLabels(Oracle):
     def finish(self):
         claims = super().finish()
         return replace(claims, labels=np.zeros_like(claims.labels))
+
+
+class LoopsWithoutCorrection(Oracle):
+    """LEXIS that claims the poses of the odometry, which its loops do not fit."""
+
+    def start(self, camera, room_names):
+        super().start(camera, room_names)
+        self._odometry = {}
+
+    def process(self, observation):
+        self._odometry[observation.index] = observation.T_O_B.copy()
+        super().process(observation)
+
+    def finish(self):
+        claims = super().finish()
+        return replace(claims, T_W_B=np.stack([self._odometry[frame] for frame in claims.frames.tolist()]))
 
 
 class FloorsByHeight(OdometryOnly):
@@ -481,6 +497,26 @@ def test_a_law_about_the_scenario_compares_figures():
         "impossible": "not claimed",
         "stayed": "not claimed",
     }
+
+
+def _slipped(finished):
+    """Whether the last claimed position is half a metre from where the unchanged odometry would put it."""
+    away = np.linalg.norm(finished.estimate.T_W_B[-1, :3, 3] - finished.odometry_poses[-1, :3, 3])
+    return CheckFinding(bool(abs(away - 0.5) < 0.01), f"{away:.2f} m away")
+
+
+def test_a_law_about_the_run_on_changed_input_examines_that_run_alone():
+    slip = AfterChange("slip", "The odometry slips by 0.5 m.", Slip(first=1, shift_m=(0.4, -0.3, 0.0)), _slipped)
+    laws = replace(FLAT, parts=(replace(PART, checks=(slip, replace(slip, name="none", change=NoChange())), n=1),))
+    assert outcomes(check_slam(OdometryOnly, laws)) == {COMPLETES: "holds", "slip": "holds", "none": "fails"}
+
+
+def test_slips_are_mended_to_the_end_by_lexis_and_not_by_odometry_alone():
+    law = LAWS["slips are mended to the end"]
+    base = examined(replace(OPEN_FLAT, length_m=60.0, tour_kind="both ways"), Oracle)
+    assert law.examine(base, Oracle).holds
+    assert law.examine(base, LoopsWithoutCorrection).holds is False
+    assert law.examine(base, OdometryOnly).holds is None
 
 
 def test_the_findings_do_not_depend_on_the_number_of_processes():

@@ -13,9 +13,9 @@ from sim.harness.adapters import OdometryOnly
 from sim.suites.checks import Examined
 from sim.suites.consistency import (
     CONSISTENCY,
+    LastLoopsFit,
     fitting_loops_are_trusted,
     floors_are_level,
-    last_loops_fit,
     loops_join_visits,
     rooms_are_uniform,
     steps_follow_odometry,
@@ -101,6 +101,7 @@ def test_proposed_revisits_of_the_same_visit_are_found(lexis):
 
 
 def test_loops_at_the_end_of_the_walk_have_to_fit_as_well_as_the_others(lexis):
+    last_loops_fit = LastLoopsFit(end_m=1.0, most_m=0.07, ratio=2.0)
     loops, last = lexis.estimate.loops, len(lexis.estimate.frames) - 1
     query, match = np.append(loops.query, last), np.append(loops.match, 0)
     poses = lexis.estimate.T_W_B
