@@ -37,8 +37,9 @@ class Session:
     determines the random numbers of the faults. A background thread, which owns the GL context, renders frames ahead, so
     that rendering and LEXIS run on two cores. With a `sensor` nothing is rendered, and each observation holds a percept (a
     simulated embedding) instead of an image. With a `distortion` the images are distorted as by a real lens. The caller has
-    to undistort them for LEXIS, whose camera model is a pinhole. A caller that may stop early has to close the iterator
-    (`contextlib.closing`). Raises `SimError` if the tour leaves the house.
+    to undistort them for LEXIS, whose camera model is a pinhole. With `keeps_images`, the images of the first complete
+    iteration are kept in memory, and later iterations yield copies of them. A caller that may stop early has to close the
+    iterator (`contextlib.closing`). Raises `SimError` if the tour leaves the house.
     """
 
     def __init__(
@@ -51,11 +52,15 @@ class Session:
         seed: int = 0,
         sensor: FeatureSensor | None = None,
         distortion: Distortion | None = None,
+        keeps_images: bool = False,
     ) -> None:
         self.house, self.tour, self.odometry, self.camera = house, tour, odometry, camera
         self.faults, self._seed = tuple(faults), seed
         truths = _truths(house, tour)
         self._distortion = distortion
+        self._keeps_images = keeps_images
+        self._kept: list[tuple[Image, ...]] = []
+        """The images of all frames, as the first complete iteration rendered them; empty if they are not kept."""
         rendered = rendered_camera(camera, distortion) if distortion else camera
         self._world_states = WorldStates(house, tour, rendered, self.faults, seed)
         self._sensed = None if sensor is None else sensor.tour(self._world_states.houses, tour.T_W_B)
@@ -108,7 +113,7 @@ class Session:
         """Yield what all cameras of the rig see in each frame."""
         if self._sensed is not None:
             return self._percepts(self._sensed)  # not in a thread, because work in numpy alone gains nothing from it
-        return prefetched(self._rendered, _AHEAD)
+        return self._copies() if self._kept else prefetched(self._rendered, _AHEAD)
 
     def _percepts(self, sensed: SensedTour) -> Generator[tuple[Percept, ...], None, None]:
         start = time.perf_counter()
@@ -117,13 +122,22 @@ class Session:
             yield percepts
             start = time.perf_counter()
 
+    def _copies(self) -> Generator[tuple[Image, ...], None, None]:
+        """Yield copies of the kept images, because the SLAM may write into its images."""
+        for images in self._kept:
+            yield tuple(image.copy() for image in images)
+
     def _rendered(self) -> Generator[tuple[Image, ...], None, None]:
+        kept = []
         with closing(FrameRenderer(self._world_states, self.camera, self._distortion)) as renderer:
             for frame, T_W_B in enumerate(self.tour.T_W_B):
                 start = time.perf_counter()
                 images = renderer.rig(frame, T_W_B)
                 self.render_seconds += time.perf_counter() - start
+                if self._keeps_images:
+                    kept.append(tuple(image.copy() for image in images))
                 yield images
+        self._kept = kept
 
 
 def _truths(house: House, tour: Tour) -> tuple[Truth, ...]:

@@ -29,6 +29,8 @@ from worlds.house import House
 from worlds.labels import STAIRS
 from worlds.walkable import Walkable
 
+_KEPT_BYTES = 300_000_000
+"""Largest size of the images of a scenario that are kept for its next run: 50 s of walk at 10 Hz with one usual camera."""
 Progress = Callable[[float], None]
 """A function that is called with the share of the frames that are done, in [0, 1]."""
 
@@ -151,7 +153,7 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     with timed("house_s"):
         walked = walk(scenario)
     with timed("scene_s"):
-        session = _remembered_session(scenario) if _is_remembered(scenario) else _new_session(scenario)
+        session = _session_of(scenario)
     rendered_before_s = session.render_seconds
     last.done = 0.0
     with timed("slam_s"), last.calling_slam():
@@ -194,19 +196,25 @@ def scene_of(scenario: Scenario) -> Session:
     return _session(scenario, walk(scenario), None)
 
 
-def _session(scenario: Scenario, walked: Walk, model: FeatureModel | None) -> Session:
+def _session_of(scenario: Scenario) -> Session:
+    """Return the session of a scenario. Successive runs of a scenario share it if that saves time.
+
+    Runs on features share a session, unless the file of their feature model might change in between. Runs on few images
+    share one that keeps the images.
+    """
+    if scenario.fidelity == "features":
+        return _remembered_session(scenario) if scenario.feature_model is None else _new_session(scenario)
+    frames, camera = len(walk(scenario).tour.stamps), build_rig(scenario.rig).front
+    size = 3 * frames * sum(each.intrinsics.width * each.intrinsics.height for each in camera.rig)
+    return _session_with_images(scenario) if size <= _KEPT_BYTES else _new_session(scenario)
+
+
+def _session(scenario: Scenario, walked: Walk, model: FeatureModel | None, keeps_images: bool = False) -> Session:
     """Return the session that yields a scenario's observations: percepts with a feature model, images without one."""
     camera = build_rig(scenario.rig).front
     sensor = None if model is None else FeatureSensor(model, camera, scenario.seed, scenario.encoder == ORACLE)
-    return Session(walked.house, walked.tour, walked.odometry, camera, scenario.faults, scenario.seed, sensor)
-
-
-def _is_remembered(scenario: Scenario) -> bool:
-    """Return whether all runs of a scenario share one session.
-
-    Only runs on features with the included feature model do. The file of another feature model may change between two runs.
-    """
-    return scenario.fidelity == "features" and scenario.feature_model is None
+    given = walked.house, walked.tour, walked.odometry, camera, scenario.faults, scenario.seed, sensor
+    return Session(*given, keeps_images=keeps_images)
 
 
 @lru_cache(maxsize=2)
@@ -216,6 +224,12 @@ def _remembered_session(scenario: Scenario) -> Session:
     Successive runs of the scenario share the session, so that percepts are computed only once when several laws run it.
     """
     return _new_session(scenario)
+
+
+@lru_cache(maxsize=1)
+def _session_with_images(scenario: Scenario) -> Session:
+    """Return the session of a scenario on images, which keeps the images, so that several laws render them only once."""
+    return _session(scenario, walk(scenario), None, keeps_images=True)
 
 
 def _new_session(scenario: Scenario) -> Session:

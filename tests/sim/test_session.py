@@ -47,6 +47,18 @@ def test_one_pair_per_frame_in_the_order_of_time(session, pairs):
     assert (np.diff([o.stamp for o, _ in pairs]) > 0).all()
 
 
+def test_kept_images_are_rendered_once_and_whatever_is_done_to_them(session, pairs):
+    kept = Session(session.house, session.tour, session.odometry, session.camera, keeps_images=True)
+    with closing(iter(kept)) as stopped:
+        next(stopped)
+    for seconds_grow in (True, False, False):
+        before = kept.render_seconds
+        for (observation, _), (expected, _) in zip(kept, pairs, strict=True):
+            assert np.array_equal(observation.image, expected.image)
+            observation.image[...] = 0  # as a SLAM may do
+        assert (kept.render_seconds > before) == seconds_grow
+
+
 def test_images_are_the_renderer_s(session, pairs):
     with CameraRenderer(session.scene, session.camera) as renderer:
         for observation, truth in pairs[:: FRAMES // 5]:
