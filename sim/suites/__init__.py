@@ -9,7 +9,7 @@ Read `catalogue` first: it lists the suites, with the scenarios of each. A `suit
 with their `checks`. `laws` lists the laws that relate two runs, and `consistency` the laws about a single run, of which
 `staircases` and `plans` hold some. Some laws change the SLAM's input: `stream_changes`, `frame_changes` and `false_loops`
 define the changes, `changed_stream` applies them, and `agreement` tells whether the SLAM's outputs in two runs agree.
-`image_evidence` is a law about similarities. `examination` runs the scenarios in processes. `report` gives the verdicts, and
+`image_evidence` holds laws about images. `examination` runs the scenarios in processes. `report` gives the verdicts, and
 `suite_means` those about means over the whole suite. `smallest` finds the smallest scenario in which a check fails,
 `figure_table` shows medians of figures, `openness_chart` draws room quality against openness, and `pytest_items` makes a
 test for pytest.

@@ -331,7 +331,7 @@ IMAGES = SuitePart(
         *claims(0.9, "trajectory.ate_m <= 0.062", "trajectory.ate_m <= 0.72 * trajectory.ate_odometry_m"),
         *claims(0.5, "labels.accuracy >= 0.86", "rooms.pq >= 0.75", "loops.recall >= 0.92", "loops.precision >= 0.99"),
         *claims(0.5, "trajectory.ate_m <= 0.053", "trajectory.ate_m <= 0.52 * trajectory.ate_odometry_m"),
-        *_laws("axes of the body", "reused arrays"),
+        *_laws("axes of the body", "reused arrays", "jumbled images are not recognised"),
     ),
     n=8,
     on_images=True,
@@ -341,13 +341,14 @@ IMAGES = SuitePart(
 _MEANS = tuple(
     Claim.parse(text)
     for text in (
-        *(*_labels(0.885, 0.94, 1.13, 0.75), *_rooms(0.745, 0.795), *_loops(0.925, 0.9975, 0.985)),
+        *(*_labels(0.88, 0.938, 1.13, 0.75), *_rooms(0.745, 0.792), *_loops(0.93, 0.9978, 0.985)),
+        *("loops.error_m <= 0.0575", "loops.error_rad <= 0.0133"),
         "place_recognition.1.precision >= 0.53",
-        *("rooms.hydra_precision >= 0.908", "rooms.hydra_recall >= 0.894", "rooms.splits <= 0.3", "rooms.merges <= 0.6"),
+        *("rooms.hydra_precision >= 0.908", "rooms.hydra_recall >= 0.894", "rooms.splits <= 0.265", "rooms.merges <= 0.6"),
         "floors.accuracy >= 0.998",
     )
 )
-"""Claims about the means over all scenarios of the suite `pr`. Each limit is one standard error worse than the mean of
+"""Claims about the means over all scenarios of the suite `pr`. Each limit is about one standard error worse than the mean of
 LEXIS. No claim is about the trajectory: a few walks with large errors decide that mean, such as walks on which the robot is
 carried away."""
 

@@ -1,4 +1,4 @@
-"""The law that the similarities a SLAM claims for a frame come from the image of this frame, and from no other."""
+"""Laws about what a SLAM takes from images: the similarities of a frame from its own image, and loops from its geometry."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -6,9 +6,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lexis.types import Image, Observation, Percept
+from sim.harness.estimate import Estimate
+from sim.harness.scenario import Scenario
 from sim.suites.checks import CheckFinding, Examined, NewSlam, attempted, reaches
 from sim.suites.stream_changes import NoChange
 
+_TILES = 6, 8
+"""Rows and columns of tiles of a jumbled image."""
+_RECOGNISED, _LOOPS = 0.12, 10
+"""Largest number of loop closures of jumbled images, as a share of their number without the change; and least number without
+the change for a judgement."""
 _SAME = 1e-5
 """Tolerance for rounding: two similarities that should be equal may differ by this share of the largest similarity."""
 
@@ -67,6 +74,75 @@ class SimilaritiesFollowImages:
             f"similarities of frames with unchanged images change by up to {kept:.2g}; those of frames with the same image "
             f"differ by up to {equal:.2g}",
         )
+
+
+@dataclass(frozen=True)
+class JumbledImages(NoChange):
+    """From some observation on, each image consists of tiles that show a part of the image beside their own.
+
+    Details still look right, but no camera sees them in this arrangement. Each image is jumbled in another way.
+    """
+
+    first: int = 150
+    """Index of the first observation with jumbled images."""
+    most_px: int = 24
+    """Largest distance in each direction between a tile and what it shows [px]."""
+    seed: int = 0
+
+    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
+        """Yield the observation, with its images jumbled if the observation's index is at least `first`."""
+        if observation.index < self.first:
+            yield observation
+            return
+        rng = np.random.default_rng((self.seed, observation.index))
+        yield observation.with_images([self._jumbled(image, rng) for image in observation.images])
+
+    def matters(self, scenario: Scenario, slam: object) -> bool:
+        """Return whether the SLAM gets images."""
+        return scenario.fidelity == "render"
+
+    def _jumbled(self, image: Image | Percept, rng: np.random.Generator) -> Image:
+        assert not isinstance(image, Percept)
+        y, x = np.indices(image.shape[:2])
+        tile = y * _TILES[0] // image.shape[0], x * _TILES[1] // image.shape[1]
+        down, right = rng.integers(-self.most_px, self.most_px + 1, (2, *_TILES))
+        rows = np.clip(y + down[tile], 0, image.shape[0] - 1)
+        columns = np.clip(x + right[tile], 0, image.shape[1] - 1)
+        return np.ascontiguousarray(image[rows, columns])
+
+
+@dataclass(frozen=True)
+class JumbledImagesAreNotRecognised:
+    """A law about loop closures: images whose details are out of place lead to hardly any."""
+
+    name: str = "jumbled images are not recognised"
+    says: str = (
+        "In the later part of the walk, each image is cut into tiles, whose contents are shifted in different ways by up to "
+        f"24 px. These images lead to at most {_RECOGNISED:.0%} of the loop closures that the unchanged images lead to, "
+        "because their geometry fits no view."
+    )
+    rate: float | None = 0.95
+    change: JumbledImages = JumbledImages()
+
+    def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
+        """Run the SLAM on the changed images, and count the loop closures of these images in both runs."""
+        change = self.change
+        if not reaches(change, base.run):
+            return CheckFinding(None, "the change does not reach this SLAM")
+        before = _loops_from(base.run.estimate, change.first)
+        if before < _LOOPS:
+            return CheckFinding(None, f"the later part of the walk has {before} loop closures, too few to judge")
+        second = attempted(base.run.scenario, new_slam, change)
+        if isinstance(second, CheckFinding):
+            return second
+        after = _loops_from(second.estimate, change.first)
+        found = f"{after} loop closures are left of {before} in the later part of the walk"
+        return CheckFinding(after <= _RECOGNISED * before, found)
+
+
+def _loops_from(estimate: Estimate, first: int) -> int:
+    """Return the number of loop closures whose query is the observation with index `first` or a later one."""
+    return 0 if estimate.loops is None else int((estimate.frames[estimate.loops.query] >= first).sum())
 
 
 def _other(image: Image | Percept) -> Image | Percept:

@@ -2,7 +2,7 @@
 
 - `SameClaims` changes the stream of observations and compares the claims frame by frame. Where the SLAM has no reason to
   notice the change, the tolerance is rounding, or 1 mm where an optimiser stops at a slightly different place.
-  `SimilaritiesFollowImages` compares the similarities frame by frame.
+  `SimilaritiesFollowImages` compares the similarities frame by frame, and `JumbledImagesAreNotRecognised` counts loops.
 - `AfterChange` changes the stream, and examines the run on the changed stream alone.
 - `NotWorse` changes the house, so that the frames differ and only figures can be compared. Its tolerances allow for the
   differences between two tours.
@@ -19,7 +19,7 @@ from sim.suites.checks import AfterChange, Check, NotWorse, SameClaims
 from sim.suites.consistency import LastLoopsFit
 from sim.suites.false_loops import FalseLoops
 from sim.suites.frame_changes import MovedOrigin, TurnedBody
-from sim.suites.image_evidence import SimilaritiesFollowImages
+from sim.suites.image_evidence import JumbledImagesAreNotRecognised, SimilaritiesFollowImages
 from sim.suites.stream_changes import (
     CapitalLetters,
     HeightDrift,
@@ -81,6 +81,7 @@ LAWS: Mapping[str, Check] = {
             StepsInTwoParts(),
         ),
         SimilaritiesFollowImages(),
+        JumbledImagesAreNotRecognised(),
         SameClaims(
             "order of the room names",
             "The claims do not depend on the order of the room names. There is no tolerance, because ties are not expected.",
