@@ -18,6 +18,8 @@ class Extent:
     """Length of the walks on which place recognition is compared [m]."""
     sweep: str
     """Options of the sweeps that need images."""
+    rate: int
+    """Frames per second on images, for benchmarks that do not measure time [Hz]."""
     encoders: str
     """Presets of the houses in which encoders are compared."""
     drivers: str
@@ -32,7 +34,8 @@ QUICK = Extent(
     houses=2,
     fidelity="features",
     walk=75,
-    sweep="--length 60",
+    sweep="--length 60 --rate 5",
+    rate=5,
     encoders="home",
     drivers="LEXIS odometry",
     length=1000,
@@ -43,6 +46,7 @@ FULL = Extent(
     fidelity="render",
     walk=250,
     sweep="",
+    rate=10,
     encoders="ori home",
     drivers="truth LEXIS odometry",
     length=10000,
@@ -68,7 +72,7 @@ _PRESETS = ("uh2-apt", "uh2-office", "ori", "home")
 """The presets that are named like the datasets of the paper."""
 _LIST = (
     ("table2", "table2 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table2.csv", 30),
-    ("fig5", "fig5 --presets ori home --houses {houses} --length {walk} --seed 500 --out {out}/fig5.csv", 145),
+    ("fig5", "fig5 --presets ori home --houses {houses} --length {walk} --rate {rate} --seed 500 --out {out}/fig5.csv", 145),
     ("table3", "table3 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table3.csv", 35),
     ("openness", "openness --houses {houses} --seed 500 --out {out}/openness.csv {out}/openness.png", 25),
     ("clutter", "sweep clutter --houses {houses} --seed 500 --out {out}/clutter.csv {out}/clutter.png", 15),
@@ -81,7 +85,7 @@ _LIST = (
     ("sessions", "sessions --houses {houses} --seed 500", 25),
     ("planning", "planning --houses {houses} --fidelity {fidelity} --drivers {drivers} --seed 500", 45),
     ("certainty", "certainty --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 20),
-    ("queries", "queries --houses {houses} --seed 500", 85),
+    ("queries", "queries --houses {houses} --rate {rate} --seed 500", 85),
     ("fidelity", "fidelity --houses {houses} --seed 500", 30),
 )
 """Names, arguments and quick processor times of the benchmarks that may run beside each other."""

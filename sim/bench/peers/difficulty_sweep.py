@@ -144,12 +144,14 @@ def sweep(
     seeds: Sequence[int],
     difficulty: Difficulty = DIFFICULTIES["openness"],
     length_m: float | None = None,
+    rate_hz: float | None = None,
 ) -> Iterator[SweepRow]:
     """Let every method of the difficulty find rooms in the same houses at each of its values.
 
-    `length_m` is the length of the walks [m], see `with_walk_m`. None: the usual length of a scenario.
+    `length_m` is the length of the walks [m], see `with_walk_m`. None: the usual length of a scenario. `rate_hz` is the
+    number of frames per second [Hz]. None: that of the difficulty.
     """
-    rate_hz = difficulty.frame_rate_hz or usual_rate_hz(difficulty.fidelity)
+    rate_hz = rate_hz or difficulty.frame_rate_hz or usual_rate_hz(difficulty.fidelity)
     usual = Scenario(preset=preset, fidelity=difficulty.fidelity, frame_rate_hz=rate_hz)
     for value in difficulty.values:
         for scenario in configs(usual, seeds):

@@ -22,6 +22,7 @@ from sim.baselines.places.place_method import SeenKeyframes
 from sim.harness import Run, Scenario, run
 from sim.harness.adapters import Lexis
 from sim.harness.adapters.lexis import load
+from sim.harness.world_tests import RENDER_FRAME_RATE_HZ
 
 WALK_M = 250.0
 """Default length of a walk [m]: about half of its keyframes show a place for the second time."""
@@ -101,11 +102,17 @@ class _Listener:
         return SeenKeyframes(embeddings, *local, eligible, estimated[0], estimated[1], active, in_room)
 
 
-def record_walks(presets: Sequence[str], seeds: Sequence[int], length_m: float = WALK_M) -> Iterator[PlaceWalk]:
-    """Walk through a house of every preset and seed, and render every walk once."""
+def record_walks(
+    presets: Sequence[str], seeds: Sequence[int], length_m: float = WALK_M, rate_hz: float | None = None
+) -> Iterator[PlaceWalk]:
+    """Walk through a house of every preset and seed, and render every walk once.
+
+    `length_m` is the length of each walk [m], and `rate_hz` the number of frames per second [Hz]; None: the usual one.
+    """
+    rate_hz = rate_hz or RENDER_FRAME_RATE_HZ
     for preset in presets:
         for seed in seeds:
-            yield record_walk(Scenario(preset=preset, seed=seed, length_m=length_m))
+            yield record_walk(Scenario(preset=preset, seed=seed, length_m=length_m, frame_rate_hz=rate_hz))
 
 
 def record_walk(scenario: Scenario) -> PlaceWalk:

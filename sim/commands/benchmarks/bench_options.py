@@ -18,6 +18,7 @@ from sim.commands.arguments import (
     FIDELITY_HELP,
     PRESET_HELP,
     argument,
+    number,
     seeing_encoder,
 )
 from sim.fidelity import FIDELITIES
@@ -29,6 +30,9 @@ Tables: TypeAlias = Callable[[argparse.Namespace], Iterator[Table]]
 PRESET = argument("--preset", choices=PRESETS, default="home", metavar="NAME", help=PRESET_HELP)
 SEVERAL_PRESETS = argument("--presets", nargs="+", choices=PRESETS, default=["home"], metavar="NAME", help=PRESET_HELP)
 FIDELITY = argument("--fidelity", choices=FIDELITIES, default="features", help=FIDELITY_HELP)
+RATE = argument(
+    "--rate", type=number(2.0, 120.0), metavar="HZ", help="frames per second (default: the usual number of the fidelity)"
+)
 OPENNESS = argument(
     "--openness",
     type=float,

@@ -15,6 +15,7 @@ from sim.commands.benchmarks.bench_options import (
     FILES,
     HOUSES,
     PRESET,
+    RATE,
     SEVERAL_PRESETS,
     printing,
     seeds_of,
@@ -27,14 +28,16 @@ if TYPE_CHECKING:
 
 
 def _openness(arguments: argparse.Namespace) -> Iterator[Table]:
-    return _sweep(arguments, "openness", None)
+    return _sweep(arguments, "openness")
 
 
 def _sweep_over(arguments: argparse.Namespace) -> Iterator[Table]:
-    return _sweep(arguments, arguments.over, arguments.length)
+    return _sweep(arguments, arguments.over, arguments.length, arguments.rate)
 
 
-def _sweep(arguments: argparse.Namespace, over: str, length_m: float | None) -> Iterator[Table]:
+def _sweep(
+    arguments: argparse.Namespace, over: str, length_m: float | None = None, rate_hz: float | None = None
+) -> Iterator[Table]:
     from sim.bench.peers.difficulty_sweep import DIFFICULTIES, means, sweep, write_sweep
     from sim.bench.row_files import check_files
     from sim.report.figures import shown
@@ -42,7 +45,7 @@ def _sweep(arguments: argparse.Namespace, over: str, length_m: float | None) -> 
     check_files(*arguments.out)
     seeds, difficulty = seeds_of(arguments), DIFFICULTIES[over]
     total = len(difficulty.methods) * len(difficulty.values) * len(seeds)
-    rows = list(tracked(sweep(arguments.preset, seeds, difficulty, length_m), total, "runs"))
+    rows = list(tracked(sweep(arguments.preset, seeds, difficulty, length_m, rate_hz), total, "runs"))
     for path in arguments.out:
         write_sweep(rows, over, path)
     title = (
@@ -115,7 +118,7 @@ def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
     if arguments.tune and arguments.out:
         raise SimError("--tune writes no files; valid: --tune without --out")
     presets, seeds = arguments.presets, seeds_of(arguments)
-    walks = tracked(record_walks(presets, seeds, arguments.length), len(presets) * len(seeds), "walks")
+    walks = tracked(record_walks(presets, seeds, arguments.length, arguments.rate), len(presets) * len(seeds), "walks")
     if arguments.tune:
         yield _tuned_places(walks)
         return
@@ -233,6 +236,7 @@ BENCHMARKS = (
                 metavar="M",
                 help="length of the walks in metres; longer where the rooms of a house demand it (default: the usual)",
             ),
+            RATE,
             FILES,
             SEED,
         ),
@@ -265,6 +269,7 @@ BENCHMARKS = (
                 default=250.0,
                 help="length of every walk in metres (default: %(default)s)",
             ),
+            RATE,
             FILES,
             argument("--tune", action="store_true", help="find the best settings of all methods on these walks instead"),
             SEED,

@@ -18,6 +18,7 @@ from sim.commands.benchmarks.bench_options import (
     HOUSES,
     OPENNESS,
     PRESET,
+    RATE,
     SEVERAL_PRESETS,
     printing,
     seeds_of,
@@ -173,13 +174,15 @@ def _planning(arguments: argparse.Namespace) -> Iterator[Table]:
 def _queries(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.queries import SETS, Answered, QueriesRow, ask_houses, row_of
     from sim.harness import Scenario
+    from sim.harness.world_tests import RENDER_FRAME_RATE_HZ
     from sim.report.figures import shown
 
     title = escape(f"{arguments.preset}, encoder {arguments.encoder}")
     table = Table("seed", "list", *(field.name.replace("_", " ") for field in fields(QueriesRow)), title=title)
     failures = Table("seed", "list", "failed question", "best room", "said", title_justify="left")
     everything: dict[str, list[Answered]] = {name: [] for name in SETS}
-    config = Scenario(preset=arguments.preset, encoder=arguments.encoder)
+    rate_hz = arguments.rate or RENDER_FRAME_RATE_HZ
+    config = Scenario(preset=arguments.preset, encoder=arguments.encoder, frame_rate_hz=rate_hz)
     for house, name, answered in ask_houses(config, seeds_of(arguments)):
         everything[name] += answered
         table.add_row(str(house), name, *(shown(value, "{:.3g}") for value in astuple(row_of(answered))))
@@ -290,7 +293,7 @@ BENCHMARKS = (
         printing(_queries),
         "everyday questions to the maps of generated homes, with a list of those that fail",
         "lexis-sim bench queries --preset home --houses 3 --seed 600",
-        (PRESET, HOUSES, ENCODER, SEED),
+        (PRESET, HOUSES, RATE, ENCODER, SEED),
     ),
     Action(
         "fidelity",

@@ -20,6 +20,15 @@ def test_every_method_finds_rooms_in_the_same_house(monkeypatch):
     assert rows[1].pq > rows[0].pq and [row.labels for row in rows] == [None, None]
 
 
+@pytest.mark.parametrize(("name", "asked", "rate_hz"), [("light", None, 10.0), ("light", 5.0, 5.0), ("clutter", None, 2.0)])
+def test_a_sweep_has_the_frame_rate_that_is_asked_for_or_the_usual_one(name, asked, rate_hz, monkeypatch):
+    scenarios = []
+    monkeypatch.setattr(module, "run_side_by_side", lambda scenario, slams: scenarios.append(scenario) or {})
+    assert not list(sweep("home", (901, 902), DIFFICULTIES[name], rate_hz=asked))
+    assert len(scenarios) == 2 * len(DIFFICULTIES[name].values)
+    assert {scenario.frame_rate_hz for scenario in scenarios} == {rate_hz}
+
+
 @pytest.mark.parametrize("name", sorted(set(DIFFICULTIES) - {"spacing"}))
 def test_a_difficulty_changes_the_run_and_nothing_else(name):
     difficulty, usual = DIFFICULTIES[name], Scenario(preset="home", seed=901)

@@ -41,7 +41,7 @@ def test_files_hold_the_rows_and_drawings(found, tmp_path):
 @pytest.mark.parametrize(("options", "shown"), [((), "look-alike room"), (("--tune",), "least score")])
 def test_the_command_prints_what_was_found_on_the_walks(found, options, shown, rng, monkeypatch, tmp_path, capsys):
     walks = [walk_of(two_laps(rng, noise=0.5)) for _ in range(2)]
-    monkeypatch.setattr("sim.bench.peers.place_walks.record_walks", lambda presets, seeds, length_m: iter(walks))
+    monkeypatch.setattr("sim.bench.peers.place_walks.record_walks", lambda presets, seeds, length_m, rate_hz: iter(walks))
     monkeypatch.setattr("sim.bench.peers.place_tuning.SEARCHES", {"sequences": SettingsSearch(SequenceMatching)})
     files = () if options else ("--out", str(tmp_path / "rows.csv"))
     assert main(["bench", "fig5", "--presets", "home", "--houses", "2", *files, *options]) == 0
