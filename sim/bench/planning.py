@@ -19,6 +19,7 @@ from sim.errors import SimError
 from sim.harness import Run, Scenario, run, try_plans
 from sim.harness.adapters import Lexis
 from sim.harness.planning import Steering, Trial
+from sim.output_files import make_output_folder
 from sim.report.drive_picture import drive_png
 
 DRIVERS: "MappingProxyType[str, tuple[Steering, bool]]" = MappingProxyType(
@@ -65,7 +66,7 @@ def drive_houses(
         if driver not in DRIVERS:
             raise SimError(f"no driver {driver!r}; valid: {', '.join(DRIVERS)}")
     if pictures is not None:
-        _make_folder(pictures)
+        make_output_folder(pictures)
     slam = Lexis(config.encoder)
     for own in configs(config, seeds, openness):
         finished = run(own, slam)
@@ -83,13 +84,6 @@ def _row(seed: int, driver: str, trials: Sequence[Trial], seconds: float) -> Pla
     shortest, travelled = np.array([(t.shortest_m, t.travelled_m) for t in trials], float).reshape(-1, 2).T
     touched = sum(trial.collisions for trial in trials)
     return PlanningRow(seed, driver, len(trials), success_rate(success), spl(success, shortest, travelled), touched, seconds)
-
-
-def _make_folder(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise SimError(f"{folder}: cannot hold pictures: {error.strerror}; valid: a folder, or a new name") from None
 
 
 def _draw(finished: Run, trials: Sequence[Trial], folder: Path) -> None:

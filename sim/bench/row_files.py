@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 from lexis.files.replace import replaced_file
 from sim.errors import SimError
+from sim.output_files import check_output_file
 
 _Row = TypeVar("_Row")
 PICTURES = (".png", ".svg")
@@ -43,19 +44,11 @@ def check_files(*paths: Path | None, valid: Sequence[str] = (".csv", *PICTURES))
     for path in paths:
         if path is None:
             continue
-        check_folder(path)
+        check_output_file(path)
         if path.suffix not in valid:
             raise SimError(f"{path}: unknown ending; valid: {', '.join(valid)}")
         if path.suffix in PICTURES:
             import_matplotlib()
-
-
-def check_folder(path: Path) -> None:
-    """Raise `SimError` unless the folder of a file exists, and the file itself is no folder."""
-    if not path.parent.is_dir():
-        raise SimError(f"{path}: no folder {path.parent}; valid: a file in a folder that exists")
-    if path.is_dir():
-        raise SimError(f"{path}: is a folder; valid: the name of a file")
 
 
 @contextmanager

@@ -11,6 +11,7 @@ from rich.progress import Progress
 from lexis.command_line import Commands, add_command, positive
 from sim.commands.arguments import ENCODER_HELP, SEED
 from sim.errors import SimError
+from sim.output_files import check_output_file
 
 if TYPE_CHECKING:
     from lexis.encoder.open_clip_encoder import OpenClipEncoder
@@ -56,8 +57,7 @@ def _calibrate(arguments: argparse.Namespace) -> int:
     if arguments.out is None and arguments.encoder != MINI:
         raise SimError(f"--out is missing: only the calibration of {MINI!r} has a default file; valid: --out FILE.json")
     out: Path = arguments.out or MINI_CALIBRATION
-    if not out.absolute().parent.is_dir():
-        raise SimError(f"--out {out}: its folder does not exist; valid: a file in a folder that exists")
+    check_output_file(out)
     encoder = load_encoder(arguments.encoder)
     calibration = fit_calibration(encoder, _asked(tuning_houses(arguments.houses, arguments.seed), encoder, arguments.seed))
     save_calibration(calibration, out)

@@ -15,6 +15,7 @@ from sim.commands.run import progress_bar
 from sim.commands.slams import is_lexis, program_of, refuse_program_options, replay_of, runner_of, slam_factory
 from sim.durations import duration_s
 from sim.errors import SimError
+from sim.output_files import check_output_file
 
 if TYPE_CHECKING:
     from sim.suites.checks import NewSlam
@@ -76,7 +77,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
     suite = _suite(arguments)
     for path in (arguments.json, arguments.picture):
         if path is not None:
-            _refuse_unwritable(path)
+            check_output_file(path)
     before = None if arguments.against is None else EarlierRun.read(arguments.against)
     if before is not None:
         before.refuse_other_scenarios(runnable(suite, new_slam), arguments.seed)
@@ -98,14 +99,6 @@ def run_suite(arguments: argparse.Namespace) -> int:
         print(f"failed: {', '.join(worse)} worse than in {arguments.against}", file=sys.stderr)
     _search_smallest(report, new_slam, arguments)
     return 0 if report.ok and not worse and (before is None or comparison is not None) else 1
-
-
-def _refuse_unwritable(path: Path) -> None:
-    """Raise SimError if the folder of an output file does not exist, or if its name belongs to anything but a file."""
-    if not path.absolute().parent.is_dir():
-        raise SimError(f"{path}: its folder does not exist; valid: a file in an existing folder")
-    if path.exists() and not path.is_file():
-        raise SimError(f"{path}: is {'a folder' if path.is_dir() else 'a device or a pipe'}; valid: the name of a file")
 
 
 def _suite(arguments: argparse.Namespace) -> "Suite":

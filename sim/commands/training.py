@@ -1,14 +1,13 @@
 """`lexis-sim train-encoder`: train the weights of the encoder `mini` again."""
 
 import argparse
-import tempfile
 from pathlib import Path
 
 from rich.console import Console
 
 from lexis.command_line import Commands, add_command, positive
 from sim.commands.arguments import SEED, folder
-from sim.errors import SimError
+from sim.output_files import make_output_folder
 
 
 def add_to(commands: Commands) -> None:
@@ -45,8 +44,8 @@ def _train(arguments: argparse.Namespace) -> int:
     from sim.training.command import MINI_WEIGHTS, TrainingRun, train_encoder
 
     out: Path = arguments.out or MINI_WEIGHTS
-    _check_writable("--work", arguments.work)
-    _check_writable("--out", out.parent)
+    make_output_folder(arguments.work)
+    make_output_folder(out.parent)
     run = TrainingRun(
         houses=arguments.houses,
         epochs=(arguments.epochs, arguments.align_epochs),
@@ -59,14 +58,3 @@ def _train(arguments: argparse.Namespace) -> int:
     )
     train_encoder(run, Console())
     return 0
-
-
-def _check_writable(option: str, folder: Path) -> None:
-    """Make the folder and check that it can be written, before hours of training. Raises `SimError` if it cannot."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        tempfile.TemporaryFile(dir=folder).close()
-    except OSError as error:
-        raise SimError(
-            f"{option} in {folder}: cannot be written: {error.strerror}; valid: a folder that can be made and written to"
-        ) from None

@@ -41,9 +41,9 @@ def _learn(arguments: argparse.Namespace) -> int:
     from sim.baselines.places.dbow2_file import write_dbow2
     from sim.baselines.places.descriptors import training_descriptors
     from sim.baselines.places.word_tree import WordTree
-    from sim.bench.row_files import check_folder
+    from sim.output_files import check_output_file
 
-    check_folder(arguments.out)
+    check_output_file(arguments.out)
     if arguments.branching**arguments.depth > _MOST_WORDS:
         raise SimError(f"{arguments.branching} to the power of {arguments.depth} words; valid: up to {_MOST_WORDS}")
     images = training_descriptors().orb

@@ -27,6 +27,7 @@ def run_all(arguments: argparse.Namespace) -> int:
     from sim.bench.benchmark_list import FULL, QUICK, benchmarks
     from sim.bench.collection import collect
     from sim.errors import SimError
+    from sim.output_files import make_output_folder
 
     listed = benchmarks(QUICK if arguments.quick else FULL, arguments.out, arguments.pose_graphs)
     chosen = [each for each in listed if arguments.only in each.name]
@@ -35,10 +36,7 @@ def run_all(arguments: argparse.Namespace) -> int:
     for file in arguments.pose_graphs:
         if not file.is_file():
             raise SimError(f"--pose-graphs: no file {file}; valid: g2o files")
-    try:
-        arguments.out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise SimError(f"--out {arguments.out}: {error.strerror}; valid: a folder that can be written") from None
+    make_output_folder(arguments.out)
     failed = 0
     columns = TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TextColumn("left:"), TimeRemainingColumn()
     console = Console(file=sys.stderr)

@@ -21,6 +21,7 @@ from sim.commands.benchmarks.bench_options import (
 from sim.commands.earlier_run import EarlierRun
 from sim.durations import duration_s
 from sim.errors import SimError
+from sim.output_files import check_output_file
 
 _OWN_PYTESTS = 10
 """Approximate number of reduced scenarios whose replay tests pytest also runs in a process of its own."""
@@ -30,7 +31,6 @@ def _mutation(arguments: argparse.Namespace) -> int:
     """Print a line for each mutant as soon as it is graded, and a table; return 1 if unchanged LEXIS fails a check."""
     from sim.bench.mutation import MUTANTS, grade
     from sim.bench.mutation.grading import counts, end_suites, markdown_table, read_grades, write_grade
-    from sim.bench.row_files import check_folder
     from sim.suites.catalogue import suite_named
 
     laws, before, chosen = not arguments.no_laws, arguments.against, suite_named(arguments.suite)
@@ -38,7 +38,7 @@ def _mutation(arguments: argparse.Namespace) -> int:
     if not wanted:
         raise SimError(f"--only {arguments.only!r:.60}: no mutant has this text in its name; valid: part of a name")
     if arguments.out is not None:
-        check_folder(arguments.out)
+        check_output_file(arguments.out)
     if before is not None:
         EarlierRun.read(before).refuse_other_scenarios(chosen, arguments.seed)
     graded = partial(grade, suite=arguments.suite, workers=1, laws=laws, smallest=arguments.smallest, before=before)

@@ -100,7 +100,7 @@ def test_what_is_to_be_read_and_is_not_there_costs_one_line(parser, tmp_path, mo
         (["all", "-o", "tables", "--pose-graphs", "missing.g2o"], "--pose-graphs: no file missing.g2o; valid: g2o files"),
         (
             ["all", "-o", "/proc/tables"],
-            "--out /proc/tables: No such file or directory; valid: a folder",
+            "/proc/tables: cannot be written: No such file or directory; valid: a folder",
         ),
     ],
 )

@@ -1,0 +1,25 @@
+"""Checks of the files and folders that a command is to write, before minutes or hours of work."""
+
+import tempfile
+from pathlib import Path
+
+from sim.errors import SimError
+
+
+def check_output_file(path: Path) -> None:
+    """Raise `SimError` unless the folder of a file exists, and nothing but a file has its name."""
+    if not path.absolute().parent.is_dir():
+        raise SimError(f"{path}: its folder does not exist; valid: a file in a folder that exists")
+    if path.exists() and not path.is_file():
+        raise SimError(f"{path}: is {'a folder' if path.is_dir() else 'a device or a pipe'}; valid: the name of a file")
+
+
+def make_output_folder(folder: Path) -> None:
+    """Make a folder unless it exists. Raises `SimError` if it cannot be made, or if no file can be written in it."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        raise SimError(
+            f"{folder}: cannot be written: {error.strerror}; valid: a folder that can be made and written to"
+        ) from None
