@@ -1,0 +1,99 @@
+"""`lexis-sim check --suite` prints and writes verdicts, and refuses options that cannot be used."""
+
+import json
+import re
+from dataclasses import replace
+
+import pytest
+from helpers.flat_suite import (
+    FLAT,
+    PART,
+    Oracle,
+    WrongLabels,
+    outcomes,
+)
+from helpers.open_flat import OPEN_FLAT
+from helpers.planted_commands import program
+
+from sim.cli import main
+from sim.harness.adapters import OdometryOnly
+from sim.programs import Program
+from sim.suites.consistency import CONSISTENCY
+from sim.suites.examination import COMPLETES
+from sim.suites.laws import LAWS
+from sim.suites.report import check_slam
+from sim.suites.suite import claims
+from sim.verdicts import load_results
+
+
+def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": FLAT})
+    slam = ["--slam", "sim.harness.adapters:GeometricRooms", "--workers", "1"]
+    assert main(["check", "--suite", "flat", *slam, "--json", str(tmp_path / "all.json")]) == 0
+    assert re.search(r"^holds +2 of 2 +wanted: 100%  flat: the run completes$", capsys.readouterr().out, re.MULTILINE)
+    assert len(load_results(tmp_path / "all.json")) == 2
+    assert json.loads((tmp_path / "all.json").read_text())["ok"] is True
+    assert main(["check", "--suite", "flat", *slam, "-x", "--limit", "floors.accuracy=1.1"]) == 1
+    assert "failed: flat: floors.accuracy >= 1.1: kept in 0 of 2 houses (wanted: in 95%;" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--suite", "flats"], "unknown suite 'flats'"),
+        (["--suite", "homes", "--preset", "ori"], "--preset is given beside --suite"),
+        (["--suite", "homes", "--fails", "rooms.pq < 1"], "--fails is given beside --suite"),
+        (["--suite", "homes", "--command", "x {dataset}"], "has no {out}; valid: such as"),
+        (["--suite", "homes", "--timeout", "9"], "--timeout is for programs; valid: with --command"),
+        (["--budget", "9s"], "--budget is for suites; valid: with --suite"),
+        (["--suite", "homes", "--limit", "rooms.qp=1"], "has no claim about 'rooms.qp'"),
+        (["-x"], "--exitfirst is for suites; valid: with --suite"),
+        (["--suite", "homes", "--limit", "rooms.pq=nan"], "the limit of rooms.pq is nan; valid: a finite number"),
+        (["--suite", "homes", "--json", "no/such/folder.json"], "its folder does not exist"),
+        (["--suite", "homes", "--json", "."], ".: is a folder; valid: the name of a file"),
+        (["--suite", "homes", "--picture", "."], ".: is a folder; valid: the name of a file"),
+        (["--suite", "homes", "--json", "/dev/null"], "/dev/null: is a device or a pipe; valid: the name of a file"),
+    ],
+)
+def test_options_that_cannot_be_used_are_refused_before_the_run(options, message, capsys, monkeypatch):
+    monkeypatch.setattr("sim.suites.report.check_slam", None)
+    assert main(["check", *options]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_the_command_compares_with_the_results_of_an_earlier_version(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": replace(FLAT, parts=(replace(PART, checks=(), n=10),))})
+    monkeypatch.setattr("sim.commands.check_suite._new_slam", lambda arguments: Oracle)
+    options = ["check", "--suite", "flat", "--workers", "1"]
+    before, same = tmp_path / "before.json", tmp_path / "same.json"
+    assert main([*options, "--json", str(before)]) == 0
+    assert main([*options, "--json", str(same), "--against", str(before)]) == 0
+    assert json.loads(same.read_text())["worse"] == []
+    monkeypatch.setattr("sim.commands.check_suite._new_slam", lambda arguments: WrongLabels)
+    assert main([*options, "--against", str(before)]) == 1
+    assert "failed: labels.accuracy" in capsys.readouterr().err
+    assert main([*options, "--seed", "8", "--against", str(before)]) == 2
+    assert "has no results of the suite flat with seed 8; valid:" in capsys.readouterr().err
+
+
+def test_a_program_is_checked_on_images_by_what_needs_no_change_of_its_input(capsys, monkeypatch):
+    checks = (*claims(0.9, "trajectory.ate_m <= 1.0"), LAWS["same run twice"], *CONSISTENCY)
+    part = replace(PART, draw=lambda rng, number: replace(OPEN_FLAT, encoder="mini", length_m=8.0), checks=checks, n=1)
+    monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": replace(FLAT, parts=(part,))})
+    assert main(["check", "--suite", "flat", "--workers", "1", "--command", program("drift")]) == 0
+    shown = capsys.readouterr().out
+    assert re.search(r"^holds +1 of 1 +wanted: 100%  flat: steps follow the odometry$", shown, re.MULTILINE)
+    assert re.search(r"^not claimed +0 of 0 +wanted: 100%  flat: same run twice$", shown, re.MULTILINE)
+    assert main(["check", "--suite", "flat", "--workers", "1", "--command", "false {dataset} {out}"]) == 1
+    assert "the SLAM ends with exit status 1" in capsys.readouterr().err
+    report = check_slam(Program("true {dataset} {out}"), "flat")
+    assert outcomes(report)[COMPLETES] == "fails" and "trajectory.tum" in str(report)
+
+
+def test_a_suite_ends_when_its_time_is_over(capsys, monkeypatch):
+    for workers in (1, 2):
+        assert [each.number for each in check_slam(OdometryOnly, FLAT, workers=workers, budget_s=1e-9).examined] == [0]
+    monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": FLAT})
+    slam = "sim.harness.adapters:OdometryOnly"
+    assert main(["check", "--suite", "flat", "--workers", "1", "--slam", slam, "--budget", "0.001s"]) == 0
+    assert "1 of 2 scenarios were examined" in capsys.readouterr().out
