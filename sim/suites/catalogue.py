@@ -331,7 +331,7 @@ IMAGES = SuitePart(
         *claims(0.9, "trajectory.ate_m <= 0.062", "trajectory.ate_m <= 0.72 * trajectory.ate_odometry_m"),
         *claims(0.5, "labels.accuracy >= 0.86", "rooms.pq >= 0.75", "loops.recall >= 0.92", "loops.precision >= 0.99"),
         *claims(0.5, "trajectory.ate_m <= 0.053", "trajectory.ate_m <= 0.52 * trajectory.ate_odometry_m"),
-        *_laws("axes of the body", "reused arrays", "jumbled images are not recognised"),
+        *_laws("axes of the body, on images", "reused arrays", "jumbled images are not recognised"),
     ),
     n=8,
     on_images=True,
