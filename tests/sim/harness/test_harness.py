@@ -34,7 +34,7 @@ CONTRACT = {
         "count_error",
     },
     "floors": {"accuracy", "count_error"},
-    "loops": {"proposed", "verified", "true", "false", "precision", "recall"},
+    "loops": {"proposed", "verified", "true", "false", "precision", "recall", "error_m", "error_rad"},
     "place_recognition": {"1", "3", "5"},
     "coverage": {"rooms_with_keyframe", "rooms_walked", "path_covered"},
     "planning": {"queries", "success", "spl", "collisions"},
