@@ -25,7 +25,7 @@ CONTRACT = {
         "count_error",
     ],
     "floors": ["accuracy", "count_error"],
-    "loops": ["proposed", "verified", "true", "false", "precision", "recall"],
+    "loops": ["proposed", "verified", "true", "false", "precision", "recall", "error_m", "error_rad"],
     "place_recognition": [],
     "trajectory": ["ate_odometry_m", "ate_m", "rpe_8m_odometry_m", "rpe_8m_m", "rpe_24m_odometry_m", "rpe_24m_m"],
     "planning": ["queries", "success", "spl", "collisions"],
