@@ -34,7 +34,7 @@ QUICK = Extent(
     houses=2,
     fidelity="features",
     walk=75,
-    sweep="--length 60 --rate 5",
+    sweep="--length 60",
     rate=5,
     encoders="home",
     drivers="LEXIS odometry",
@@ -70,6 +70,8 @@ class Benchmark:
 
 _PRESETS = ("uh2-apt", "uh2-office", "ori", "home")
 """The presets that are named like the datasets of the paper."""
+_RENDERED_SWEEP = "--houses {houses} {sweep} --rate {rate} --seed 500"
+"""Arguments of the sweeps that need images."""
 _LIST = (
     ("table2", "table2 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table2.csv", 30),
     ("fig5", "fig5 --presets ori home --houses {houses} --length {walk} --rate {rate} --seed 500 --out {out}/fig5.csv", 145),
@@ -78,8 +80,8 @@ _LIST = (
     ("clutter", "sweep clutter --houses {houses} --seed 500 --out {out}/clutter.csv {out}/clutter.png", 15),
     ("odometry", "sweep odometry --houses {houses} --seed 500 --out {out}/odometry.csv {out}/odometry.png", 15),
     ("spacing", "sweep spacing --houses {houses} --seed 500 --out {out}/spacing.csv {out}/spacing.png", 20),
-    ("light", "sweep light --houses {houses} {sweep} --seed 500 --out {out}/light.csv {out}/light.png", 120),
-    ("texture", "sweep texture --houses {houses} {sweep} --seed 500 --out {out}/texture.csv {out}/texture.png", 125),
+    ("light", f"sweep light {_RENDERED_SWEEP} --out {{out}}/light.csv {{out}}/light.png", 120),
+    ("texture", f"sweep texture {_RENDERED_SWEEP} --out {{out}}/texture.csv {{out}}/texture.png", 125),
     ("places", "places --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 60),
     ("kernels", "kernels --houses {houses} --seed 500 --csv {out}/kernels.csv --plot {out}/kernels.png", 20),
     ("sessions", "sessions --houses {houses} --seed 500", 25),
