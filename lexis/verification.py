@@ -10,7 +10,9 @@ For each candidate of a query keyframe:
 3. Require enough inliers, spread over one image: a poster or another repeated object matches in one spot only.
 4. Estimate the covariance of the pose, and refuse a pose whose position the landmarks leave too uncertain.
 5. Refuse a loop too far from the current estimate, because odometry drifts only little per metre, and least in height.
-6. Keep the loops with the most inliers, up to `max_edges` per query.
+6. Refuse loops that contradict the other loops of the same query. Several candidates show the same place, so their loops
+   have to lead to the same pose of the query.
+7. Keep the loops with the most inliers, up to `max_edges` per query.
 
 The first four steps are in `lexis.locator`.
 """
@@ -25,8 +27,8 @@ from jaxtyping import Bool, Float64
 from lexis.config import VerificationConfig
 from lexis.graph.pose_graph import PoseGraph
 from lexis.locator import Locator
-from lexis.maths.se3 import between, rotation_angle
-from lexis.types import Camera, Keyframe, LoopEdge, Poses, Verdict
+from lexis.maths.se3 import between, log, rotation_angle
+from lexis.types import Camera, Keyframe, LoopArrays, LoopEdge, Outcome, Poses, Verdict
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +73,7 @@ def verify(
 def plausible(
     located: Sequence[tuple[Verdict, LoopEdge | None]], graph: PoseGraph, config: VerificationConfig
 ) -> Verification:
-    """Keep the loop edges of one new keyframe that are close to the current estimate of the poses.
+    """Keep the loop edges of one new keyframe that are close to the current estimate of the poses and agree with each other.
 
     At most `max_edges` are kept, those with the most inliers first.
 
@@ -82,9 +84,12 @@ def plausible(
     """
     judged = [(verdict if edge is None else _compared(verdict, edge, graph, config), edge) for verdict, edge in located]
     fitting = [edge for verdict, edge in judged if edge is not None and verdict.outcome == "accepted"]
-    kept = sorted(fitting, key=lambda edge: -edge.inliers)[: config.max_edges]
-    surplus = {edge.match for edge in fitting} - {edge.match for edge in kept}
-    verdicts = (replace(verdict, outcome="surplus") if verdict.match in surplus else verdict for verdict, _ in judged)
+    agreeing = _agreeing(sorted(fitting, key=lambda edge: -edge.inliers), graph, config)
+    kept = agreeing[: config.max_edges]
+    outcomes: dict[int, Outcome] = {edge.match: "contradicted" for edge in fitting}
+    outcomes |= {edge.match: "surplus" for edge in agreeing}
+    outcomes |= {edge.match: "accepted" for edge in kept}
+    verdicts = (replace(verdict, outcome=outcomes.get(verdict.match, verdict.outcome)) for verdict, _ in judged)
     return Verification(tuple(kept), tuple(verdicts))
 
 
@@ -101,6 +106,26 @@ def _compared(verdict: Verdict, edge: LoopEdge, graph: PoseGraph, config: Verifi
     return replace(
         verdict, outcome=outcome, misfit_m=distance, misfit_rad=float(rotation_angle(between(measured, estimated)))
     )
+
+
+def _agreeing(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig) -> list[LoopEdge]:
+    """Return the largest group of loop edges that agree with one edge of the group on the pose of their query, in order.
+
+    The size of a group is the number of its inliers. Two edges agree if the difference of their poses is likely, given their
+    covariances and the drift of the path between the two earlier keyframes.
+    """
+    if len(edges) < 2:
+        return list(edges)
+    loops = LoopArrays.of(edges)
+    T_W_query = graph.T_W_B[loops.match] @ loops.T_match_query
+    off = log(between(T_W_query[:, None], T_W_query[None]))
+    at_m = graph.path_m[loops.match]
+    drift = np.abs(at_m[:, None] - at_m)[..., None] * np.repeat([config.gate_rad_m, config.gate_share], 3)
+    covariance = loops.covariance[:, None] + loops.covariance[None] + drift[..., None] ** 2 * np.eye(6)
+    squared = (off * np.linalg.solve(covariance, off[..., None])[..., 0]).sum(axis=-1)
+    agree = squared <= config.max_contradiction
+    largest = int((agree @ loops.inliers).argmax())
+    return [edge for edge, agrees in zip(edges, agree[largest].tolist(), strict=True) if agrees]
 
 
 def within_drift(

@@ -22,8 +22,8 @@ from lexis.place_recognition import most_similar_keyframes
 from lexis.types import Keyframe, LoopArrays, LoopEdge, Pose
 from lexis.verification import within_drift
 
-_ANY_M, _ANY_RAD = 1e9, 4.0
-"""Tolerances that admit every pose [m, rad]."""
+_ANY_M, _ANY_RAD, _ANY_CONTRADICTION = 1e9, 4.0, 1e18
+"""Tolerances that admit every pose [m, rad, squared Mahalanobis distance]."""
 
 
 def candidates_elsewhere(query: Keyframe, graph: PoseGraph, config: SessionConfig) -> tuple[int, ...]:
@@ -35,8 +35,11 @@ def candidates_elsewhere(query: Keyframe, graph: PoseGraph, config: SessionConfi
 
 
 def at_any_distance(config: VerificationConfig) -> VerificationConfig:
-    """Return settings with which loops are verified however far they are from the current estimate."""
-    return replace(config, gate_m=_ANY_M, gate_rad=_ANY_RAD)
+    """Return settings with which loops are verified however far they are from the current estimate and from each other.
+
+    `Relocaliser` compares the loops of several keyframes, so that it has to get all loops.
+    """
+    return replace(config, gate_m=_ANY_M, gate_rad=_ANY_RAD, max_contradiction=_ANY_CONTRADICTION)
 
 
 class Relocaliser:

@@ -221,3 +221,37 @@ def test_candidates_with_fewer_inliers_than_the_best_are_surplus(world, true):
     verified = verify(query, range(5), graph_of(*earlier, query), FORWARD_CAMERA, config)
     assert [verdict.outcome for verdict in verified.verdicts] == ["surplus"] * 3 + ["accepted"] * 2
     assert {edge.match for edge in verified.edges} == {3, 4}
+
+
+def judged(world, true, errors_m, inliers, order=None, step_m=0.5):
+    """Outcomes of loops from one query to keyframes on a straight path, by match; the loops have errors in x."""
+    count = len(errors_m)
+    poses = [*(se3.exp(np.array([0.0, 0.0, 0.0, step_m * i, 0.0, 0.0])) for i in range(count)), true]
+    graph = graph_of(*(keyframe(i, pose, *world) for i, pose in enumerate(poses)))
+    covariance = np.diag(np.repeat([0.005, 0.03], 3) ** 2)
+    located = []
+    for i in range(count) if order is None else order:
+        measured = se3.between(poses[i], true) @ se3.exp(np.array([0.0, 0.0, 0.0, errors_m[i], 0.0, 0.0]))
+        located.append((Verdict(count, i, "accepted"), LoopEdge(count, i, measured, covariance, inliers[i])))
+    verified = plausible(located, graph, CONFIG)
+    outcomes = {verdict.match: verdict.outcome for verdict in verified.verdicts}
+    assert {edge.match for edge in verified.edges} == {match for match, outcome in outcomes.items() if outcome == "accepted"}
+    return outcomes
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0)])
+def test_a_loop_that_contradicts_the_others_of_its_query_is_refused(world, true, order):
+    outcomes = judged(world, true, [0.0, 0.3, 0.01], [30, 50, 40], order)
+    assert outcomes == {0: "accepted", 1: "contradicted", 2: "accepted"}
+
+
+def test_of_two_loops_that_contradict_each_other_the_one_with_more_inliers_is_kept(world, true):
+    assert judged(world, true, [0.0, 0.3], [30, 50]) == {0: "contradicted", 1: "accepted"}
+
+
+def test_loops_with_errors_within_their_covariances_agree(world, true):
+    assert set(judged(world, true, [0.0, 0.06, -0.06], [30, 50, 40]).values()) == {"accepted"}
+
+
+def test_loops_to_keyframes_far_apart_may_differ_by_the_drift_between_them(world, true):
+    assert set(judged(world, true, [0.0, 0.3], [30, 50], step_m=10.0).values()) == {"accepted"}
