@@ -185,13 +185,14 @@ class LoopEdge:
 
 
 Outcome = Literal[
-    "accepted", "few matches", "few inliers", "crowded inliers", "uncertain position", "far from the estimate",
-    "contradicted", "surplus", "unconfirmed",
+    "accepted", "few matches", "few inliers", "crowded inliers", "uncertain position", "far from the estimate", "surplus",
+    "unconfirmed", "contradicted",
 ]  # fmt: skip
-"""What became of a loop candidate. Inliers are crowded if they cover too little of the image. A candidate is contradicted
-if other loops of the same query, with more inliers in all, lead to another pose. It is surplus if enough others of the same
-query have more inliers. It is unconfirmed if a simulated verifier rejects it without a reason."""
+"""What became of a loop candidate. Inliers are crowded if they cover too little of the image. A candidate is surplus if
+enough others of the same query have more inliers. It is unconfirmed if a simulated verifier rejects it without a reason. It
+is contradicted if other loops of the same query, with more inliers in all, lead to another pose."""
 OUTCOMES: tuple[Outcome, ...] = get_args(Outcome)
+"""Saved maps contain the positions of outcomes in this list, so a new outcome belongs at its end."""
 
 
 @dataclass(frozen=True)
