@@ -12,6 +12,7 @@ from helpers.same_map import assert_same
 
 from lexis.errors import LexisError, MapError
 from lexis.map.folder import load_map, save_map
+from lexis.types import OUTCOMES
 
 
 @pytest.fixture
@@ -153,7 +154,7 @@ def rewritten(folder, **changes):
     ("changes", "says"),
     [
         ({"labels": np.full(40, 7)}, "labels"),
-        ({"verdict_outcome": np.full(6, 8)}, "verdict_outcome"),
+        ({"verdict_outcome": np.full(6, len(OUTCOMES))}, "verdict_outcome"),
         ({"verdict_counts": np.full((6, 3), -2)}, "verdict_counts"),
         ({"labels": np.zeros(39, int)}, "labels"),
         ({"labels": np.zeros(40)}, "labels"),
