@@ -7,11 +7,17 @@ from sim.errors import SimError
 
 
 def check_output_file(path: Path) -> None:
-    """Raise `SimError` unless the folder of a file exists, and nothing but a file has its name."""
+    """Raise `SimError` unless the folder of a file exists and can be written to, and nothing but a file has its name."""
     if not path.absolute().parent.is_dir():
         raise SimError(f"{path}: its folder does not exist; valid: a file in a folder that exists")
     if path.exists() and not path.is_file():
         raise SimError(f"{path}: is {'a folder' if path.is_dir() else 'a device or a pipe'}; valid: the name of a file")
+    try:
+        tempfile.TemporaryFile(dir=path.absolute().parent).close()
+    except OSError as error:
+        raise SimError(
+            f"{path}: cannot be written: {error.strerror}; valid: a file in a folder that can be written to"
+        ) from None
 
 
 def make_output_folder(folder: Path) -> None:

@@ -23,7 +23,8 @@ Argument: TypeAlias = Callable[[argparse.ArgumentParser], object]
 """A function that adds one argument to a parser."""
 
 ENCODER_HELP = "mini, MODEL[:PRETRAINED] or MODEL:PATH of open_clip (default: %(default)s)"
-FIDELITY_HELP = "features: no pixels, but what a model of the encoder makes of the true view (default: %(default)s)"
+_FEATURES_HELP = "features: no pixels, but what a model of the encoder makes of the true view"
+FIDELITY_HELP = f"{_FEATURES_HELP} (default: %(default)s)"
 ORACLE_HELP = "oracle: told the truth, for tests of what comes after the encoder; with --fidelity features"
 FEATURE_MODEL_HELP = "of --fidelity features, as 'lexis-sim fit-features' writes it (default: the one of mini)"
 TOUR_HELP = "path of the walk; both-ways: through every room and back along the same path (default: %(default)s)"
@@ -151,7 +152,8 @@ def add_scenario(parser: argparse.ArgumentParser) -> None:
     """Add all options that describe a run, and `--scenario` for a file that replaces them."""
     add_walk(parser, scenario=True)
     parser.add_argument("--encoder", default="mini", help=f"{ENCODER_HELP}; {ORACLE_HELP}")
-    parser.add_argument("--fidelity", choices=FIDELITIES, default="render", help=FIDELITY_HELP)
+    # The default is not stated here: beside --suite, whose scenarios are mostly features, "--fidelity render" is refused.
+    parser.add_argument("--fidelity", choices=FIDELITIES, help=f"{_FEATURES_HELP} (default: render)")
     parser.add_argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
     parser.add_argument("--rig", default="wide", metavar="NAME", help=RIG_HELP)
     parser.set_defaults(defaults_of_a_run={name: parser.get_default(name) for name in _DESCRIBES_A_RUN})
@@ -170,7 +172,7 @@ def scenario_of_arguments(arguments: argparse.Namespace) -> "Scenario":
         return Scenario.load(arguments.scenario)
     return Scenario(
         encoder=arguments.encoder,
-        fidelity=arguments.fidelity,
+        fidelity=arguments.fidelity or "render",
         feature_model=arguments.feature_model,
         rig=RigConfig(arguments.rig),
         **walk_options(arguments),

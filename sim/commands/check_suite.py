@@ -75,9 +75,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
     _refuse_scenario_options(arguments)
     new_slam, workers = _new_slam(arguments), arguments.workers or os.cpu_count() or 1
     suite = _suite(arguments)
-    for path in (arguments.json, arguments.picture):
-        if path is not None:
-            check_output_file(path)
+    _check_output_files(arguments)
     before = None if arguments.against is None else EarlierRun.read(arguments.against)
     if before is not None:
         before.refuse_other_scenarios(runnable(suite, new_slam), arguments.seed)
@@ -99,6 +97,17 @@ def run_suite(arguments: argparse.Namespace) -> int:
         print(f"failed: {', '.join(worse)} worse than in {arguments.against}", file=sys.stderr)
     _search_smallest(report, new_slam, arguments)
     return 0 if report.ok and not worse and (before is None or comparison is not None) else 1
+
+
+def _check_output_files(arguments: argparse.Namespace) -> None:
+    """Raise SimError unless the results and the picture can be written to the files that the options name."""
+    paths = [path for path in (arguments.json, arguments.picture) if path is not None]
+    for path in paths:
+        check_output_file(path)
+    if len({path.resolve() for path in paths}) < len(paths):
+        raise SimError(f"--json and --picture are both {arguments.json}; valid: two files")
+    if arguments.picture is not None and arguments.picture.suffix.lower() != ".svg":
+        raise SimError(f"--picture {arguments.picture}: the picture is an SVG; valid: a name that ends in .svg")
 
 
 def _suite(arguments: argparse.Namespace) -> "Suite":

@@ -29,11 +29,14 @@ def add_to(commands: Commands) -> None:
 
 def _compare(arguments: argparse.Namespace) -> int:
     from sim.harness import Claim
-    from sim.verdicts import StoredRun, compare_results
+    from sim.verdicts import StoredRun
 
     claims = [Claim.parse(text) for text in arguments.claim]
-    a, b = StoredRun.load(arguments.a), StoredRun.load(arguments.b)
-    comparison = compare_results(a.comparable_with(b), b.comparable_with(a), claims, confidence=arguments.confidence)
+    a, b = StoredRun.load(arguments.a), StoredRun.load(arguments.b, may_be_empty=True)
+    comparison = a.compared_with(b, claims, arguments.confidence)
+    if comparison is None:
+        print(f"failed: no scenario of {arguments.a} was completed for {arguments.b}, too", file=sys.stderr)
+        return 1
     print(comparison)
     if comparison.worse:
         print(f"failed: {', '.join(comparison.worse)} of {arguments.b} worse than of {arguments.a}", file=sys.stderr)

@@ -43,8 +43,7 @@ class EarlierRun:
 
         The result is None if no scenario was completed in both runs.
         """
-        from sim.verdicts import StoredRun, compare_results
+        from sim.verdicts import StoredRun
 
         later = StoredRun(report.results, frozenset(each.scenario.content_hash for each in report.examined))
-        a, b = self.stored.comparable_with(later), later.comparable_with(self.stored)
-        return compare_results(a, b) if {each.scenario for each in a} & {each.scenario for each in b} else None
+        return self.stored.compared_with(later)

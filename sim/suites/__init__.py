@@ -3,7 +3,7 @@
     from sim import check_slam
 
     report = check_slam(MySlam, suite="open-plan")
-    assert report.ok, report
+    assert report.ok, str(report)
 
 Read `catalogue` first: it lists the suites, with the scenarios of each. A `suite` consists of parts, and a part of scenarios
 with their `checks`. `laws` lists the laws that relate two runs, and `consistency` the laws about a single run, of which

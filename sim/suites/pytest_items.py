@@ -31,12 +31,11 @@ if TYPE_CHECKING:
     import pytest
 
 _NONE_EXPECTED: Mapping[str, str] = MappingProxyType({})
-_REMOVE = "remove the entry from expected_failures"
 _INSTEAD: Mapping[SuiteOutcome, str] = MappingProxyType(
     {
-        "holds": f"it holds now: {_REMOVE}",
+        "holds": "it holds now",
         "undecided": "it is undecided: more scenarios are needed",
-        "not claimed": f"it could not be decided in any scenario: {_REMOVE}",
+        "not claimed": "it could not be decided in any scenario",
         "not examined": "no scenario reaches it",
     }
 )
@@ -86,6 +85,7 @@ def slam_checks(
         raise SimError(
             f"slam_checks: expected_failures is {kind_of(expected_failures)}; valid: a mapping of 'part: check' to a reason"
         )
+    _check_reasons(expected_failures)
     chosen = runnable(suite_named(suite), new_slam)
     items = [Item(part, check) for part in chosen.parts for check in (COMPLETES, *(each.name for each in part.checks))]
     _check_names(expected_failures, items)
@@ -96,8 +96,8 @@ def slam_checks(
 
     @pytest.mark.parametrize("item", parameters)
     def test(item: Item) -> None:
-        reason = next((reason for pattern, reason in expected_failures.items() if fnmatchcase(item.name, pattern)), None)
-        _report(reports.verdict(item), reason)
+        pattern = next((pattern for pattern in expected_failures if fnmatchcase(item.name, pattern)), None)
+        _report(reports.verdict(item), pattern, "" if pattern is None else expected_failures[pattern])
 
     return test
 
@@ -139,18 +139,36 @@ def _tier(part: SuitePart) -> "pytest.MarkDecorator":
     return pytest.mark.render if is_rendered else pytest.mark.features
 
 
-def _report(verdict: CheckVerdict, reason: str | None) -> None:
-    """Let an item of pytest pass, fail, fail as expected, or be skipped. `reason` is that of an expected failure."""
+def _report(verdict: CheckVerdict, pattern: str | None, reason: str) -> None:
+    """Let an item of pytest pass, fail, fail as expected, or be skipped.
+
+    `pattern` is the entry of the expected failures that names this item, and `reason` the reason that it gives. Without such
+    an entry, `pattern` is None.
+    """
     import pytest
 
     if verdict.outcome == "fails":
-        if reason is not None:
+        if pattern is not None:
             pytest.xfail(reason)  # with pytest --runxfail, this does nothing
         pytest.fail(str(verdict), pytrace=False)
-    if reason is not None:
-        pytest.fail(f"expected to fail ({reason}), but {_INSTEAD[verdict.outcome]}\n{verdict}", pytrace=False)
+    if pattern is not None:
+        entry = f"remove {pattern!r}" if pattern == verdict.name else f"let {pattern!r} name fewer checks"
+        advice = "" if verdict.outcome == "undecided" else f": {entry} in expected_failures"
+        pytest.fail(f"expected to fail ({reason}), but {_INSTEAD[verdict.outcome]}{advice}\n{verdict}", pytrace=False)
     if verdict.outcome in ("not claimed", "not examined"):
         pytest.skip(str(verdict))
+
+
+def _check_reasons(expected: Mapping[str, str]) -> None:
+    for pattern, reason in expected.items():
+        if not isinstance(pattern, str):
+            raise SimError(
+                f"slam_checks: expected_failures has the key {pattern!r:.40}; valid: text, such as 'homes: a pause'"
+            )
+        if not isinstance(reason, str) or not reason.strip():
+            raise SimError(
+                f"slam_checks: the reason of {pattern!r:.80} is {reason!r:.40}; valid: text that says why it fails"
+            )
 
 
 def _check_names(expected: Mapping[str, str], items: list[Item]) -> None:

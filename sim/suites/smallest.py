@@ -1,9 +1,10 @@
 """The smallest scenario in which a check of a suite fails, and a test that replays it; for a claim, also its cause."""
 
+from contextlib import suppress
 from pathlib import Path
 
 from lexis.files.replace import replaced_folder
-from sim.errors import SimError
+from sim.errors import ClaimError, SimError
 from sim.harness.adapters.lexis import Lexis
 from sim.harness.blame_table import blame
 from sim.harness.crash import Runner
@@ -70,8 +71,8 @@ def write_smallest(
 ) -> str:
     """Write the smallest scenario in which a check fails into a folder of its own in `out`; return what was found, as text.
 
-    For a claim, the folder is like one of `lexis-sim shrink`, with a page that says why the SLAM fails. For any other check,
-    the folder holds the scenario, a short page, and a test that replays the failure. `runner` runs the same SLAM as
+    For a claim or a crash, the folder is like one of `lexis-sim shrink`, with a page that says why the SLAM fails. For any
+    other check, it holds the scenario, a short page, and a test that replays the failure. `runner` runs the same SLAM as
     `new_slam`, and `replay` is Python code that runs this SLAM. If the failure did not come back, the text says so.
 
     Raises `LexisError` if the folder cannot be written.
@@ -86,8 +87,7 @@ def _written(verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: R
     folder = out / slug_of(verdict.name)
     check = verdict.checked
     scenario = verdict.failures[0].scenario
-    if isinstance(check, ClaimCheck):
-        test = FailureTest(check.claim.opposite, runner)
+    if (test := _failure_test(check, scenario, runner)) is not None:
         reduction = reduce(scenario, test, DEADLINE_S)
         blamed = blame(reduction.scenario, test, is_lexis)
         write_failure(folder, reduction, test, blamed, replay)
@@ -106,6 +106,16 @@ def _written(verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: R
         found = f"replay: pytest {folder / 'test_replay.py'}"
     old, new = reduction.sizes
     return f"{verdict.name}: {old} -> {new}\n  {found}"
+
+
+def _failure_test(check: Check | None, scenario: Scenario, runner: Runner) -> FailureTest | None:
+    """Return the test with which `lexis-sim shrink` would search; None for a law, for invalid claims and for bad plans."""
+    if isinstance(check, ClaimCheck):
+        return FailureTest(check.claim.opposite, runner)
+    crash = FailureTest(None, runner)
+    with suppress(ClaimError):
+        return crash if check is None and crash(scenario) is not None else None
+    return None
 
 
 def _signature(check: Check | None, found: CheckFinding) -> Signature | None:

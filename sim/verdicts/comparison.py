@@ -53,6 +53,7 @@ FIGURES: Mapping[str, Rule] = MappingProxyType(
         "loops.false": Rule(-1, 0.5),
         "place_recognition.1.precision": Rule(1, 0.0005),
         "trajectory.ate_m": Rule(-1, 0.001),
+        "trajectory.rpe_8m_m": Rule(-1, 0.001),
         "planning.success": Rule(1, 0.002),
         "coverage.path_covered": Rule(1, 0.002),
     }

@@ -82,6 +82,7 @@ def assert_mean(results: Iterable[RunResult], claim: Claim | str, confidence: fl
         AssertionError: the mean violates the claim, with this confidence.
         SimError: an argument is not valid, or fewer than 8 results have the figure, which could not fail.
     """
+    __tracebackhide__ = True  # pytest then shows the line of the test instead of these lines
     wanted = Claim.of_argument("assert_mean: claim", claim)
     margins = (wanted.margin(result) for result in items("assert_mean: results", RunResult, results))
     verdict = MeanVerdict(confidence, tuple(margin for margin in margins if margin is not None))

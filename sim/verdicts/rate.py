@@ -116,6 +116,7 @@ def assert_rate(
         AssertionError: the rate is below `p`, or the answer is undecided and `undecided` is "fail".
         SimError: an argument is not valid.
     """
+    __tracebackhide__ = True  # pytest then shows the line of the test instead of these lines
     if undecided not in ("fail", "pass", "skip"):
         raise SimError(f"assert_rate: undecided is {undecided!r:.40}; valid: 'fail', 'pass' or 'skip'")
     wanted = Claim.of_argument("assert_rate: claim", claim)

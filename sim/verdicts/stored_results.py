@@ -13,7 +13,9 @@ from lexis.errors import one_line
 from lexis.files.reading import FileKind, read_json
 from lexis.files.replace import replaced_file
 from sim.errors import SimError
+from sim.harness.claims import Claim
 from sim.harness.results import SCHEMA, RunResult
+from sim.verdicts.comparison import Comparison, compare_results
 
 FORMAT = "lexis-results"
 RESULT = "result.json"
@@ -59,14 +61,39 @@ class StoredRun:
     """Hashes of the scenarios that were begun; None if this is not known."""
 
     @classmethod
-    def load(cls, path: Path | str) -> "StoredRun":
-        """Read a file or a folder as `load_results` does. Only files of suites say which scenarios were begun."""
+    def load(cls, path: Path | str, may_be_empty: bool = False) -> "StoredRun":
+        """Read a file or a folder as `load_results` does. Only files of suites say which scenarios were begun.
+
+        With `may_be_empty`, a suite of which no scenario was completed is not refused.
+        """
         path = Path(path)
         if path.is_dir():
             return cls(load_results(path))
         data = read_json(path, _FILE)
         examined = data.get("examined") if isinstance(data, dict) else None
-        return cls(_results_of(data, path), frozenset(map(str, examined)) if isinstance(examined, list) else None)
+        begun = frozenset(map(str, examined)) if isinstance(examined, list) else None
+        if may_be_empty and begun and data.get("results") == []:
+            return cls((), begun)
+        return cls(_results_of(data, path), begun)
+
+    def compared_with(
+        self, later: "StoredRun", claims: Sequence[Claim | str] = (), confidence: float = 0.95
+    ) -> Comparison | None:
+        """Compare the results of a later run with these, as `compare_results` does.
+
+        Scenarios that only one of the runs began are left out. The result is None if both runs began the same scenario, but
+        none was completed in both. Raises `SimError` if they began no scenario in common.
+        """
+        a, b = self.comparable_with(later), later.comparable_with(self)
+        if {each.scenario for each in a} & {each.scenario for each in b}:
+            return compare_results(a, b, claims, confidence=confidence)
+        if self._known & later._known:
+            return None
+        return compare_results(self.results, later.results, claims, confidence=confidence)
+
+    @property
+    def _known(self) -> frozenset[str]:
+        return self.begun or frozenset(result.scenario for result in self.results)
 
     def comparable_with(self, other: "StoredRun") -> tuple[RunResult, ...]:
         """Return the results of this run without those of scenarios that the other run never began.
@@ -93,7 +120,7 @@ def _results_of(data: Any, path: Path) -> tuple[RunResult, ...]:
 
 def _result(data: Any, path: Path, place: str) -> RunResult:
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
-        raise _FILE.refusal(path, f"{place or 'it'} is no result with schema {SCHEMA}")
+        raise _FILE.refusal(path, f"{place.rstrip('.') or 'it'} is no result with schema {SCHEMA}")
     try:
         return _adapter().validate_python({name: value for name, value in data.items() if name != "schema"})
     except ValidationError as error:

@@ -49,6 +49,14 @@ class FloorsByHeight(OdometryOnly):
         return replace(claims, floors=np.floor(claims.T_W_B[:, 2, 3] / 3.0).astype(int).clip(0))
 
 
+class NoLabels(OdometryOnly):
+    """Claims a label that no room name has."""
+
+    def finish(self):
+        claims = super().finish()
+        return replace(claims, labels=np.full(len(claims.frames), 999))
+
+
 class Broken(OdometryOnly):
     """Raises an exception at the 20th observation."""
 

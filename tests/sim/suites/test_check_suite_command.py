@@ -42,6 +42,7 @@ def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):
     [
         (["--suite", "flats"], "unknown suite 'flats'"),
         (["--suite", "homes", "--preset", "ori"], "--preset is given beside --suite"),
+        (["--suite", "homes", "--fidelity", "render"], "--fidelity is given beside --suite"),
         (["--suite", "homes", "--fails", "rooms.pq < 1"], "--fails is given beside --suite"),
         (["--suite", "homes", "--command", "x {dataset}"], "has no {out}; valid: such as"),
         (["--suite", "homes", "--timeout", "9"], "--timeout is for programs; valid: with --command"),
@@ -53,6 +54,12 @@ def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):
         (["--suite", "homes", "--json", "."], ".: is a folder; valid: the name of a file"),
         (["--suite", "homes", "--picture", "."], ".: is a folder; valid: the name of a file"),
         (["--suite", "homes", "--json", "/dev/null"], "/dev/null: is a device or a pipe; valid: the name of a file"),
+        (["--suite", "homes", "--json", "/proc/x.json"], "/proc/x.json: cannot be written"),
+        (
+            ["--suite", "homes", "--picture", "x.png"],
+            "--picture x.png: the picture is an SVG; valid: a name that ends in .svg",
+        ),
+        (["--suite", "homes", "--picture", "x.svg", "--json", "./x.svg"], "--json and --picture are both x.svg; valid: two"),
     ],
 )
 def test_options_that_cannot_be_used_are_refused_before_the_run(options, message, capsys, monkeypatch):

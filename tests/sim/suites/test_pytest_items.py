@@ -65,6 +65,27 @@ def test_an_expected_failure_that_does_not_fail_says_why(slam, check, reported, 
     assert outcome == reported and re.search(text, said)
 
 
+def test_a_pattern_that_also_names_a_check_that_does_not_fail_is_to_be_narrowed():
+    suite = replace(FLAT, parts=(replace(PART, n=1),))
+    _, said = outcome_of(slam_checks(FloorsByHeight, suite, {"flat: o*": "a reason"}), "flat: origin")
+    assert said == "a reason"
+    _, said = outcome_of(slam_checks(Oracle, suite, {"flat: *": "a reason"}), "flat: origin")
+    assert "but it holds now: let 'flat: *' name fewer checks in expected_failures\n" in said
+
+
+@pytest.mark.parametrize(
+    ("expected", "message"),
+    [
+        ({3: "a reason"}, "expected_failures has the key 3; valid: text"),
+        ({"flat: origin": None}, "the reason of 'flat: origin' is None; valid: text"),
+        ({"flat: origin": " "}, "the reason of 'flat: origin' is ' '; valid: text"),
+    ],
+)
+def test_an_expected_failure_needs_a_name_and_a_reason(expected, message):
+    with pytest.raises(SimError, match=message):
+        slam_checks(OdometryOnly, FLAT, expected)
+
+
 def test_an_item_that_is_skipped_says_why():
     law = replace(FLAT, parts=(replace(PART, checks=(LAWS["false loop closures"],), n=1),))
     skipped = outcome_of(slam_checks(OdometryOnly, law), "flat: false loop closures")

@@ -9,8 +9,10 @@ from helpers.flat_suite import (
     FLAT,
     ORIGIN,
     PART,
+    Broken,
     BrokenNow,
     FloorsByHeight,
+    NoLabels,
     Oracle,
     verdict_on,
 )
@@ -21,6 +23,7 @@ from sim.commands.check_suite import _by_cause
 from sim.errors import SimError
 from sim.harness import Scenario, run
 from sim.harness.adapters import OdometryOnly
+from sim.harness.crash import TRACEBACK
 from sim.harness.failures.failure_folder import Replay
 from sim.suites.checks import CheckFinding
 from sim.suites.examination import COMPLETES
@@ -80,6 +83,24 @@ def test_the_smallest_failure_of_a_claim_relative_to_the_odometry_is_one_that_a_
     (folder,) = tmp_path.iterdir()
     assert json.loads((folder / "result.json").read_text())["trajectory"]["ate_odometry_m"] > 0.01
     runpy.run_path(str(folder / "test_replay.py"))["test_replay"]()
+
+
+def test_the_folder_of_a_crash_has_its_traceback(tmp_path):
+    (verdict,) = (each for each in check_slam(Broken, FLAT).verdicts if each.check == COMPLETES)
+    replay = Replay("from helpers.flat_suite import Broken\nfrom sim.harness import run", "run(scenario, Broken())")
+    write_smallest(verdict, Broken, lambda scenario, progress: run(scenario, Broken()), replay, False, tmp_path)
+    (folder,) = tmp_path.iterdir()
+    assert "RuntimeError: lost" in (folder / TRACEBACK).read_text()
+    with pytest.raises(RuntimeError, match="lost"):
+        runpy.run_path(str(folder / "test_replay.py"))["test_replay"]()
+
+
+def test_the_folder_of_invalid_claims_has_a_test_that_fails_by_them(tmp_path):
+    (verdict,) = (each for each in check_slam(NoLabels, FLAT).verdicts if each.check == COMPLETES)
+    replay = Replay("from helpers.flat_suite import NoLabels\nfrom sim.harness import run", "", "NoLabels")
+    write_smallest(verdict, NoLabels, lambda scenario, progress: run(scenario, NoLabels()), replay, False, tmp_path)
+    (folder,) = tmp_path.iterdir()
+    assert "labels" in (folder / "why.md").read_text()
 
 
 class FailsOnce:

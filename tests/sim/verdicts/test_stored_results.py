@@ -51,7 +51,7 @@ def test_a_path_may_be_text(tmp_path):
         ("[]", "it is no result with schema 1"),
         ('{"format": "lexis-results", "results": {}}', "contains no list of results"),
         ('{"format": "lexis-results", "results": [], "examined": ["a"]}', "contains no result: no scenario was completed"),
-        ('{"format": "lexis-results", "results": [3]}', r"results\[0\]. is no result"),
+        ('{"format": "lexis-results", "results": [3]}', r"results\[0\] is no result"),
         (json.dumps(RESULT.data() | {"labels": 3}), "labels: "),
         (json.dumps(RESULT.data() | {"labels": {"accuracy": "high"}}), "labels.accuracy: "),
     ],
@@ -98,3 +98,17 @@ def test_scenarios_that_were_never_begun_are_no_crashes(tmp_path):
     assert comparable(whole, crashed) == (MANY, MANY[:3])
     assert main(["compare", str(whole), str(early)]) == main(["compare", str(early), str(whole)]) == 0
     assert main(["compare", str(whole), str(crashed)]) == 1
+
+
+def test_a_slam_that_completes_no_scenario_is_worse(tmp_path, capsys):
+    whole, none = stored(tmp_path / "whole.json", MANY, MANY), stored(tmp_path / "none.json", (), MANY)
+    assert main(["compare", str(whole), str(none)]) == 1
+    assert f"failed: no scenario of {whole} was completed for {none}, too" in capsys.readouterr().err
+    assert main(["compare", str(none), str(whole)]) == 2
+    assert "none.json: cannot be used: contains no result: no scenario was completed" in capsys.readouterr().err
+
+
+def test_results_of_other_scenarios_are_refused_with_their_numbers(tmp_path, capsys):
+    ours, theirs = stored(tmp_path / "a.json", MANY[:2], MANY[:2]), stored(tmp_path / "b.json", MANY[2:], MANY[2:])
+    assert main(["compare", str(ours), str(theirs)]) == 2
+    assert "the results of a (2 scenarios) and of b (10) have no scenario in common" in capsys.readouterr().err
