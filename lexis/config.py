@@ -197,9 +197,10 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     gate_rad_m: Annotated[float, Ge(0)] = 0.005
     """Angle that is added to `gate_rad` for every metre of path between the two keyframes of the loop edge [rad/m]."""
     max_contradiction: Annotated[float, Gt(0)] = 16.8
-    """Largest squared Mahalanobis distance between the poses at which two loop edges of one new keyframe put it. If the
-    distance is larger, the edges contradict each other, and the one with less support is rejected. The default is the 0.99
-    quantile of chi² with 6 degrees of freedom."""
+    """Largest squared Mahalanobis distance between the poses that two loop edges give to a new keyframe. If the distance is
+    larger, the edges contradict each other. The edges that agree with one of them are kept, namely with the one for which
+    they have the most inliers; the others are rejected. The default is the 0.99 quantile of chi² with 6 degrees of
+    freedom."""
     max_edges: Annotated[int, Ge(1)] = 3
     """Largest number of loop edges from one new keyframe; those with the most inliers are kept."""
     pixel_sigma: Annotated[float, Gt(0)] = 1.5

@@ -190,7 +190,7 @@ Outcome = Literal[
 ]  # fmt: skip
 """What became of a loop candidate. Inliers are crowded if they cover too little of the image. A candidate is surplus if
 enough others of the same query have more inliers. It is unconfirmed if a simulated verifier rejects it without a reason. It
-is contradicted if other loops of the same query, with more inliers in all, lead to another pose."""
+is contradicted if other loops of the same query, with at least as many inliers in all, lead to another pose."""
 OUTCOMES: tuple[Outcome, ...] = get_args(Outcome)
 """Saved maps contain the positions of outcomes in this list, so a new outcome belongs at its end."""
 

@@ -109,18 +109,19 @@ def _compared(verdict: Verdict, edge: LoopEdge, graph: PoseGraph, config: Verifi
 
 
 def _agreeing(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig) -> list[LoopEdge]:
-    """Return the largest group of loop edges that agree with one edge of the group on the pose of their query, in order.
+    """Return the loop edges that agree with one of them on the pose of their query, in the given order.
 
-    The size of a group is the number of its inliers. Two edges agree if the difference of their poses is likely, given their
-    covariances and the drift of the path between the two earlier keyframes.
+    Of all edges, this is the one for which the agreeing edges have the most inliers. Two edges agree if the difference
+    of their poses is likely, given their covariances and the drift of the path between the two earlier keyframes.
     """
     if len(edges) < 2:
         return list(edges)
     loops = LoopArrays.of(edges)
     T_W_query = graph.T_W_B[loops.match] @ loops.T_match_query
     off = log(between(T_W_query[:, None], T_W_query[None]))
-    at_m = graph.path_m[loops.match]
-    drift = np.abs(at_m[:, None] - at_m)[..., None] * np.repeat([config.gate_rad_m, config.gate_share], 3)
+    matches = loops.match.tolist()
+    path_m = np.array([[graph.path_between(min(a, b), max(a, b)) for b in matches] for a in matches])
+    drift = path_m[..., None] * np.repeat([config.gate_rad_m, config.gate_share], 3)
     covariance = loops.covariance[:, None] + loops.covariance[None] + drift[..., None] ** 2 * np.eye(6)
     squared = (off * np.linalg.solve(covariance, off[..., None])[..., 0]).sum(axis=-1)
     agree = squared <= config.max_contradiction

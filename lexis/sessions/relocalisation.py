@@ -37,7 +37,7 @@ def candidates_elsewhere(query: Keyframe, graph: PoseGraph, config: SessionConfi
 def at_any_distance(config: VerificationConfig) -> VerificationConfig:
     """Return settings with which loops are verified however far they are from the current estimate and from each other.
 
-    `Relocaliser` compares the loops of several keyframes, so that it has to get all loops.
+    `Relocaliser` compares the loops of several keyframes itself, so contradicting loops are kept here.
     """
     return replace(config, gate_m=_ANY_M, gate_rad=_ANY_RAD, max_contradiction=_ANY_CONTRADICTION)
 

@@ -152,7 +152,7 @@ def add_scenario(parser: argparse.ArgumentParser) -> None:
     """Add all options that describe a run, and `--scenario` for a file that replaces them."""
     add_walk(parser, scenario=True)
     parser.add_argument("--encoder", default="mini", help=f"{ENCODER_HELP}; {ORACLE_HELP}")
-    # The default is not stated here: beside --suite, whose scenarios are mostly features, "--fidelity render" is refused.
+    # argparse gets no default, so that "--fidelity render" beside --suite is noticed and refused.
     parser.add_argument("--fidelity", choices=FIDELITIES, help=f"{_FEATURES_HELP} (default: render)")
     parser.add_argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
     parser.add_argument("--rig", default="wide", metavar="NAME", help=RIG_HELP)

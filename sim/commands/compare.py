@@ -6,6 +6,7 @@ from pathlib import Path
 
 from lexis.command_line import Commands, add_command
 from sim.commands.arguments import number
+from sim.errors import SimError
 
 CLAIM_HELP = 'a claim that is compared besides the figures, such as "rooms.pq >= 0.6"; may be repeated'
 CONFIDENCE_HELP = "1 minus the largest probability that a difference is stated where there is none (default: 0.95)"
@@ -35,7 +36,12 @@ def _compare(arguments: argparse.Namespace) -> int:
     a, b = StoredRun.load(arguments.a), StoredRun.load(arguments.b, may_be_empty=True)
     comparison = a.compared_with(b, claims, arguments.confidence)
     if comparison is None:
-        print(f"failed: no scenario of {arguments.a} was completed for {arguments.b}, too", file=sys.stderr)
+        if not a.completed & b.known:
+            raise SimError(
+                f"{arguments.a} ({len(a.known)} scenarios) and {arguments.b} ({len(b.known)}) have no completed scenario in "
+                "common; valid: results of two SLAMs on the same scenarios"
+            )
+        print(f"failed: {arguments.b} has no result for any completed scenario of {arguments.a}", file=sys.stderr)
         return 1
     print(comparison)
     if comparison.worse:

@@ -31,8 +31,7 @@ class EarlierRun:
         """Raise `SimError` unless the earlier run has a scenario of this suite and seed."""
         from sim.suites.examination import jobs_of, scenario_of
 
-        known = {result.scenario for result in self.stored.results} | (self.stored.begun or frozenset())
-        if not any(scenario_of(job).content_hash in known for job in jobs_of(suite, seed)):
+        if not any(scenario_of(job).content_hash in self.stored.known for job in jobs_of(suite, seed)):
             raise SimError(
                 f"{self.path}: has no results of the suite {suite.name} with seed {seed}; valid: a file of "
                 f"lexis-sim check --suite {suite.name} --seed {seed} --json {self.path}"

@@ -6,7 +6,7 @@ from my_slam import MySlam
 test_my_slam = slam_checks(MySlam, suite="pr", expected_failures={"homes: a pause": "the clock is not yet handled"})
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from types import MappingProxyType, TracebackType
@@ -54,6 +54,26 @@ class Item(NamedTuple):
         return f"{self.part.name}: {self.check}"
 
 
+class _Expected(NamedTuple):
+    """One entry of the expected failures."""
+
+    pattern: str
+    reason: str
+    named: frozenset[str]
+    """The names of the items that the pattern stands for."""
+
+    @classmethod
+    def of(cls, pattern: str, reason: str, items: Sequence[Item]) -> "_Expected":
+        return cls(pattern, reason, frozenset(item.name for item in items if fnmatchcase(item.name, pattern)))
+
+    @property
+    def advice(self) -> str:
+        """What to do with the entry if one of its items does not fail."""
+        if len(self.named) > 1:
+            return f"let {self.pattern!r} in expected_failures name fewer checks"
+        return f"remove {self.pattern!r} from expected_failures"
+
+
 def slam_checks(
     new_slam: NewSlam,
     suite: Suite | str = "pr",
@@ -93,11 +113,11 @@ def slam_checks(
     parameters = [pytest.param(item, id=item.name, marks=tiers[item.part.name]) for item in items]
 
     reports = _Reports(new_slam, chosen, seed)
+    expected = [_Expected.of(pattern, reason, items) for pattern, reason in expected_failures.items()]
 
     @pytest.mark.parametrize("item", parameters)
     def test(item: Item) -> None:
-        pattern = next((pattern for pattern in expected_failures if fnmatchcase(item.name, pattern)), None)
-        _report(reports.verdict(item), pattern, "" if pattern is None else expected_failures[pattern])
+        _report(reports.verdict(item), next((entry for entry in expected if item.name in entry.named), None))
 
     return test
 
@@ -139,22 +159,18 @@ def _tier(part: SuitePart) -> "pytest.MarkDecorator":
     return pytest.mark.render if is_rendered else pytest.mark.features
 
 
-def _report(verdict: CheckVerdict, pattern: str | None, reason: str) -> None:
-    """Let an item of pytest pass, fail, fail as expected, or be skipped.
-
-    `pattern` is the entry of the expected failures that names this item, and `reason` the reason that it gives. Without such
-    an entry, `pattern` is None.
-    """
+def _report(verdict: CheckVerdict, expected: _Expected | None) -> None:
+    """Let an item of pytest pass, fail, fail as expected, or be skipped. `expected` is the entry that names the item."""
     import pytest
 
     if verdict.outcome == "fails":
-        if pattern is not None:
-            pytest.xfail(reason)  # with pytest --runxfail, this does nothing
+        if expected is not None:
+            pytest.xfail(expected.reason)  # with pytest --runxfail, this does nothing
         pytest.fail(str(verdict), pytrace=False)
-    if pattern is not None:
-        entry = f"remove {pattern!r}" if pattern == verdict.name else f"let {pattern!r} name fewer checks"
-        advice = "" if verdict.outcome == "undecided" else f": {entry} in expected_failures"
-        pytest.fail(f"expected to fail ({reason}), but {_INSTEAD[verdict.outcome]}{advice}\n{verdict}", pytrace=False)
+    if expected is not None:
+        advice = f": {expected.advice}" if verdict.outcome in ("holds", "not claimed") else ""
+        instead = f"{_INSTEAD[verdict.outcome]}{advice}"
+        pytest.fail(f"expected to fail ({expected.reason}), but {instead}\n{verdict}", pytrace=False)
     if verdict.outcome in ("not claimed", "not examined"):
         pytest.skip(str(verdict))
 

@@ -1,16 +1,17 @@
-"""The smallest scenario in which a check of a suite fails, and a test that replays it; for a claim, also its cause."""
+"""The smallest scenario in which a check of a suite fails, and a test that replays it; for a claim or a crash, its cause."""
 
 from contextlib import suppress
 from pathlib import Path
 
 from lexis.files.replace import replaced_folder
-from sim.errors import ClaimError, SimError
+from sim.errors import SimError
 from sim.harness.adapters.lexis import Lexis
 from sim.harness.blame_table import blame
 from sim.harness.crash import Runner
 from sim.harness.failure_signature import FailureTest, Signature
 from sim.harness.failures.failure_folder import LEXIS_REPLAY, Replay, not_reproduced, write_failure
 from sim.harness.reducer import DEADLINE_S, Reduction, reduce
+from sim.harness.reductions import with_listed_house
 from sim.harness.scenario import Scenario
 from sim.harness.world_tests import SCENARIO, slug_of
 from sim.suites import catalogue
@@ -109,12 +110,15 @@ def _written(verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: R
 
 
 def _failure_test(check: Check | None, scenario: Scenario, runner: Runner) -> FailureTest | None:
-    """Return the test with which `lexis-sim shrink` would search; None for a law, for invalid claims and for bad plans."""
+    """Return the test with which `lexis-sim shrink` would search.
+
+    The result is None for a law, for invalid claims, for an exception of `plan`, and if the SLAM cannot be made.
+    """
     if isinstance(check, ClaimCheck):
         return FailureTest(check.claim.opposite, runner)
     crash = FailureTest(None, runner)
-    with suppress(ClaimError):
-        return crash if check is None and crash(scenario) is not None else None
+    with suppress(Exception):
+        return crash if check is None and crash(with_listed_house(scenario)) is not None else None
     return None
 
 
@@ -133,6 +137,6 @@ def _why(verdict: CheckVerdict, measured: str, reduction: Reduction) -> str:
         verdict.says,
         f"In the smallest scenario ({new}): {measured}",
         f"In the original scenario ({old}): {verdict.failures[0].findings[verdict.check].measured}",
-        "`pytest test_replay.py` in this folder checks the law again.",
+        "`pytest test_replay.py` in this folder checks this again.",
     )
     return "\n\n".join(lines) + "\n"

@@ -72,7 +72,7 @@ class StoredRun:
         data = read_json(path, _FILE)
         examined = data.get("examined") if isinstance(data, dict) else None
         begun = frozenset(map(str, examined)) if isinstance(examined, list) else None
-        if may_be_empty and begun and data.get("results") == []:
+        if may_be_empty and begun and data.get("format") == FORMAT and data.get("results") == []:
             return cls((), begun)
         return cls(_results_of(data, path), begun)
 
@@ -81,19 +81,21 @@ class StoredRun:
     ) -> Comparison | None:
         """Compare the results of a later run with these, as `compare_results` does.
 
-        Scenarios that only one of the runs began are left out. The result is None if both runs began the same scenario, but
-        none was completed in both. Raises `SimError` if they began no scenario in common.
+        Scenarios that only one of the runs began are left out. The result is None if no scenario was completed in both runs.
         """
-        a, b = self.comparable_with(later), later.comparable_with(self)
-        if {each.scenario for each in a} & {each.scenario for each in b}:
-            return compare_results(a, b, claims, confidence=confidence)
-        if self._known & later._known:
+        if not self.completed & later.completed:
             return None
-        return compare_results(self.results, later.results, claims, confidence=confidence)
+        return compare_results(self.comparable_with(later), later.comparable_with(self), claims, confidence=confidence)
 
     @property
-    def _known(self) -> frozenset[str]:
-        return self.begun or frozenset(result.scenario for result in self.results)
+    def completed(self) -> frozenset[str]:
+        """Hashes of the scenarios that have a result."""
+        return frozenset(result.scenario for result in self.results)
+
+    @property
+    def known(self) -> frozenset[str]:
+        """Hashes of the scenarios that were begun, as far as this is known."""
+        return self.completed | (self.begun or frozenset())
 
     def comparable_with(self, other: "StoredRun") -> tuple[RunResult, ...]:
         """Return the results of this run without those of scenarios that the other run never began.

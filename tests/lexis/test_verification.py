@@ -255,3 +255,14 @@ def test_loops_with_errors_within_their_covariances_agree(world, true):
 
 def test_loops_to_keyframes_far_apart_may_differ_by_the_drift_between_them(world, true):
     assert set(judged(world, true, [0.0, 0.3], [30, 50], step_m=10.0).values()) == {"accepted"}
+
+
+def test_loops_to_two_sessions_may_differ_by_the_drift_since_the_later_session_began(world, true):
+    covariance = np.diag(np.repeat([0.005, 0.03], 3) ** 2)
+    there = se3.exp(np.array([0.0, 0.0, 0.0, 20.0, 0.0, 0.0]))
+    poses = [np.eye(4), there, np.eye(4), there, there @ true]
+    graph = graph_of(*(replace(keyframe(i, T, *world), session=int(i > 1)) for i, T in enumerate(poses)))
+    off = se3.exp(np.array([0.0, 0.0, 0.0, 0.3, 0.0, 0.0]))
+    edges = [LoopEdge(4, 1, true, covariance, 50), LoopEdge(4, 3, true @ off, covariance, 40)]
+    verified = plausible([(Verdict(4, edge.match, "accepted"), edge) for edge in edges], graph, CONFIG)
+    assert [verdict.outcome for verdict in verified.verdicts] == ["accepted", "accepted"]

@@ -95,12 +95,16 @@ def test_the_folder_of_a_crash_has_its_traceback(tmp_path):
         runpy.run_path(str(folder / "test_replay.py"))["test_replay"]()
 
 
-def test_the_folder_of_invalid_claims_has_a_test_that_fails_by_them(tmp_path):
-    (verdict,) = (each for each in check_slam(NoLabels, FLAT).verdicts if each.check == COMPLETES)
-    replay = Replay("from helpers.flat_suite import NoLabels\nfrom sim.harness import run", "", "NoLabels")
-    write_smallest(verdict, NoLabels, lambda scenario, progress: run(scenario, NoLabels()), replay, False, tmp_path)
+@pytest.mark.parametrize(("slam", "says"), [(NoLabels, "labels"), (BrokenNow, "not today")])
+def test_invalid_claims_and_slams_that_cannot_be_made_are_replayed(slam, says, tmp_path, monkeypatch):
+    monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": FLAT})
+    (verdict,) = (each for each in check_slam(slam, FLAT).verdicts if each.check == COMPLETES)
+    replay = Replay(f"from helpers.flat_suite import {slam.__name__}", "", slam.__name__)
+    write_smallest(verdict, slam, lambda scenario, progress: run(scenario, slam()), replay, False, tmp_path)
     (folder,) = tmp_path.iterdir()
-    assert "labels" in (folder / "why.md").read_text()
+    assert says in (folder / "why.md").read_text()
+    with pytest.raises(AssertionError, match=says):
+        runpy.run_path(str(folder / "test_replay.py"))["test_replay"]()
 
 
 class FailsOnce:

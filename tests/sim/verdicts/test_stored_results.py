@@ -103,7 +103,7 @@ def test_scenarios_that_were_never_begun_are_no_crashes(tmp_path):
 def test_a_slam_that_completes_no_scenario_is_worse(tmp_path, capsys):
     whole, none = stored(tmp_path / "whole.json", MANY, MANY), stored(tmp_path / "none.json", (), MANY)
     assert main(["compare", str(whole), str(none)]) == 1
-    assert f"failed: no scenario of {whole} was completed for {none}, too" in capsys.readouterr().err
+    assert f"failed: {none} has no result for any completed scenario of {whole}" in capsys.readouterr().err
     assert main(["compare", str(none), str(whole)]) == 2
     assert "none.json: cannot be used: contains no result: no scenario was completed" in capsys.readouterr().err
 
@@ -111,4 +111,11 @@ def test_a_slam_that_completes_no_scenario_is_worse(tmp_path, capsys):
 def test_results_of_other_scenarios_are_refused_with_their_numbers(tmp_path, capsys):
     ours, theirs = stored(tmp_path / "a.json", MANY[:2], MANY[:2]), stored(tmp_path / "b.json", MANY[2:], MANY[2:])
     assert main(["compare", str(ours), str(theirs)]) == 2
-    assert "the results of a (2 scenarios) and of b (10) have no scenario in common" in capsys.readouterr().err
+    assert "a.json (2 scenarios) and " in (said := capsys.readouterr().err)
+    assert "b.json (10) have no completed scenario in common; valid: results of two SLAMs on the same" in said
+
+
+def test_a_slam_is_not_worse_than_one_that_completes_none_of_its_scenarios(tmp_path, capsys):
+    crashed = stored(tmp_path / "crashed.json", MANY[:1], MANY)
+    assert main(["compare", str(crashed), str(stored(tmp_path / "b.json", MANY[1:], MANY[1:]))]) == 2
+    assert "crashed.json (12 scenarios) and " in capsys.readouterr().err
