@@ -74,21 +74,21 @@ _RENDERED_SWEEP = "--houses {houses} {sweep} --rate {rate} --seed 500"
 """Arguments of the sweeps that need images."""
 _LIST = (
     ("table2", "table2 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table2.csv", 30),
-    ("fig5", "fig5 --presets ori home --houses {houses} --length {walk} --rate {rate} --seed 500 --out {out}/fig5.csv", 145),
-    ("table3", "table3 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table3.csv", 35),
+    ("fig5", "fig5 --presets ori home --houses {houses} --length {walk} --rate {rate} --seed 500 --out {out}/fig5.csv", 105),
+    ("table3", "table3 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table3.csv", 45),
     ("openness", "openness --houses {houses} --seed 500 --out {out}/openness.csv {out}/openness.png", 25),
     ("clutter", "sweep clutter --houses {houses} --seed 500 --out {out}/clutter.csv {out}/clutter.png", 15),
     ("odometry", "sweep odometry --houses {houses} --seed 500 --out {out}/odometry.csv {out}/odometry.png", 15),
     ("spacing", "sweep spacing --houses {houses} --seed 500 --out {out}/spacing.csv {out}/spacing.png", 20),
-    ("light", f"sweep light {_RENDERED_SWEEP} --out {{out}}/light.csv {{out}}/light.png", 120),
-    ("texture", f"sweep texture {_RENDERED_SWEEP} --out {{out}}/texture.csv {{out}}/texture.png", 125),
-    ("places", "places --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 60),
-    ("kernels", "kernels --houses {houses} --seed 500 --csv {out}/kernels.csv --plot {out}/kernels.png", 20),
+    ("light", f"sweep light {_RENDERED_SWEEP} --out {{out}}/light.csv {{out}}/light.png", 80),
+    ("texture", f"sweep texture {_RENDERED_SWEEP} --out {{out}}/texture.csv {{out}}/texture.png", 85),
+    ("places", "places --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 80),
+    ("kernels", "kernels --houses {houses} --seed 500 --csv {out}/kernels.csv --plot {out}/kernels.png", 15),
     ("sessions", "sessions --houses {houses} --seed 500", 25),
-    ("planning", "planning --houses {houses} --fidelity {fidelity} --drivers {drivers} --seed 500", 45),
-    ("certainty", "certainty --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 20),
-    ("queries", "queries --houses {houses} --rate {rate} --seed 500", 85),
-    ("fidelity", "fidelity --houses {houses} --seed 500", 30),
+    ("planning", "planning --houses {houses} --fidelity {fidelity} --drivers {drivers} --seed 500", 40),
+    ("certainty", "certainty --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 15),
+    ("queries", "queries --houses {houses} --rate {rate} --seed 500", 60),
+    ("fidelity", "fidelity --houses {houses} --seed 500", 25),
 )
 """Names, arguments and quick processor times of the benchmarks that may run beside each other."""
 _OF_PRESETS = (
@@ -98,10 +98,10 @@ _OF_PRESETS = (
 """The same for benchmarks of a single preset, which run once for each of `_PRESETS`."""
 _TIMINGS = (
     ("rigs", "rigs --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/rigs.csv", 15),
-    ("table1", "encoders --presets {encoders} --encoders mini --houses {houses} --seed 500", 65),
-    ("stages", "stages --presets {presets} --houses {houses} --seed 500 --csv {out}/stages.csv", 130),
+    ("table1", "encoders --presets {encoders} --encoders mini --houses {houses} --seed 500", 60),
+    ("stages", "stages --presets {presets} --houses {houses} --seed 500 --csv {out}/stages.csv", 115),
     ("scale", "scale --rooms {rooms} --length {length} --seed 300", 15),
-    ("speed", "speed --houses {houses} --seed 500", 145),
+    ("speed", "speed --houses {houses} --seed 500", 140),
     ("throughput", "throughput --houses 8 --seed 100", 25),
 )
 """The same for benchmarks that run alone."""

@@ -20,6 +20,8 @@ _COLOURS = ("#1f5fa8", "#c2571a", "#2f8a4a")
 _CONFIDENCE = 0.95
 """Confidence of the intervals."""
 _WIDTH, _HEIGHT, _LEFT, _TOP, _GAP = 360.0, 260.0, 52.0, 48.0, 70.0
+_LEGEND = 220.0
+"""Width of an entry of the legend, in the unit of the picture."""
 _Series = tuple[str, Sequence[RunResult]]
 """The name of a SLAM, and its results."""
 _STEP = 0.25
@@ -45,9 +47,11 @@ def _drawn(runs: Sequence[_Series]) -> str:
     body = [f'<rect width="{width:.0f}" height="{height:.0f}" fill="#ffffff"/>']
     for k, (figure, title) in enumerate(_FIGURES.items()):
         body += _panel(_LEFT + k * (_LEFT + _WIDTH + _GAP / 2), figure, title, runs)
-    for k, (name, _) in enumerate(runs):
-        body.append(f'<circle cx="{_LEFT + 150 * k:.0f}" cy="14" r="5" fill="{_COLOURS[k]}"/>')
-        body.append(f'<text x="{_LEFT + 150 * k + 10:.0f}" y="18">{escape(name)}</text>')
+    for k, (name, results) in enumerate(runs):
+        x = _LEFT + _LEGEND * k
+        nothing = "" if any(_grouped(figure, results) for figure in _FIGURES) else " (claims neither)"
+        body.append(f'<circle cx="{x:.0f}" cy="14" r="5" fill="{_COLOURS[k]}"/>')
+        body.append(f'<text x="{x + 10:.0f}" y="18">{escape(name)}{nothing}</text>')
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" role="img" '
     font = 'aria-label="room quality against openness" font-family="sans-serif" font-size="12">'
     return "\n".join([head + font, *body, "</svg>", ""])

@@ -136,6 +136,7 @@ def test_the_chart_shows_every_slam_once():
     for slam, names in ((Oracle, 3), (GeometricRooms, 2)):
         chart = openness_chart(check_slam(slam, FLAT), workers=1)
         assert chart.count("<svg") == 1 and chart.count('cy="14"') == names
+        assert ">OdometryOnly (claims neither)</text>" in chart and f">{slam.__name__}</text>" in chart
 
 
 def test_the_table_shows_the_median_of_each_part_and_what_is_not_claimed():
