@@ -196,11 +196,11 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     grows with the path by `gate_rad_m`."""
     gate_rad_m: Annotated[float, Ge(0)] = 0.005
     """Angle that is added to `gate_rad` for every metre of path between the two keyframes of the loop edge [rad/m]."""
-    max_contradiction: Annotated[float, Gt(0)] = 16.8
+    max_contradiction: Annotated[float, Gt(0)] | None = None
     """Largest squared Mahalanobis distance between the poses that two loop edges give to a new keyframe. If the distance is
-    larger, the edges contradict each other. The edges that agree with one of them are kept, namely with the one for which
-    they have the most inliers; the others are rejected. The default is the 0.99 quantile of chi² with 6 degrees of
-    freedom."""
+    larger, the edges contradict each other, and one of them is rejected; only edges to neighbouring keyframes are compared.
+    A usual limit is 16.8, the 0.99 quantile of chi² with 6 degrees of freedom. None: edges are not compared, and the robust
+    kernel alone judges them (sim/pages/pose-graphs.md)."""
     max_edges: Annotated[int, Ge(1)] = 3
     """Largest number of loop edges from one new keyframe; those with the most inliers are kept."""
     pixel_sigma: Annotated[float, Gt(0)] = 1.5

@@ -10,8 +10,8 @@ For each candidate of a query keyframe:
 3. Require enough inliers, spread over one image: a poster or another repeated object matches in one spot only.
 4. Estimate the covariance of the pose, and refuse a pose whose position the landmarks leave too uncertain.
 5. Refuse a loop too far from the current estimate, because odometry drifts only little per metre, and least in height.
-6. Refuse loops that contradict the other loops of the same query. Several candidates show the same place, so their loops
-   have to lead to the same pose of the query.
+6. With the setting `max_contradiction`, refuse loops that contradict other loops of the same query. Neighbouring candidates
+   show the same place, so their loops have to lead to the same pose of the query.
 7. Keep the loops with the most inliers, up to `max_edges` per query.
 
 The first four steps are in `lexis.locator`.
@@ -29,6 +29,9 @@ from lexis.graph.pose_graph import PoseGraph
 from lexis.locator import Locator
 from lexis.maths.se3 import between, log, rotation_angle
 from lexis.types import Camera, Keyframe, LoopArrays, LoopEdge, Outcome, Poses, Verdict
+
+_NEIGHBOURS_M = 3.0
+"""Two earlier keyframes are neighbours if the path between them is at most this long [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,9 +76,10 @@ def verify(
 def plausible(
     located: Sequence[tuple[Verdict, LoopEdge | None]], graph: PoseGraph, config: VerificationConfig
 ) -> Verification:
-    """Keep the loop edges of one new keyframe that are close to the current estimate of the poses and agree with each other.
+    """Keep the loop edges of one new keyframe that are close to the current estimate of the poses.
 
-    At most `max_edges` are kept, those with the most inliers first.
+    With the setting `max_contradiction`, the edges also have to agree with each other. At most `max_edges` are kept, those
+    with the most inliers first.
 
     Args:
         located: for every candidate, the verdict so far, and the loop edge if the candidate has been accepted.
@@ -109,12 +113,15 @@ def _compared(verdict: Verdict, edge: LoopEdge, graph: PoseGraph, config: Verifi
 
 
 def _agreeing(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig) -> list[LoopEdge]:
-    """Return the loop edges that agree with one of them on the pose of their query, in the given order.
+    """Return the loop edges of one query without those that contradict others, in the given order.
 
-    Of all edges, this is the one for which the agreeing edges have the most inliers. Two edges agree if the difference
-    of their poses is likely, given their covariances and the drift of the path between the two earlier keyframes.
+    Edges are compared if their earlier keyframes are neighbours on the path (`_NEIGHBOURS_M`), and thus show one place. They
+    contradict each other if they lead to poses of the query whose difference is unlikely, given the covariances of the edges
+    and the drift of the path between the earlier keyframes. Of two such edges, the one is kept with which edges agree that
+    have more inliers in all. Edges to different places are not compared: which place is the right one is decided by the
+    robust kernel, which knows the loops of other queries.
     """
-    if len(edges) < 2:
+    if config.max_contradiction is None or len(edges) < 2:
         return list(edges)
     loops = LoopArrays.of(edges)
     T_W_query = graph.T_W_B[loops.match] @ loops.T_match_query
@@ -124,9 +131,12 @@ def _agreeing(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationC
     drift = path_m[..., None] * np.repeat([config.gate_rad_m, config.gate_share], 3)
     covariance = loops.covariance[:, None] + loops.covariance[None] + drift[..., None] ** 2 * np.eye(6)
     squared = (off * np.linalg.solve(covariance, off[..., None])[..., 0]).sum(axis=-1)
-    agree = squared <= config.max_contradiction
-    largest = int((agree @ loops.inliers).argmax())
-    return [edge for edge, agrees in zip(edges, agree[largest].tolist(), strict=True) if agrees]
+    compared, agree = path_m <= _NEIGHBOURS_M, squared <= config.max_contradiction
+    kept: list[int] = []
+    for i in np.argsort(-((compared & agree) @ loops.inliers), kind="stable").tolist():
+        if not (compared & ~agree)[i, kept].any():
+            kept.append(i)
+    return [edges[i] for i in sorted(kept)]
 
 
 def within_drift(

@@ -22,8 +22,8 @@ from lexis.place_recognition import most_similar_keyframes
 from lexis.types import Keyframe, LoopArrays, LoopEdge, Pose
 from lexis.verification import within_drift
 
-_ANY_M, _ANY_RAD, _ANY_CONTRADICTION = 1e9, 4.0, 1e18
-"""Tolerances that admit every pose [m, rad, squared Mahalanobis distance]."""
+_ANY_M, _ANY_RAD = 1e9, 4.0
+"""Tolerances that admit every pose [m, rad]."""
 
 
 def candidates_elsewhere(query: Keyframe, graph: PoseGraph, config: SessionConfig) -> tuple[int, ...]:
@@ -39,7 +39,7 @@ def at_any_distance(config: VerificationConfig) -> VerificationConfig:
 
     `Relocaliser` compares the loops of several keyframes itself, so contradicting loops are kept here.
     """
-    return replace(config, gate_m=_ANY_M, gate_rad=_ANY_RAD, max_contradiction=_ANY_CONTRADICTION)
+    return replace(config, gate_m=_ANY_M, gate_rad=_ANY_RAD, max_contradiction=None)
 
 
 class Relocaliser:

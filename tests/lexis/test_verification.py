@@ -12,6 +12,8 @@ from lexis.types import Features, Keyframe, Landmarks, LoopEdge, Verdict
 from lexis.verification import plausible, verify
 
 CONFIG = VerificationConfig()
+CONSISTENT = replace(CONFIG, max_contradiction=16.8)
+"""Settings with which loops that contradict each other are refused."""
 EMBEDDING = np.ones(1, np.float32)
 STEP = np.diag(np.repeat([0.01, 0.02], 3) ** 2)
 
@@ -223,7 +225,7 @@ def test_candidates_with_fewer_inliers_than_the_best_are_surplus(world, true):
     assert {edge.match for edge in verified.edges} == {3, 4}
 
 
-def judged(world, true, errors_m, inliers, order=None, step_m=0.5):
+def judged(world, true, errors_m, inliers, order=None, step_m=0.5, config=CONSISTENT):
     """Outcomes of loops from one query to keyframes on a straight path, by match; the loops have errors in x."""
     count = len(errors_m)
     poses = [*(se3.exp(np.array([0.0, 0.0, 0.0, step_m * i, 0.0, 0.0])) for i in range(count)), true]
@@ -233,7 +235,7 @@ def judged(world, true, errors_m, inliers, order=None, step_m=0.5):
     for i in range(count) if order is None else order:
         measured = se3.between(poses[i], true) @ se3.exp(np.array([0.0, 0.0, 0.0, errors_m[i], 0.0, 0.0]))
         located.append((Verdict(count, i, "accepted"), LoopEdge(count, i, measured, covariance, inliers[i])))
-    verified = plausible(located, graph, CONFIG)
+    verified = plausible(located, graph, config)
     outcomes = {verdict.match: verdict.outcome for verdict in verified.verdicts}
     assert {edge.match for edge in verified.edges} == {match for match, outcome in outcomes.items() if outcome == "accepted"}
     return outcomes
@@ -253,16 +255,26 @@ def test_loops_with_errors_within_their_covariances_agree(world, true):
     assert set(judged(world, true, [0.0, 0.06, -0.06], [30, 50, 40]).values()) == {"accepted"}
 
 
-def test_loops_to_keyframes_far_apart_may_differ_by_the_drift_between_them(world, true):
-    assert set(judged(world, true, [0.0, 0.3], [30, 50], step_m=10.0).values()) == {"accepted"}
+def test_no_two_loops_that_are_kept_contradict_each_other(world, true):
+    outcomes = judged(world, true, [-0.12, 0.12, 0.0], [50, 40, 30])
+    assert outcomes == {0: "accepted", 1: "contradicted", 2: "accepted"}
 
 
-def test_loops_to_two_sessions_may_differ_by_the_drift_since_the_later_session_began(world, true):
+def test_loops_to_different_places_are_not_compared_because_the_right_one_may_have_fewer_inliers(world, true):
+    config = replace(CONSISTENT, gate_m=9.0)
+    assert set(judged(world, true, [0.0, 3.0], [30, 50], step_m=10.0, config=config).values()) == {"accepted"}
+
+
+def test_loops_to_two_sessions_are_compared_by_the_path_since_the_later_session_began(world, true):
     covariance = np.diag(np.repeat([0.005, 0.03], 3) ** 2)
     there = se3.exp(np.array([0.0, 0.0, 0.0, 20.0, 0.0, 0.0]))
     poses = [np.eye(4), there, np.eye(4), there, there @ true]
     graph = graph_of(*(replace(keyframe(i, T, *world), session=int(i > 1)) for i, T in enumerate(poses)))
     off = se3.exp(np.array([0.0, 0.0, 0.0, 0.3, 0.0, 0.0]))
     edges = [LoopEdge(4, 1, true, covariance, 50), LoopEdge(4, 3, true @ off, covariance, 40)]
-    verified = plausible([(Verdict(4, edge.match, "accepted"), edge) for edge in edges], graph, CONFIG)
+    verified = plausible([(Verdict(4, edge.match, "accepted"), edge) for edge in edges], graph, CONSISTENT)
     assert [verdict.outcome for verdict in verified.verdicts] == ["accepted", "accepted"]
+
+
+def test_by_default_loops_are_not_compared_with_each_other(world, true):
+    assert set(judged(world, true, [0.0, 0.3], [30, 50], config=CONFIG).values()) == {"accepted"}

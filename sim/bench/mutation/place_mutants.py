@@ -88,18 +88,6 @@ PLACE_MUTANTS = (
         "key=lambda edge: edge.inliers",
     ),
     Mutant(
-        "loops of one keyframe may contradict each other",
-        "verification.py",
-        "agree = squared <= config.max_contradiction",
-        "agree = squared >= 0.0",
-    ),
-    Mutant(
-        "of loops that contradict each other, those with the fewest inliers are kept",
-        "verification.py",
-        "largest = int((agree @ loops.inliers).argmax())",
-        "largest = int((agree @ loops.inliers).argmin())",
-    ),
-    Mutant(
         "PnP returns the pose of the camera instead of the body",
         "locator.py",
         "T_match_query = inverse(fit.T_C_match[0]) @ inverse(self._camera.T_B_C)",
