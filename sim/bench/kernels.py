@@ -5,7 +5,7 @@ graph is optimised with each kernel.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -78,14 +78,15 @@ class KernelRow:
     """Share of the houses in which no true loop is rejected."""
 
 
-def mapped_houses(preset: str, seeds: Sequence[int]) -> Iterator[MappedHouse]:
-    """Let LEXIS map a house for each seed on the feature sensor.
+def mapped_houses(preset: str, seeds: Sequence[int], settings: Config | None = None) -> Iterator[MappedHouse]:
+    """Let LEXIS map a house for each seed on the feature sensor, with these settings or the default ones.
 
     No keyframe retires, because a retired keyframe cannot be added to another graph: its loops have been dropped from the
     map, and its pose depends on that of its anchor.
     """
     usual = Scenario(preset=preset, fidelity="features", frame_rate_hz=FEATURES_FRAME_RATE_HZ)
-    slam = Lexis(config=Config(pose_graph=PoseGraphConfig(copies=None)))
+    settings = settings or Config()
+    slam = Lexis(config=replace(settings, pose_graph=replace(settings.pose_graph, copies=None)))
     for scenario in configs(usual, seeds):
         finished = run(scenario, slam)
         yield MappedHouse(scenario.seed, slam.map.keyframes, slam.map.loops, edge_truth(finished), finished.true_poses)

@@ -42,7 +42,7 @@ def _pose_graph(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
-    from lexis.config import PoseGraphConfig
+    from lexis.config import PoseGraphConfig, read_config
     from sim.bench.kernels import draw_kernels, kernel_runs, mapped_houses, summarised
     from sim.bench.row_files import PICTURES, check_files, write_rows
 
@@ -50,7 +50,7 @@ def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
     check_files(arguments.plot, valid=PICTURES)
     seeds = seeds_of(arguments)
     threshold = arguments.threshold or PoseGraphConfig.outlier_threshold
-    houses = mapped_houses(arguments.preset, seeds)
+    houses = mapped_houses(arguments.preset, seeds, read_config(arguments.config) if arguments.config else None)
     rows = list(summarised([each for house in houses for each in kernel_runs(house, threshold)]))
     title = f"{arguments.preset}, seeds {seeds[0]} to {seeds[-1]}, features: mean ± std over houses"
     headers = ("ATE, m", "growth of the ATE", "true loops rejected", "houses without", "false loops trusted")
@@ -142,6 +142,7 @@ BENCHMARKS = (
                 type=number(0.001, 1e6),
                 help="squared whitened residual above which a kernel lowers a weight (default: that of LEXIS)",
             ),
+            CONFIG,
             CSV,
             PLOT,
             SEED,

@@ -6,7 +6,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from lexis.config import Config
+from lexis.config import Config, PoseGraphConfig, VerificationConfig
 from lexis.evaluation.loops import true_edges
 from lexis.maths.se3 import between, exp, inverse, log
 from lexis.types import Features, Keyframe, Landmarks, LoopArrays, LoopEdge
@@ -86,6 +86,15 @@ def test_hardly_any_true_loop_is_rejected_on_a_walk_on_which_keyframes_could_ret
     (mapped,) = mapped_houses("home", [302])
     assert len(mapped.loops) == len(mapped.is_true) > 50 and mapped.is_true.mean() > 0.9
     assert all(run.true_rejected < 0.02 for run in kernel_runs(mapped) if run.kernel == "dcs")
+
+
+def test_houses_are_mapped_with_the_given_settings_but_no_keyframe_retires(monkeypatch):
+    made = []
+    monkeypatch.setattr(module, "Lexis", lambda config: made.append(config))
+    monkeypatch.setattr(module, "configs", lambda *_: [])
+    settings = Config(verification=VerificationConfig(max_contradiction=16.8), pose_graph=PoseGraphConfig(every=7))
+    assert not list(mapped_houses("home", [302], settings))
+    assert made == [replace(settings, pose_graph=PoseGraphConfig(every=7, copies=None))]
 
 
 @pytest.mark.parametrize("kind", KINDS)
