@@ -115,6 +115,13 @@ def test_results_of_other_scenarios_are_refused_with_their_numbers(tmp_path, cap
     assert "b.json (10) have no completed scenario in common; valid: results of two SLAMs on the same" in said
 
 
+def test_a_run_that_was_stopped_before_it_reached_an_earlier_scenario_cannot_be_compared():
+    earlier = StoredRun(MANY[:2], frozenset(each.scenario for each in MANY[:2]))
+    stopped = StoredRun(MANY[2:3], frozenset({MANY[2].scenario}))
+    assert earlier.compared_with(stopped) is None
+    assert earlier.compared_with(StoredRun(MANY[1:3])).scenarios == 1
+
+
 def test_a_slam_is_not_worse_than_one_that_completes_none_of_its_scenarios(tmp_path, capsys):
     crashed = stored(tmp_path / "crashed.json", MANY[:1], MANY)
     assert main(["compare", str(crashed), str(stored(tmp_path / "b.json", MANY[1:], MANY[1:]))]) == 2
