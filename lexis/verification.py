@@ -117,9 +117,9 @@ def _agreeing(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationC
 
     Edges are compared if their earlier keyframes are neighbours on the path (`_NEIGHBOURS_M`), and thus show one place. They
     contradict each other if they lead to poses of the query whose difference is unlikely, given the covariances of the edges
-    and the drift of the path between the earlier keyframes. Of two such edges, the one is kept with which edges agree that
-    have more inliers in all. Edges to different places are not compared: which place is the right one is decided by the
-    robust kernel, which knows the loops of other queries.
+    and the drift of the path between the earlier keyframes. Of two such edges, the one with more support is kept. The
+    support of an edge is the number of inliers of all compared edges that agree with it, itself included. Edges to different
+    places are not compared: the robust kernel, which knows the loops of other queries, decides which place is the right one.
     """
     if config.max_contradiction is None or len(edges) < 2:
         return list(edges)

@@ -1,6 +1,8 @@
 """Checks of the files and folders that a command is to write, before minutes or hours of work."""
 
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from sim.errors import SimError
@@ -8,24 +10,26 @@ from sim.errors import SimError
 
 def check_output_file(path: Path) -> None:
     """Raise `SimError` unless the folder of a file exists and can be written to, and nothing but a file has its name."""
-    if not path.absolute().parent.is_dir():
+    folder = path.absolute().parent
+    if not folder.is_dir():
         raise SimError(f"{path}: its folder does not exist; valid: a file in a folder that exists")
     if path.exists() and not path.is_file():
         raise SimError(f"{path}: is {'a folder' if path.is_dir() else 'a device or a pipe'}; valid: the name of a file")
-    try:
-        tempfile.TemporaryFile(dir=path.absolute().parent).close()
-    except OSError as error:
-        raise SimError(
-            f"{path}: cannot be written: {error.strerror}; valid: a file in a folder that can be written to"
-        ) from None
+    with _refused(path, "a file in a folder that can be written to"):
+        tempfile.TemporaryFile(dir=folder).close()
 
 
 def make_output_folder(folder: Path) -> None:
     """Make a folder unless it exists. Raises `SimError` if it cannot be made, or if no file can be written in it."""
-    try:
+    with _refused(folder, "a folder that can be made and written to"):
         folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=folder).close()
+
+
+@contextmanager
+def _refused(path: Path, valid: str) -> Iterator[None]:
+    """Raise `SimError` about the path, with what would be valid, if the block cannot write."""
+    try:
+        yield
     except OSError as error:
-        raise SimError(
-            f"{folder}: cannot be written: {error.strerror}; valid: a folder that can be made and written to"
-        ) from None
+        raise SimError(f"{path}: cannot be written: {error.strerror}; valid: {valid}") from None
