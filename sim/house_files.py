@@ -1,4 +1,4 @@
-"""Writes a house as a 3D model, as data or as a floor plan, in the format that the file's suffix names."""
+"""Writes a house as a 3D model, as data or as a floor plan, in the format that the ending of the file's name chooses."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -6,16 +6,15 @@ from pathlib import Path
 from types import MappingProxyType
 
 from lexis.files.replace import replaced_file
-from sim.errors import SimError
+from sim.output_files import check_ending
 from worlds.house import House
 
 Writer = Callable[[House, Path], None]
 
 
 def writer_for(path: Path, writers: Mapping[str, Writer]) -> Writer:
-    """Return the writer for the suffix of `path`. Raises `SimError` if `writers` has no writer for it."""
-    if path.suffix.lower() not in writers:
-        raise SimError(f"{path}: has no suffix that can be written; valid: a name with {' or '.join(writers)}")
+    """Return the writer for the ending of `path`. Raises `SimError` if `writers` has no writer for it."""
+    check_ending(path, writers)
     return writers[path.suffix.lower()]
 
 
@@ -76,7 +75,7 @@ MODELS: Mapping[str, Writer] = MappingProxyType(
         ".yaml": _write_room_boxes,
     }
 )
-"""Writers by suffix. glb: glTF. xml: MJCF, with a folder of textures beside the file. json: the ground truth. geojson: rooms
+"""Writers by ending. glb: glTF. xml: MJCF, with a folder of textures beside the file. json: the ground truth. geojson: rooms
 and openings, in the format that the floor plan import reads. yaml: the true rooms as boxes, for Hydra's evaluator."""
 PLANS: Mapping[str, Writer] = MappingProxyType({".png": _write_png, ".svg": _write_svg})
-"""Writers of pictures, by suffix. A picture shows the floor plans of all storeys side by side."""
+"""Writers of pictures, by ending. A picture shows the floor plans of all storeys side by side."""

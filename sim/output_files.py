@@ -1,7 +1,7 @@
 """Checks of the files and folders that a command is to write, before minutes or hours of work."""
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -17,6 +17,12 @@ def check_output_file(path: Path) -> None:
         raise SimError(f"{path}: is {'a folder' if path.is_dir() else 'a device or a pipe'}; valid: the name of a file")
     with _refused(path, "a file in a folder that can be written to"):
         tempfile.TemporaryFile(dir=folder).close()
+
+
+def check_ending(path: Path, endings: Collection[str]) -> None:
+    """Raise `SimError` unless the name of a file ends in one of `endings`, such as ".svg", in small letters or capitals."""
+    if path.suffix.lower() not in endings:
+        raise SimError(f"{path}: cannot be written in this format; valid: a name that ends in {' or '.join(endings)}")
 
 
 def make_output_folder(folder: Path) -> None:

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from lexis.files.replace import replaced_file
 from sim.errors import SimError
-from sim.output_files import check_output_file
+from sim.output_files import check_ending, check_output_file
 
 _Row = TypeVar("_Row")
 PICTURES = (".png", ".svg")
@@ -45,10 +45,14 @@ def check_files(*paths: Path | None, valid: Sequence[str] = (".csv", *PICTURES))
         if path is None:
             continue
         check_output_file(path)
-        if path.suffix not in valid:
-            raise SimError(f"{path}: unknown ending; valid: {', '.join(valid)}")
-        if path.suffix in PICTURES:
+        check_ending(path, valid)
+        if is_picture(path):
             import_matplotlib()
+
+
+def is_picture(path: Path) -> bool:
+    """Return whether the ending of a file's name is that of a picture, and not that of a CSV file."""
+    return path.suffix.lower() in PICTURES
 
 
 @contextmanager
@@ -62,9 +66,9 @@ def picture(path: Path, size: tuple[float, float]) -> Iterator[Any]:
     with matplotlib.rc_context({"svg.hashsalt": "lexis"}):
         figure = matplotlib.figure.Figure(figsize=size, layout="constrained")
         yield figure
-        metadata = {"Date": None} if path.suffix == ".svg" else None
+        metadata = {"Date": None} if path.suffix.lower() == ".svg" else None
         with replaced_file(path) as beside:
-            figure.savefig(beside, format=path.suffix[1:], dpi=110, metadata=metadata)
+            figure.savefig(beside, format=path.suffix[1:].lower(), dpi=110, metadata=metadata)
 
 
 def draw_panels(

@@ -15,7 +15,7 @@ from sim.commands.run import progress_bar
 from sim.commands.slams import is_lexis, program_of, refuse_program_options, replay_of, runner_of, slam_factory
 from sim.durations import duration_s
 from sim.errors import SimError
-from sim.output_files import check_output_file
+from sim.output_files import check_ending, check_output_file
 
 if TYPE_CHECKING:
     from sim.suites.checks import NewSlam
@@ -106,8 +106,8 @@ def _check_output_files(arguments: argparse.Namespace) -> None:
         check_output_file(path)
     if len({path.resolve() for path in paths}) < len(paths):
         raise SimError(f"--json and --picture are both {arguments.json}; valid: two files")
-    if arguments.picture is not None and arguments.picture.suffix.lower() != ".svg":
-        raise SimError(f"--picture {arguments.picture}: the picture is an SVG; valid: a name that ends in .svg")
+    if arguments.picture is not None:
+        check_ending(arguments.picture, [".svg"])
 
 
 def _suite(arguments: argparse.Namespace) -> "Suite":

@@ -13,6 +13,7 @@ from sim.commands.house_check import CHECK, PROVE
 from sim.commands.house_make import GENERATE, IMPORT, VARIANT
 from sim.errors import SimError
 from sim.house_files import MODELS, PLANS, Writer, writer_for
+from sim.output_files import check_ending
 from worlds.house import build_house
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec, json_schema
@@ -51,8 +52,7 @@ def _gallery(arguments: argparse.Namespace) -> int:
         raise SimError(
             f"--houses {arguments.houses} are too many for one page; valid: a whole number from 1 to {_MOST_TILES}"
         )
-    if arguments.out.suffix.lower() != ".png":
-        raise SimError(f"{arguments.out}: does not end in .png; valid: a file name that ends in .png")
+    check_ending(arguments.out, [".png"])
     presets = [name.strip() for name in arguments.preset.split(",")]
     houses = sample_page(presets, arguments.seed, arguments.houses)
     page = plans_page(houses) if arguments.view == "plans" else rooms_page(list(room_views(houses)))

@@ -24,7 +24,7 @@ from sim.baselines.rooms import (
 )
 from sim.bench.houses import configs, varied
 from sim.bench.peers.side_by_side import run_side_by_side
-from sim.bench.row_files import PICTURES, grouped, picture, write_rows
+from sim.bench.row_files import grouped, is_picture, picture, write_rows
 from sim.fidelity import Fidelity
 from sim.harness import Scenario, SlamUnderTest, evaluate
 from sim.harness.adapters import GeometricRooms, Lexis
@@ -194,7 +194,7 @@ def write_sweep(rows: Sequence[SweepRow], name: str, path: Path) -> None:
 
     Raises `SimError` without matplotlib.
     """
-    if path.suffix in PICTURES:
+    if is_picture(path):
         draw_sweep(means(rows), name, path)
         return
     write_rows(rows, path)

@@ -8,7 +8,7 @@ import numpy as np
 
 from sim.bench.peers.place_figures import REQUIRED, PlaceFigures
 from sim.bench.peers.place_methods import PlaceTotal, totals
-from sim.bench.row_files import PICTURES, picture, write_rows
+from sim.bench.row_files import is_picture, picture, write_rows
 
 
 def write_places(found: Sequence[PlaceFigures], path: Path) -> None:
@@ -16,7 +16,7 @@ def write_places(found: Sequence[PlaceFigures], path: Path) -> None:
 
     Raises `SimError` without matplotlib.
     """
-    if path.suffix in PICTURES:
+    if is_picture(path):
         draw_places(totals(found), path)
     else:
         write_rows([each.row for each in found], path)

@@ -15,7 +15,7 @@ from pathlib import Path
 from lexis.config import Config
 from lexis.errors import ConfigError
 from sim.bench.peers.side_by_side import run_side_by_side
-from sim.bench.row_files import PICTURES, Curve, draw_panels, write_rows
+from sim.bench.row_files import Curve, draw_panels, is_picture, write_rows
 from sim.bench.stage_costs import UNCHANGED, StageRow, figures_of, gains
 from sim.errors import SimError
 from sim.fidelity import Fidelity
@@ -112,7 +112,7 @@ def measure_house_responses(
 
 def write_responses(rows: Sequence[StageRow], sections: Sequence[str], path: Path) -> None:
     """Write the rows as CSV, or draw the response curves as PNG or SVG; the ending of the path decides which."""
-    if path.suffix in PICTURES:
+    if is_picture(path):
         figures = ("labels", "rooms", "ate_m")
         panels = [[(section, _curves(rows, section, name)) for section in sections] for name in figures]
         draw_panels(panels, ("value / default", ("labels, change", "room PQ, change", "ATE, change [m]")), path)

@@ -134,9 +134,11 @@ def test_rows_become_a_csv_file_and_pictures(runs, tmp_path):
         draw_kernels(rows, tmp_path / name)
         assert (tmp_path / name).read_bytes().startswith(start)
     check_files(tmp_path / "rows.csv", None)
+    draw_kernels(rows, tmp_path / "capitals.SVG")
+    assert (tmp_path / "capitals.SVG").read_bytes() == (tmp_path / "a.svg").read_bytes()
     for name in ("a.pdf", "nowhere/a.png", "nowhere/a.csv", "."):
         with pytest.raises(SimError, match="valid"):
             check_files(tmp_path / name)
     for name, valid in (("a.csv", PICTURES), ("a.png", (".csv",))):
-        with pytest.raises(SimError, match=f"unknown ending; valid: {', '.join(valid)}"):
+        with pytest.raises(SimError, match=f"valid: a name that ends in {' or '.join(valid)}"):
             check_files(tmp_path / name, valid=valid)

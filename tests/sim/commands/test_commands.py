@@ -96,7 +96,10 @@ def test_what_is_to_be_read_and_is_not_there_costs_one_line(parser, tmp_path, mo
         (["sessions", "--every", "0"], "--every: '0'; valid: a number from 0.1 to 100000"),
         (["scale", "--length", "-1"], "--length: '-1'; valid: a number from 1 to 1e+06"),
         (["encoders", "--seed", "900000"], "--seed 900000 with --houses 5: their sum is too large; valid: at most "),
-        (["kernels", "--plot", "kernels.csv"], "kernels.csv: unknown ending; valid: .png, .svg"),
+        (
+            ["kernels", "--plot", "kernels.csv"],
+            "kernels.csv: cannot be written in this format; valid: a name that ends in .png or .svg",
+        ),
         (["all", "-o", "tables", "--pose-graphs", "missing.g2o"], "--pose-graphs: no file missing.g2o; valid: g2o files"),
         (
             ["all", "-o", "/proc/tables"],

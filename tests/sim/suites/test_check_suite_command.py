@@ -57,7 +57,7 @@ def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):
         (["--suite", "homes", "--json", "/proc/x.json"], "/proc/x.json: cannot be written"),
         (
             ["--suite", "homes", "--picture", "x.png"],
-            "--picture x.png: the picture is an SVG; valid: a name that ends in .svg",
+            "x.png: cannot be written in this format; valid: a name that ends in .svg",
         ),
         (["--suite", "homes", "--picture", "x.svg", "--json", "./x.svg"], "--json and --picture are both x.svg; valid: two"),
     ],
