@@ -130,11 +130,9 @@ class SameClaims:
 
     def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed input, and compare the claims of both runs."""
-        if not reaches(self.change, base.run):
-            return CheckFinding(None, "the change does not reach this SLAM")
         if lacking := [name for name in self.needs if not _has_any(base.run.estimate, name)]:
             return CheckFinding(None, f"the SLAM claims no {' and no '.join(lacking)}")
-        second = attempted(base.run.scenario, new_slam, self.change)
+        second = run_on_change(self.change, base.run, new_slam)
         if isinstance(second, CheckFinding):
             return second
         lost = [name for name in _CLAIMS if _claims(base.run.estimate, name) != _claims(second.estimate, name)]
@@ -212,15 +210,19 @@ class AfterChange:
 
     def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed input, and examine this run."""
-        if not reaches(self.change, base.run):
-            return CheckFinding(None, "the change does not reach this SLAM")
-        second = attempted(base.run.scenario, new_slam, self.change)
+        second = run_on_change(self.change, base.run, new_slam)
         return second if isinstance(second, CheckFinding) else self.find(second)
 
 
-def reaches(change: StreamChange, run: Run) -> bool:
-    """Return whether a change of the input reaches the SLAM of a run. Programs are not reached: they read recordings."""
-    return not isinstance(run.slam, CommandSlam) and change.matters(run.scenario, run.slam)
+def run_on_change(change: StreamChange, base: Run, new_slam: NewSlam) -> Run | CheckFinding:
+    """Run the SLAM once more on the scenario of a run, with a changed input.
+
+    Returns a finding that says nothing if the change does not reach the SLAM. Programs are never reached, because they read
+    recordings. Returns a finding that fails like `attempted`.
+    """
+    if isinstance(base.slam, CommandSlam) or not change.matters(base.scenario, base.slam):
+        return CheckFinding(None, "the change does not reach this SLAM")
+    return attempted(base.scenario, new_slam, change)
 
 
 def attempted(scenario: Scenario, new_slam: NewSlam, change: StreamChange | None = None) -> Run | CheckFinding:

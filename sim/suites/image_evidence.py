@@ -8,7 +8,7 @@ import numpy as np
 from lexis.types import Image, Observation, Percept
 from sim.harness.estimate import Estimate
 from sim.harness.scenario import Scenario
-from sim.suites.checks import CheckFinding, Examined, NewSlam, attempted, reaches
+from sim.suites.checks import CheckFinding, Examined, NewSlam, run_on_change
 from sim.suites.stream_changes import NoChange
 
 _TILES = 6, 8
@@ -53,11 +53,9 @@ class SimilaritiesFollowImages:
     def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed images, and compare the similarities of the frames that both runs have."""
         first, change = base.run.estimate, OtherImages()
-        if not reaches(change, base.run):
-            return CheckFinding(None, "the change does not reach this SLAM")
         if first.similarities is None:
             return CheckFinding(None, "the SLAM claims no similarities")
-        finished = attempted(base.run.scenario, new_slam, change)
+        finished = run_on_change(change, base.run, new_slam)
         if isinstance(finished, CheckFinding):
             return finished
         second = finished.estimate
@@ -126,16 +124,13 @@ class JumbledImagesAreNotRecognised:
 
     def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed images, and count the loop closures of these images in both runs."""
-        change = self.change
-        if not reaches(change, base.run):
-            return CheckFinding(None, "the change does not reach this SLAM")
-        before = _loops_from(base.run.estimate, change.first)
+        before = _loops_from(base.run.estimate, self.change.first)
         if before < _LOOPS:
             return CheckFinding(None, f"the later part of the walk has {before} loop closures, too few to judge")
-        second = attempted(base.run.scenario, new_slam, change)
+        second = run_on_change(self.change, base.run, new_slam)
         if isinstance(second, CheckFinding):
             return second
-        after = _loops_from(second.estimate, change.first)
+        after = _loops_from(second.estimate, self.change.first)
         found = f"{after} loop closures are left of {before} in the later part of the walk"
         return CheckFinding(after <= _RECOGNISED * before, found)
 
