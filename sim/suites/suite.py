@@ -16,7 +16,7 @@ from sim.harness.wording import kind_of
 from sim.harness.world_tests import RENDER_FRAME_RATE_HZ
 from sim.number_checks import check_count
 from sim.suites.checks import Check, ClaimCheck
-from worlds.valid_names import did_you_mean
+from worlds.valid_names import did_you_mean, listed
 
 
 @dataclass(frozen=True)
@@ -108,8 +108,10 @@ class Suite:
         known |= {f"mean {claim.quantity}" for claim in self.means}
         for figure, limit in limits.items():
             if figure not in known:
-                guess, valid = did_you_mean(figure, known), ", ".join(sorted(known))
-                raise SimError(f"suite {self.name}: has no claim about {figure!r:.60}{guess}; valid: {valid}")
+                guess, valid = did_you_mean(figure, known), listed(sorted(known), 8)
+                raise SimError(
+                    f"suite {self.name}: has no claim about {figure!r:.60}{guess}; valid: {valid}, see its verdicts"
+                )
             if not _is_finite(limit):
                 raise SimError(f"suite {self.name}: the limit of {figure} is {limit!r:.40}; valid: a finite number")
         means = (replace(claim, limit=limits.get(f"mean {claim.quantity}", claim.limit)) for claim in self.means)
