@@ -25,8 +25,13 @@ RAMP_RISE_M = 0.5
 PerKeyframe = Float64[np.ndarray, "n"]
 
 
-def floor_levels(stairs: Bool[np.ndarray, "n"], positions: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "n"]:
+def floor_levels(
+    stairs: Bool[np.ndarray, "n"], positions: Float64[np.ndarray, "n 3"], sessions: Int[np.ndarray, "n"] | None = None
+) -> Int[np.ndarray, "n"]:
     """Return the number of the floor of every keyframe, 0 for the lowest floor and -1 on stairs.
+
+    `sessions` are the sessions of the keyframes; None: they are all of one. Neither a ride nor a ramp leads from one session
+    to the next.
 
     1. Divide the walk into level stretches. Between them are stairs, rides in a lift, and ramps.
     2. Give every stretch a height by summing the height differences between the stretches before it. Height changes within
@@ -39,7 +44,7 @@ def floor_levels(stairs: Bool[np.ndarray, "n"], positions: Float64[np.ndarray, "
     """
     if stairs.all():
         return np.full(len(stairs), NO_FLOOR)
-    stretches = _level_stretches(stairs, positions)
+    stretches = _level_stretches(stairs, positions, np.zeros(len(stairs), int) if sessions is None else sessions)
     heights = _without_drift(stretches, positions[:, 2])
     least = min(MIN_KEYFRAMES, max(run.stop - run.start for run in stretches))
     levels = _levels(np.array([heights[run.start] for run in stretches if run.stop - run.start >= least]))
@@ -47,19 +52,22 @@ def floor_levels(stairs: Bool[np.ndarray, "n"], positions: Float64[np.ndarray, "
     return np.where(stairs, NO_FLOOR, nearest)
 
 
-def _level_stretches(stairs: Bool[np.ndarray, "n"], positions: Float64[np.ndarray, "n 3"]) -> list[Stretch]:
+def _level_stretches(
+    stairs: Bool[np.ndarray, "n"], positions: Float64[np.ndarray, "n 3"], sessions: Int[np.ndarray, "n"]
+) -> list[Stretch]:
     """Return the stretches of keyframes off the stairs without a ride in a lift and without a ramp.
 
     Single steps of at least `RIDE_M` in height divide the walk, too, such as a gap in the recording. Ramps count as level if
     nothing else is left, and so do rides whose keyframes are not labelled as stairs.
     """
     rising = stairs.copy()
-    for ride in lift_rides(positions):
+    for ride in lift_rides(positions, sessions):
         rising[ride.start + 1 : ride.stop - 1] = True
     jumps = np.append(0, np.cumsum(np.abs(np.diff(positions[:, 2])) >= RIDE_M))[: len(stairs)]
     runs = _off(rising, jumps)
     for run in runs:
-        rising[run.slice] = _on_ramps(positions[run.slice])
+        for session in stretches_of(sessions[run.slice]):
+            rising[run.slice][session.slice] = _on_ramps(positions[run.slice][session.slice])
     return _off(rising, jumps) or runs or _off(stairs, jumps)
 
 

@@ -72,6 +72,7 @@ def label_keyframes(
     room_names: tuple[str, ...],
     config: LabelConfig,
     refine: Refinement | None = None,
+    sessions: Int[np.ndarray, "n"] | None = None,
 ) -> RoomLabels:
     """Label all keyframes from their images and their current positions.
 
@@ -85,6 +86,7 @@ def label_keyframes(
         room_names: the vocabulary.
         config: the method, the number of neighbours C, and the thresholds of a climb.
         refine: how the labels of keyframes that are not on stairs are refined; None: by the vote of the paper.
+        sessions: the sessions of the keyframes; None: they are all of one.
     """
     similarities = rounded(similarities)
     baseline = similarities.argmax(axis=1)
@@ -99,7 +101,7 @@ def label_keyframes(
     if config.stairs_name not in room_names or len(room_names) == 1:
         return RoomLabels(baseline, *refine(similarities, np.arange(len(positions))))
     stairs = room_names.index(config.stairs_name)
-    level = np.flatnonzero(~on_stairs(positions, config))
+    level = np.flatnonzero(~on_stairs(positions, config, sessions))
     rooms_only = similarities.copy()
     rooms_only[:, stairs] = -np.inf
     refined = np.full(len(positions), stairs)

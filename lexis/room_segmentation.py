@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from lexis.config import SegmentationConfig
 from lexis.floors import NO_FLOOR, floor_levels
+from lexis.maths.stretches import consecutive_pairs
 from lexis.maths.ties import DECIMALS
 from lexis.types import RoomInstance
 
@@ -41,6 +42,7 @@ def segment(
     room_names: tuple[str, ...],
     config: SegmentationConfig,
     cluster: Clustering | None = None,
+    sessions: PerKeyframe | None = None,
 ) -> Segmentation:
     """Group labelled keyframes into room instances and floors.
 
@@ -48,7 +50,7 @@ def segment(
     2. Cluster the keyframes in order: each joins the nearest cluster of its label and floor whose running mean is within
        `distance_m`, or starts a new cluster.
     3. Merge clusters of one label and floor, because a large room has several clusters. Two clusters merge if they contain
-       consecutive keyframes, or keyframes within `adjacency_m` of each other with no other room in between.
+       consecutive keyframes of one session, or keyframes within `adjacency_m` of each other with no other room in between.
 
     Beyond the paper, no room spans several floors; only a staircase is one room over all floors that it joins.
 
@@ -58,11 +60,13 @@ def segment(
         room_names: the vocabulary.
         config: the two distances, and the name of the stairs.
         cluster: how keyframes are grouped, in place of steps 2 and 3; None: as the paper does.
+        sessions: the sessions of the keyframes; None: they are all of one.
     """
+    sessions = np.zeros(len(labels), int) if sessions is None else sessions
     stairs = np.array([name == config.stairs_name for name in room_names])[labels]
-    floors = floor_levels(stairs, positions)
+    floors = floor_levels(stairs, positions, sessions)
     if cluster is None:
-        groups = _by_distance(labels, floors, stairs, positions, config)
+        groups = _by_distance(labels, floors, stairs, positions, sessions, config)
     else:
         groups, labels = cluster(labels, floors, positions)
     instance_of = _by_first_appearance(groups)
@@ -70,13 +74,18 @@ def segment(
 
 
 def _by_distance(
-    labels: PerKeyframe, floors: PerKeyframe, stairs: Bool[np.ndarray, "n"], positions: Positions, config: SegmentationConfig
+    labels: PerKeyframe,
+    floors: PerKeyframe,
+    stairs: Bool[np.ndarray, "n"],
+    positions: Positions,
+    sessions: PerKeyframe,
+    config: SegmentationConfig,
 ) -> PerKeyframe:
     kinds = np.unique(np.stack([labels, floors], axis=1), axis=0, return_inverse=True)[1].reshape(-1)
     # The flights of a staircase lie above one another. They form one cluster because their heights are left out.
     stairs_flattened = np.where(stairs[:, None], positions * [1.0, 1.0, 0.0], positions)
     clusters = _cluster(kinds, stairs_flattened, config.distance_m)
-    return _merge(clusters, kinds, positions, config.adjacency_m)
+    return _merge(clusters, kinds, positions, sessions, config.adjacency_m)
 
 
 @dataclass
@@ -114,23 +123,23 @@ def _cluster(kinds: PerKeyframe, positions: Positions, distance_m: float) -> Per
     return np.array(ids, int)
 
 
-def _merge(clusters: PerKeyframe, kinds: PerKeyframe, positions: Positions, adjacency_m: float) -> PerKeyframe:
-    """Merge adjacent clusters of one kind (label and floor); return the id of the merged cluster of every keyframe."""
+def _merge(
+    clusters: PerKeyframe, kinds: PerKeyframe, positions: Positions, sessions: PerKeyframe, adjacency_m: float
+) -> PerKeyframe:
+    """Merge adjacent clusters of one kind (label and floor); return the id of the merged cluster of every keyframe.
+
+    No room lies between consecutive keyframes of one session, because the robot went from one to the other.
+    """
     n = len(clusters)
     if n == 0:
         return clusters
-    consecutive = _consecutive(n)
+    consecutive = consecutive_pairs(sessions)
     consecutive = consecutive[kinds[consecutive[:, 0]] == kinds[consecutive[:, 1]]]
     pairs = np.concatenate([consecutive, _adjacent(clusters, kinds, positions, adjacency_m)])
     own = np.stack([np.arange(n), clusters], axis=1)
     rows, columns = np.concatenate([pairs, own]).T
     graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(n, n))
     return np.asarray(connected_components(graph, directed=False)[1])
-
-
-def _consecutive(n: int) -> Int[np.ndarray, "m 2"]:
-    """Return pairs of consecutive keyframes. No room lies between them, because the robot went from one to the other."""
-    return np.stack([np.arange(n - 1), np.arange(1, n)], axis=1)
 
 
 def _adjacent(clusters: PerKeyframe, kinds: PerKeyframe, positions: Positions, adjacency_m: float) -> Int[np.ndarray, "m 2"]:

@@ -59,6 +59,8 @@ class Views:
     """Current poses."""
     camera: Camera
     """The camera, with the others of its rig."""
+    sessions: Int[np.ndarray, "n"]
+    """Session of every keyframe. Nobody walked from the end of one session to the beginning of the next."""
 
     @property
     def pooled(self) -> Float64[np.ndarray, "n rooms"]:
@@ -100,7 +102,7 @@ def derive_by_component(
 def _part(views: Views, ids: Int[np.ndarray, "k"]) -> Views:
     """Return the views of some keyframes."""
     spaces = [views.spaces[i] for i in ids.tolist()] if views.spaces else ()
-    return Views(views.similarities[ids], spaces, views.T_W_B[ids], views.camera)
+    return Views(views.similarities[ids], spaces, views.T_W_B[ids], views.camera, views.sessions[ids])
 
 
 def derive(
@@ -124,14 +126,20 @@ def derive(
         config = replace(config, sight=replace(config.sight, min_keyframes=1))
     sees = sight_of_cameras(views.spaces, views.T_W_B, views.camera, config.sight.near_m) if config.by_sight else []
     refine = partial(_pooled, views.similarities, sees, config.sight) if config.labels.method == "sight" else None
-    labels = label_keyframes(views.pooled, positions, room_names, config.labels, refine)
+    labels = label_keyframes(views.pooled, positions, room_names, config.labels, refine, views.sessions)
     refined, probabilities = labels.refined, labels.probabilities
     if given is not None:
         refined, probabilities = given, certain(given, len(room_names))
     cluster = None
     if config.segmentation.method == "sight":
-        cluster = partial(cluster_by_sight, probabilities=probabilities, sees=largest(sees), config=config.sight)
-    rooms = segment(refined, positions, room_names, config.segmentation, cluster)
+        cluster = partial(
+            cluster_by_sight,
+            sessions=views.sessions,
+            probabilities=probabilities,
+            sees=largest(sees),
+            config=config.sight,
+        )
+    rooms = segment(refined, positions, room_names, config.segmentation, cluster, views.sessions)
     return Semantics(views.pooled, labels.baseline, rooms.labels, probabilities, rooms.floors, rooms.rooms)
 
 

@@ -211,7 +211,8 @@ class Slam:
         """Derive labels, rooms and floors of all keyframes at the given poses."""
         with self._timed("rooms"):
             given = self._labeller(self._graph.keyframes) if self._labeller else None
-            views = Views(self._similarities.rows[self._graph.shown_by], self._spaces, T_W_B, self._camera)
+            shown = self._similarities.rows[self._graph.shown_by]
+            views = Views(shown, self._spaces, T_W_B, self._camera, self._graph.sessions)
             return derive_by_component(views, self._graph.components, self._room_names, self._config, given)
 
     def _close_loops(self, query: Keyframe) -> None:

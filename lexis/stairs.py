@@ -1,7 +1,7 @@
 """Detection of stairs and of rides in a lift by height change, whether or not the camera sees them (paper, Sec. III-B)."""
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Bool, Float64, Int
 
 from lexis.config import LabelConfig
 from lexis.maths.stretches import Stretch, stretches_of
@@ -20,29 +20,39 @@ RIDE_END_SLOPE = 0.3
 """Smallest ratio of climb to horizontal path in a step that is partly walked and partly ridden, at either end of a ride."""
 
 PerKeyframe = Float64[np.ndarray, "n"]
+Sessions = Int[np.ndarray, "n"]
 
 
-def on_stairs(positions: Float64[np.ndarray, "n 3"], config: LabelConfig) -> Bool[np.ndarray, "n"]:
+def on_stairs(
+    positions: Float64[np.ndarray, "n 3"], config: LabelConfig, sessions: Sessions | None = None
+) -> Bool[np.ndarray, "n"]:
     """Whether each keyframe stands on stairs, including half landings between two flights, or inside a moving lift.
 
     A keyframe climbs if the height changes by at least `stairs_min_height_m` over `stairs_window_m` of path centred on it.
     Odometry drift over that path is an order of magnitude smaller. At the foot and the top of a flight, half of the window
     covers the flight. With the defaults (2 m, stairs of 30-37 degrees), the detected stairs therefore begin at the first
     step and end at the last. A ride in a lift divides the path into walks, so that no window reaches across the ride.
+
+    `sessions` are the sessions of the keyframes; None: they are all of one. A step in height between two sessions is no
+    climb, because nobody walked from one to the other.
     """
     stairs = np.ones(len(positions), bool)
-    for walk in _walks(positions):
-        stairs[walk.slice] = _on_flights(positions[walk.slice], config)
+    for session in stretches_of(np.zeros(len(positions)) if sessions is None else sessions):
+        for walk in _walks(positions[session.slice]):
+            stairs[session.slice][walk.slice] = _on_flights(positions[session.slice][walk.slice], config)
     return stairs
 
 
-def lift_rides(positions: Float64[np.ndarray, "n 3"]) -> list[Stretch]:
+def lift_rides(positions: Float64[np.ndarray, "n 3"], sessions: Sessions | None = None) -> list[Stretch]:
     """Return the rides in a lift, each from the last keyframe before the climb to the first keyframe after it.
 
     In a ride the height changes by at least `RIDE_M` with almost no horizontal path: in a single step if no images arrive
-    during the ride, otherwise in several steps in the same direction.
+    during the ride, otherwise in several steps in the same direction. No ride leads from one session to the next; without
+    `sessions`, all keyframes are of one.
     """
     steps = np.diff(positions, axis=0)
+    if sessions is not None:
+        steps[np.diff(sessions) != 0] = 0.0
     direction = np.where(is_vertical(steps), np.sign(steps[:, 2]), 0.0)
     rises = [run for run in stretches_of(direction) if direction[run.start] != 0]
     return [_with_ends(run, steps) for run in rises if abs(steps[run.slice, 2].sum()) >= RIDE_M]

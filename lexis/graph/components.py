@@ -13,9 +13,14 @@ _GAP_M = 10.0
 """Distance between components that are laid side by side [m]. No method of LEXIS connects places so far apart."""
 
 
+def sessions_of(keyframes: Sequence[Keyframe]) -> Int[np.ndarray, "n"]:
+    """Return the session of every keyframe."""
+    return np.array([keyframe.session for keyframe in keyframes], int)
+
+
 def session_components(keyframes: Sequence[Keyframe], loops: Sequence[LoopEdge]) -> Int[np.ndarray, "sessions"]:
     """Return the component of every session, named by the number of its earliest session."""
-    sessions = np.array([keyframe.session for keyframe in keyframes], int)
+    sessions = sessions_of(keyframes)
     edges, count = LoopArrays.of(loops), int(sessions.max()) + 1
     ends = sessions[edges.query], sessions[edges.match]
     graph = csr_array((np.ones(len(edges.query)), ends), shape=(count, count))
@@ -26,8 +31,7 @@ def session_components(keyframes: Sequence[Keyframe], loops: Sequence[LoopEdge])
 
 def component_of(map: LexisMap) -> Int[np.ndarray, "n"]:
     """Return the component of every keyframe of a map, named by the number of its earliest session."""
-    sessions = np.array([keyframe.session for keyframe in map.keyframes], int)
-    return np.asarray(session_components(map.keyframes, map.loops)[sessions])
+    return np.asarray(session_components(map.keyframes, map.loops)[sessions_of(map.keyframes)])
 
 
 def sessions_apart(map: LexisMap) -> list[int]:

@@ -106,6 +106,11 @@ class PoseGraph:
         return self._stamps.rows
 
     @property
+    def sessions(self) -> Int[np.ndarray, "n"]:
+        """The session of every keyframe."""
+        return self._sessions.rows
+
+    @property
     def components(self) -> Int[np.ndarray, "n"]:
         """The component of every keyframe, named by the number of its earliest session."""
         return np.asarray(self._component_of[self._sessions.rows])

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from lexis.config import Config
-from lexis.graph.components import component_of
+from lexis.graph.components import component_of, sessions_of
 from lexis.inputs import check_room_names
 from lexis.map.encoder_check import check_encoder
 from lexis.perception import Encoder
@@ -37,7 +37,8 @@ def relabel(map: LexisMap, room_names: Sequence[str], encoder: Encoder, config: 
     config = config or Config()
     embeddings = np.array([keyframe.embeddings for keyframe in map.keyframes])
     spaces = [spaces_in_view(keyframe, map.camera, config.sight) for keyframe in map.keyframes if config.by_sight]
-    views = Views(similarities(embeddings, encoder.encode_rooms(names)), spaces, map.T_W_B, map.camera)
+    alike = similarities(embeddings, encoder.encode_rooms(names))
+    views = Views(alike, spaces, map.T_W_B, map.camera, sessions_of(map.keyframes))
     meaning = derive_by_component(views, component_of(map), names, config)
     return replace(
         map,

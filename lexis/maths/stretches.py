@@ -1,10 +1,10 @@
-"""Division of a sequence into stretches (runs) of equal consecutive values, each as long as possible."""
+"""Stretches (runs) of equal consecutive values in a sequence, each as long as possible, and the pairs inside them."""
 
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Shaped
+from jaxtyping import Int, Shaped
 
 
 class Stretch(NamedTuple):
@@ -25,3 +25,12 @@ def stretches_of(values: Shaped[np.ndarray, "n"]) -> list[Stretch]:
         return []
     changes = np.flatnonzero(values[1:] != values[:-1]) + 1
     return [Stretch(a, b) for a, b in pairwise([0, *(int(i) for i in changes), len(values)])]
+
+
+def consecutive_pairs(sessions: Shaped[np.ndarray, "n"]) -> Int[np.ndarray, "m 2"]:
+    """Return the pairs of consecutive indices with equal values.
+
+    For the sessions of keyframes, these are the steps of the walk: nobody walked from one session to the next.
+    """
+    first = np.flatnonzero(sessions[:-1] == sessions[1:])
+    return np.stack([first, first + 1], axis=1)

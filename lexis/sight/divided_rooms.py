@@ -16,10 +16,12 @@ from jaxtyping import Bool, Float64, Int
 from scipy.sparse import csc_array, csr_array, diags_array, eye_array
 from scipy.sparse.linalg import eigsh
 
+from lexis.maths.stretches import consecutive_pairs
 from lexis.maths.ties import reaches, rounded
 
 _STEP = 0.2
-"""Sight that two consecutive keyframes have of each other in addition, because the robot went from one to the other."""
+"""Sight that two consecutive keyframes of a session have of each other in addition, because the robot went from one to the
+other."""
 _LEAST = 4
 """Least number of keyframes of a room that is split."""
 _NONE = 1e-9
@@ -31,14 +33,14 @@ Positions = Float64[np.ndarray, "n 3"]
 PerKeyframe = Int[np.ndarray, "n"]
 
 
-def ties(sees: csr_array) -> csr_array:
+def ties(sees: csr_array, sessions: PerKeyframe) -> csr_array:
     """Return how strongly each pair of keyframes is tied by sight, as a symmetric matrix with an empty diagonal.
 
-    `sees` is the matrix that `lexis.sight.visible_space.sight` returns.
+    `sees` is the matrix that `lexis.sight.visible_space.sight` returns, `sessions` the session of every keyframe.
     """
-    n = sees.shape[0]
+    n, steps = sees.shape[0], consecutive_pairs(sessions)
     both = sees + sees.T
-    forward = csr_array((np.full(n - 1, _STEP), (np.arange(n - 1), np.arange(1, n))), shape=(n, n))
+    forward = csr_array((np.full(len(steps), _STEP), (steps[:, 0], steps[:, 1])), shape=(n, n))
     return csr_array(both - diags_array(both.diagonal()) + forward + forward.T)
 
 

@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 
 from lexis.config import SightConfig
 from lexis.floors import NO_FLOOR
+from lexis.maths.stretches import consecutive_pairs
 from lexis.maths.ties import rounded
 from lexis.room_labels import Probabilities
 from lexis.sight.alike_rooms import merge_alike
@@ -25,14 +26,15 @@ def cluster_by_sight(
     labels: PerKeyframe,
     floors: PerKeyframe,
     positions: Positions,
+    sessions: PerKeyframe,
     probabilities: Probabilities,
     sees: csr_array,
     config: SightConfig,
 ) -> tuple[PerKeyframe, PerKeyframe]:
     """Group keyframes into rooms; return the number of the room of every keyframe, and the labels of the keyframes.
 
-    1. Two keyframes of one label and floor are in one room if they are consecutive, or if one sees the place of the other.
-       With several cameras, one image that shows the place is enough.
+    1. Two keyframes of one label and floor are in one room if they are consecutive in a session, or if one sees the place of
+       the other. With several cameras, one image that shows the place is enough.
        Two keyframes on stairs are also in one room if they are horizontally close, because the flights of a staircase lie
        above one another.
     2. A room between whose parts there is hardly any sight is split; see `lexis.sight.divided_rooms`.
@@ -46,26 +48,23 @@ def cluster_by_sight(
         labels: label of every keyframe.
         floors: floor of every keyframe; `NO_FLOOR` on stairs.
         positions: positions of the keyframes in W [m].
+        sessions: session of every keyframe.
         probabilities: the probability of each label for every keyframe, from the images alone.
         sees: the matrix that `lexis.sight.visible_space.sight` returns; for several cameras, the largest entries of all.
         config: the least share of a visible space that counts as seeing a place, the least size of a room, and when rooms
             are split and merge.
     """
     n = len(labels)
-    pairs = np.concatenate([_consecutive(n), _seeing(sees, config.share)])
+    pairs = np.concatenate([consecutive_pairs(sessions), _seeing(sees, config.share)])
     first, second = pairs.T
     alike = (labels[first] == labels[second]) & (floors[first] == floors[second])
     joined = np.concatenate([pairs[alike], _on_one_staircase(floors == NO_FLOOR, positions)])
     graph = coo_array((np.ones(len(joined)), (joined[:, 0], joined[:, 1])), shape=(n, n))
     rooms = np.asarray(connected_components(graph, directed=False)[1])
-    tied = ties(sees)
+    tied = ties(sees, sessions)
     rooms = split_divided(rooms, floors != NO_FLOOR, positions, tied, config.split_m)
     rooms, labels = _absorbed(rooms, labels, floors, sees, config.min_keyframes)
     return merge_alike(rooms, labels, floors, probabilities, tied, config)
-
-
-def _consecutive(n: int) -> Pairs:
-    return np.stack([np.arange(n - 1), np.arange(1, n)], axis=1)
 
 
 def _seeing(sees: csr_array, share: float) -> Pairs:

@@ -99,3 +99,10 @@ def test_a_jump_of_the_odometry_to_the_side_is_no_other_floor():
     positions, leg = profile((6, 0), (8, 0))
     positions[leg == 1] += [0.3, 1.5, 0.4]
     assert set(floors_of(positions)) == {0}
+
+
+def test_a_step_in_height_between_two_sessions_is_no_ramp():
+    height = np.concatenate([np.zeros(8), [0.15, 0.3], [1.1, 1.25], np.full(8, 1.4)])
+    level = np.zeros(20, bool)
+    assert len(set(floor_levels(level, along(height)).tolist())) == 2
+    assert not floor_levels(level, along(height), np.repeat([0, 1], 10)).any()

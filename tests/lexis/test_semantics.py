@@ -14,11 +14,17 @@ NAMES = ("kitchen", "office", "stairs")
 TEXT = np.eye(3, dtype=np.float32)
 
 
-def views(embeddings, T):
-    """Views of cameras that only know their own places."""
+def views(embeddings, T, sessions=None):
+    """Views of cameras that only know their own places; without `sessions`, all are of one session."""
     alone = VisibleSpace(np.zeros((1, 3)), np.ones(1))
     camera = replace(FORWARD_CAMERA, T_B_C=np.eye(4))
-    return Views(similarities(embeddings[:, None], TEXT), [(alone,)] * len(T), T, camera)
+    return Views(
+        similarities(embeddings[:, None], TEXT),
+        [(alone,)] * len(T),
+        T,
+        camera,
+        np.zeros(len(T), int) if sessions is None else sessions,
+    )
 
 
 @pytest.fixture
@@ -58,3 +64,15 @@ def test_the_meaning_does_not_depend_on_where_the_world_s_origin_lies(walk):
     np.testing.assert_array_equal(here.labels, there.labels)
     np.testing.assert_array_equal(here.floors, there.floors)
     assert [room.keyframes for room in here.rooms] == [room.keyframes for room in there.rooms]
+
+
+@pytest.mark.parametrize("method", ["sight", "distance"])
+def test_offices_of_two_sessions_are_not_one_because_nobody_walked_from_one_to_the_other(method):
+    """Two offices 20 m apart, of which the second is 0.9 m higher."""
+    T = np.tile(np.eye(4), (20, 1, 1))
+    T[:, 0, 3] = 0.5 * np.arange(20) + np.repeat([0.0, 20.0], 10)
+    T[10:, 2, 3] = 0.9
+    seen = views(np.tile(TEXT[1], (20, 1)), T, np.repeat([3, 5], 10))
+    config = Config(segmentation=SegmentationConfig(method=method))
+    found = [(room.label, room.keyframes, room.floor) for room in derive(seen, NAMES, config).rooms]
+    assert found == [("office", tuple(range(10)), 0), ("office", tuple(range(10, 20)), 0)]

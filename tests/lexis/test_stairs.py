@@ -120,3 +120,12 @@ def test_a_jump_of_the_odometry_to_the_side_is_no_ride():
     positions, leg = profile((6, 0), (8, 0))
     positions[leg == 1] += [0.3, 1.5, 0.4]
     assert lift_rides(positions) == [] and not on_stairs(positions, LabelConfig()).any()
+
+
+@pytest.mark.parametrize("metres", [0.0, 0.5])
+def test_a_step_in_height_between_two_sessions_is_neither_a_climb_nor_a_ride(metres):
+    x = np.concatenate([np.arange(0.0, 8.0, 0.5), 7.5 + metres + np.arange(0.0, 8.0, 0.5)])
+    positions = np.stack([x, np.zeros(32), np.repeat([0.0, 1.4], 16)], axis=1)
+    sessions = np.repeat([0, 1], 16)
+    assert on_stairs(positions, LabelConfig()).any() or lift_rides(positions)
+    assert not on_stairs(positions, LabelConfig(), sessions).any() and lift_rides(positions, sessions) == []

@@ -18,8 +18,8 @@ ROOM_MUTANTS = (
     Mutant(
         "keyframes that see each other are not joined",
         "sight/room_clusters.py",
-        "pairs = np.concatenate([_consecutive(n), _seeing(sees, config.share)])",
-        "pairs = _consecutive(n)",
+        "pairs = np.concatenate([consecutive_pairs(sessions), _seeing(sees, config.share)])",
+        "pairs = consecutive_pairs(sessions)",
     ),
     Mutant(
         "every glimpse of a place joins two keyframes",
@@ -31,7 +31,7 @@ ROOM_MUTANTS = (
         "all consecutive keyframes are merged, whatever their labels",
         "sight/room_clusters.py",
         "joined = np.concatenate([pairs[alike],",
-        "joined = np.concatenate([_consecutive(n), pairs[alike],",
+        "joined = np.concatenate([consecutive_pairs(sessions), pairs[alike],",
     ),
     Mutant(
         "rooms of up to thirty keyframes are absorbed",
@@ -122,8 +122,8 @@ ROOM_MUTANTS = (
     Mutant(
         "labels and rooms come from the poses of the odometry",
         "slam.py",
-        "self._spaces, T_W_B, self._camera)",
-        "self._spaces, __import__('numpy').stack([each.T_O_B for each in self._graph.keyframes]), self._camera)",
+        "self._spaces, T_W_B, self._camera,",
+        "self._spaces, __import__('numpy').stack([each.T_O_B for each in self._graph.keyframes]), self._camera,",
     ),
     Mutant(
         "there are at most three floors",

@@ -54,6 +54,12 @@ def test_the_picture_has_a_dot_per_keyframe_an_edge_per_loop_and_the_names_of_ro
     assert len(set(colours.values())) == 3
 
 
+def test_the_picture_has_no_step_between_two_sessions(lexis_map):
+    keyframes = tuple(replace(keyframe, session=int(keyframe.id >= 20)) for keyframe in lexis_map.keyframes)
+    paths = ElementTree.fromstring(map_svg(replace(lexis_map, keyframes=keyframes))).iter(f"{SVG}path")
+    assert [path.get("class") for path in paths].count("walk") == 38
+
+
 def test_every_dot_lies_in_the_picture_with_x_to_the_right_and_y_up(lexis_map):
     svg = ElementTree.fromstring(map_svg(lexis_map))
     width, height = (float(value) for value in svg.get("viewBox").split()[2:])

@@ -14,7 +14,7 @@ from lexis.sight.room_clusters import cluster_by_sight
 CONFIG = SightConfig()
 
 
-def cluster(labels, pairs, floors=None, positions=None, config=CONFIG):
+def cluster(labels, pairs, floors=None, positions=None, config=CONFIG, sessions=None):
     """Rooms and labels of keyframes, where the first of each pair sees the place of the second."""
     n = len(labels)
     sees = np.eye(n) * 0.2
@@ -23,7 +23,8 @@ def cluster(labels, pairs, floors=None, positions=None, config=CONFIG):
     floors = np.zeros(n, int) if floors is None else np.array(floors)
     positions = np.arange(n)[:, None] * [1.0, 0.0, 0.0] if positions is None else np.array(positions, float)
     labels = np.array(labels)
-    return cluster_by_sight(labels, floors, positions, certain(labels, 3), csr_array(sees), config)
+    sessions = np.zeros(n, int) if sessions is None else np.array(sessions)
+    return cluster_by_sight(labels, floors, positions, sessions, certain(labels, 3), csr_array(sees), config)
 
 
 def partition(rooms):
@@ -34,6 +35,12 @@ def test_twin_offices_with_a_wall_between_them_stay_two():
     labels = [0] * 4 + [1] * 3 + [0] * 4  # office, corridor, office
     rooms, same = cluster(labels, [])
     assert partition(rooms) == [[0, 1, 2, 3], [4, 5, 6], [7, 8, 9, 10]] and same.tolist() == labels
+
+
+def test_consecutive_keyframes_of_two_sessions_are_in_one_room_only_if_one_sees_the_other():
+    sessions = [0] * 4 + [1] * 4
+    assert partition(cluster([0] * 8, [], sessions=sessions)[0]) == [[0, 1, 2, 3], [4, 5, 6, 7]]
+    assert len(partition(cluster([0] * 8, [(4, 3), (3, 4)], sessions=sessions)[0])) == 1
 
 
 def test_a_room_that_is_entered_again_is_one_room_if_its_old_keyframes_are_in_sight():
@@ -75,7 +82,9 @@ def test_all_keyframes_of_a_room_have_one_label_and_floor(seed, n):
     labels = np.repeat(rng.integers(0, 3, n), 2)[:n]
     sees = csr_array(np.where(rng.random((n, n)) < 0.1, rng.random((n, n)), 0.0))
     probabilities = rng.dirichlet(np.ones(3), n)
-    rooms, corrected = cluster_by_sight(labels, floors, rng.normal(size=(n, 3)), probabilities, sees, CONFIG)
+    rooms, corrected = cluster_by_sight(
+        labels, floors, rng.normal(size=(n, 3)), np.zeros(n, int), probabilities, sees, CONFIG
+    )
     for members in partition(rooms):
         assert len({(corrected[i], floors[i]) for i in members}) == 1
     large = np.bincount(rooms)[rooms] >= CONFIG.min_keyframes

@@ -61,6 +61,19 @@ def test_the_walk_is_free_without_any_landmark(lexis_map):
     assert len(points) > 100 and shapely.dwithin(points, walk, module.WALKED_M + CELL_M).all()
 
 
+@pytest.mark.parametrize(("sessions", "walked"), [((0, 0), True), ((0, 1), False)])
+def test_nobody_walked_from_the_end_of_one_session_to_the_beginning_of_the_next(lexis_map, sessions, walked):
+    """The second of two keyframes, which see nothing, is 1 m from the first one."""
+    keyframes = tuple(
+        replace(keyframe, session=session, landmarks=replace(keyframe.landmarks, points=np.zeros((0, 3))))
+        for keyframe, session in zip(lexis_map.keyframes, sessions, strict=False)
+    )
+    T_W_B = lexis_map.T_W_B[:2].copy()
+    T_W_B[1, :3, 3] = T_W_B[0, :3, 3] + [1.0, 0.0, 0.0]
+    grid = storey_grid(replace(lexis_map, keyframes=keyframes, T_W_B=T_W_B, floors=np.zeros(2, int)), 0)
+    assert grid.free[tuple(grid.cells(T_W_B[:, :3, 3].mean(axis=0)[None])[0])] == walked
+
+
 def test_stairs_have_no_grid(lexis_map):
     assert floors(lexis_map) == [0]
 
