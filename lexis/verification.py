@@ -115,11 +115,12 @@ def _compared(verdict: Verdict, edge: LoopEdge, graph: PoseGraph, config: Verifi
 def _agreeing(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig) -> list[LoopEdge]:
     """Return the loop edges of one query without those that contradict others, in the given order.
 
-    Edges are compared if their earlier keyframes are neighbours on the path (`_NEIGHBOURS_M`), and thus show one place. They
-    contradict each other if they lead to poses of the query whose difference is unlikely, given the covariances of the edges
-    and the drift of the path between the earlier keyframes. Of two such edges, the one with more support is kept. The
-    support of an edge is the number of inliers of all compared edges that agree with it, itself included. Edges to different
-    places are not compared: the robust kernel, which knows the loops of other queries, decides which place is the right one.
+    Edges are compared if their earlier keyframes are neighbours on the path of one session (`_NEIGHBOURS_M`), and thus show
+    one place. They contradict each other if they lead to poses of the query whose difference is unlikely, given the
+    covariances of the edges and the drift of the path between the earlier keyframes. Of two such edges, the one with more
+    support is kept. The support of an edge is the number of inliers of all compared edges that agree with it, itself
+    included. Edges to different places are not compared: the robust kernel, which knows the loops of other queries, decides
+    which place is the right one.
     """
     if config.max_contradiction is None or len(edges) < 2:
         return list(edges)
@@ -131,7 +132,9 @@ def _agreeing(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationC
     drift = path_m[..., None] * np.repeat([config.gate_rad_m, config.gate_share], 3)
     covariance = loops.covariance[:, None] + loops.covariance[None] + drift[..., None] ** 2 * np.eye(6)
     squared = (off * np.linalg.solve(covariance, off[..., None])[..., 0]).sum(axis=-1)
-    compared, agree = path_m <= _NEIGHBOURS_M, squared <= config.max_contradiction
+    sessions = graph.sessions[loops.match]
+    compared = (path_m <= _NEIGHBOURS_M) & (sessions[:, None] == sessions)
+    agree = squared <= config.max_contradiction
     kept: list[int] = []
     for i in np.argsort(-((compared & agree) @ loops.inliers), kind="stable").tolist():
         if not (compared & ~agree)[i, kept].any():
