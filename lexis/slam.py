@@ -195,8 +195,8 @@ class Slam:
         self._graph.add_keyframe(keyframe)
         self._take_views(keyframe)
         self._close_loops(keyframe)
-        self._join_components(keyframe)
-        optimised = self._optimise()
+        joined = self._join_components(keyframe)
+        optimised = self._optimise() or joined
         due = optimised or len(self._graph.keyframes) % self._config.labels.every == 0
         if due and self._config.place_recognition.method == "room":
             self._rooms = self._derive_semantics(self._graph.T_W_B).rooms
@@ -226,18 +226,23 @@ class Slam:
         self._verdicts.extend(verified.verdicts)
         self._graph.add_loops(verified.edges)
 
-    def _join_components(self, query: Keyframe) -> None:
-        """Seek the place of a keyframe in the components of the map that are not connected with its own."""
+    def _join_components(self, query: Keyframe) -> bool:
+        """Seek the place of a keyframe in the components of the map that are not connected with its own.
+
+        Returns whether two components have been joined. The graph has been optimised then.
+        """
         if not self._graph.is_split:
-            return
+            return False
         with self._timed("relocalise"):
             candidates = candidates_elsewhere(query, self._graph, self._config.sessions)
             settings = at_any_distance(self._config.verification)
             found = self._verify(query, candidates, self._graph, self._camera, settings)
             agreed = self._relocaliser.agreed(found.edges, self._graph)
-        if agreed:
-            self._graph.join(agreed, shift_of(agreed[-1], self._graph))
-            self._optimise(final=True)
+        if not agreed:
+            return False
+        self._graph.join(agreed, shift_of(agreed[-1], self._graph))
+        self._optimise(final=True)
+        return True
 
     def _optimise(self, final: bool = False) -> bool:
         with self._timed("optimise"):

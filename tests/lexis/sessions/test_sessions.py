@@ -7,7 +7,7 @@ import pytest
 from helpers.box_room import FORWARD_CAMERA
 from helpers.same_map import assert_same
 
-from lexis.config import Config, PlannerConfig, SessionConfig
+from lexis.config import Config, LabelConfig, PlaceRecognitionConfig, PlannerConfig, SessionConfig
 from lexis.errors import MapError
 from lexis.graph.components import component_of, sessions_apart, side_by_side
 from lexis.map.folder import load_map, save_map
@@ -143,6 +143,23 @@ def test_wrong_edges_do_not_keep_a_session_from_being_joined(first):
 @pytest.mark.parametrize("few", [dict(agreeing=SECOND + 1), dict(span_m=20.0)])
 def test_few_keyframes_or_a_short_path_are_not_enough(first, few):
     assert sessions_apart(second(first, verifier(), Config(sessions=SessionConfig(**few)))) == [1]
+
+
+def test_rooms_by_which_loops_are_sought_are_derived_anew_when_a_session_is_joined(first):
+    """Without other loops, and with labels that are refined rarely, joining is the only occasion."""
+    config = Config(labels=LabelConfig(every=1000), place_recognition=PlaceRecognitionConfig(method="room"))
+    given = []
+
+    def recogniser(query, label, rooms, graph, config):
+        given.append(({keyframe for room in rooms for keyframe in room.keyframes}, graph.is_split))
+        return ()
+
+    slam = Slam(FORWARD_CAMERA, Encoder(), ROOMS, config, verifier(), recogniser, map=first)
+    for i in range(FIRST, FIRST + SECOND):
+        slam.process(observation(i, se3.inverse(MOVED) @ TRUE[i], np.random.default_rng(i)))
+    slam.finish()
+    assert given[0] == (set(), True) and given[-1][1] is False
+    assert all(keyframes >= set(range(FIRST + 1)) for keyframes, is_split in given if not is_split)
 
 
 def test_a_map_of_several_sessions_is_saved_and_continued(first, tmp_path):
