@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Bool, Float64, Int
 
 from lexis.config import SessionConfig, VerificationConfig
 from lexis.graph.pose_graph import PoseGraph
@@ -58,8 +58,9 @@ class Relocaliser:
         and from more than half of all keyframes with edges between the same two components.
         """
         self._edges = [edge for edge in (*self._edges, *edges) if self._is_recent(edge, graph)]
+        components = graph.components
         for edge in edges:
-            rivals = [other for other in self._edges if _ends(other, graph) == _ends(edge, graph)]
+            rivals = [other for other in self._edges if _ends(other, components) == _ends(edge, components)]
             fits = _fit(edge, rivals, graph, self._tolerances)
             found = tuple(other for other, fit in zip(rivals, fits.tolist(), strict=True) if fit)
             if self._suffice(found, rivals, graph):
@@ -81,9 +82,9 @@ def shift_of(edge: LoopEdge, graph: PoseGraph) -> Pose:
     return np.asarray(graph.T_W_B[edge.match] @ edge.T_match_query @ inverse(graph.T_W_B[edge.query]))
 
 
-def _ends(edge: LoopEdge, graph: PoseGraph) -> tuple[int, int]:
-    """Return the components that an edge connects."""
-    return int(graph.components[edge.query]), int(graph.components[edge.match])
+def _ends(edge: LoopEdge, components: Int[np.ndarray, "n"]) -> tuple[int, int]:
+    """Return the components that an edge connects, given the component of every keyframe."""
+    return int(components[edge.query]), int(components[edge.match])
 
 
 def _fit(

@@ -10,6 +10,7 @@ from helpers.same_map import assert_same
 from lexis.config import Config, LabelConfig, PlaceRecognitionConfig, PlannerConfig, SessionConfig
 from lexis.errors import MapError
 from lexis.graph.components import component_of, sessions_apart, side_by_side
+from lexis.graph.pose_graph import PoseGraph
 from lexis.map.folder import load_map, save_map
 from lexis.map.relabelling import relabel
 from lexis.maths import se3
@@ -138,6 +139,14 @@ def test_edges_that_contradict_each_other_never_join(first):
 def test_wrong_edges_do_not_keep_a_session_from_being_joined(first):
     joined = second(first, verifier(wrong=range(FIRST, FIRST + 4)))
     np.testing.assert_allclose(joined.T_W_B[FIRST:], TRUE[FIRST:], atol=0.02)
+
+
+def test_the_time_per_keyframe_of_a_split_map_does_not_grow_with_the_number_of_pairs_of_edges(first, monkeypatch):
+    """The components of all keyframes are read twice for each keyframe, and a few times for the finished map."""
+    components, reads = PoseGraph.components.fget, []
+    monkeypatch.setattr(PoseGraph, "components", property(lambda graph: reads.append(graph) or components(graph)))
+    second(first, verifier(wrong=range(FIRST, FIRST + SECOND)))
+    assert len(reads) <= 2 * SECOND + 5
 
 
 @pytest.mark.parametrize("few", [dict(agreeing=SECOND + 1), dict(span_m=20.0)])
