@@ -34,7 +34,7 @@ from lexis.errors import DatasetError, LexisError, one_line
 from lexis.files.reading import FileKind, numbered_lines, read_yaml
 from lexis.inputs import check_camera, is_pose, usable_covariances
 from lexis.maths.quaternions import poses_of
-from lexis.maths.se3 import inverse
+from lexis.maths.se3 import adjoint, inverse
 from lexis.types import Camera, Image, Intrinsics, Pose
 
 SENSORS, CAMERA, ODOMETRY = "mav0", "cam0", "odom0"
@@ -105,13 +105,21 @@ def _read_odometry(folder: Path) -> tuple[OdometryTrack, Float64[np.ndarray, "n 
     rows = np.array([_numbers(path, *line) for line in _rows(path, 8)])
     check_ascending(str(path), rows[:, 0])
     poses, T_B_S = poses_of(rows[:, [1, 2, 3, 5, 6, 7, 4]]), _sensor_pose(folder)
-    track = OdometryTrack(str(path), rows[:, 0], poses if np.array_equal(T_B_S, np.eye(4)) else poses @ inverse(T_B_S))
+    is_body = np.array_equal(T_B_S, np.eye(4))
+    track = OdometryTrack(str(path), rows[:, 0], poses if is_body else poses @ inverse(T_B_S))
     if rows.shape[1] != _WITH_COVARIANCE:
         return track, None
     covariances = rows[:, 8:].reshape(-1, 6, 6)
     if len(bad := np.flatnonzero(~usable_covariances(covariances))):
         raise DatasetError(f"{path}: pose {bad[0]}: valid: a positive semi-definite 6x6 matrix as covariance")
-    return track, covariances
+    return track, covariances if is_body else _of_body(covariances, T_B_S)
+
+
+def _of_body(covariances: Float64[np.ndarray, "n 6 6"], T_B_S: Pose) -> Float64[np.ndarray, "n 6 6"]:
+    """Convert covariances of a sensor's increments to those of the body's increments, T_B_S @ increment @ T_S_B."""
+    Ad = adjoint(T_B_S)
+    result = Ad @ covariances @ Ad.T
+    return np.asarray((result + result.swapaxes(1, 2)) / 2.0)  # rounding makes the product slightly asymmetric
 
 
 def _sensor_pose(folder: Path) -> Pose:

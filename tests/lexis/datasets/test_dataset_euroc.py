@@ -11,6 +11,7 @@ from helpers.small_inputs import CAMERA, FRAMES, write_euroc_run, write_tum_run
 from lexis.datasets.dataset import DatasetConfig, open_dataset
 from lexis.datasets.image_header import image_size
 from lexis.errors import LexisError
+from lexis.maths.se3 import between, exp, inverse, log
 
 
 @pytest.fixture
@@ -66,6 +67,25 @@ def test_cameras_without_a_common_time_or_named_twice_are_refused(folder):
         open_dataset(folder, DatasetConfig(camera="cam0,cam1"))
     with pytest.raises(LexisError, match="valid: different names, separated by commas"):
         open_dataset(folder, DatasetConfig(camera="cam0,cam0"))
+
+
+def test_poses_and_covariances_of_a_sensor_beside_the_body_are_converted_to_the_body(folder):
+    T_B_S = exp(np.array([0.2, -0.5, 1.0, 0.6, -0.3, 0.4]))
+    covariance = np.diag([1e-4, 4e-4, 9e-4, 1e-2, 4e-2, 9e-2])
+    path = folder / "mav0" / "odom0" / "data.csv"
+    lines = [line.split(",")[:8] for line in path.read_text().splitlines()[1:]]
+    path.write_text("".join(",".join([*line, *map(repr, covariance.ravel().tolist())]) + "\n" for line in lines))
+    of_sensor = list(open_dataset(folder))
+    (folder / "mav0" / "odom0" / "sensor.yaml").write_text(f"T_BS:\n  data: {T_B_S.ravel().tolist()}\n")
+    of_body = list(open_dataset(folder))
+    for i in range(1, FRAMES):
+        increment = between(of_sensor[i - 1].T_O_B, of_sensor[i].T_O_B)
+        body_increment = between(of_body[i - 1].T_O_B, of_body[i].T_O_B)
+        np.testing.assert_allclose(body_increment, T_B_S @ increment @ inverse(T_B_S), atol=1e-12)
+        # Small errors of the sensor's increment, one in each direction, and the errors of the body's increment they lead to.
+        disturbed = T_B_S @ increment @ exp(1e-6 * np.eye(6)) @ inverse(T_B_S)
+        errors = log(inverse(body_increment) @ disturbed).T / 1e-6
+        np.testing.assert_allclose(of_body[i].increment_covariance, errors @ covariance @ errors.T, atol=1e-6)
 
 
 def sensor(old, new):
