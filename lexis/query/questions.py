@@ -63,8 +63,9 @@ _TO_AN_ACTIVITY = _lead_in(
 _POLITE = _lead_in(
     r"please,?|hello,?|hi,?|hey,?|robot,?|excuse me,?", r"(?:can|could|would|will) you(?: please)?(?= \w+ (?:me|us|to) )"
 )
+_PUNCTUATION = " ?.!,;"
 _TRAILING = re.compile(
-    r"(?:,? (?:please|here|there|now|somewhere|anywhere|around|nearby|in it|in a room"
+    r"(?: ?,? (?:please|here|there|now|somewhere|anywhere|around|nearby|in it|in a room"
     r"|in (?:a|this|the|my|our) (?:house|home|flat|building)))+$"
 )
 _NEGATION = _lead_in(
@@ -151,5 +152,5 @@ def _normalise(text: str) -> str:
     plain = " ".join(text.lower().split())
     for short, full in _CONTRACTIONS.items():
         plain = plain.replace(short, full)
-    plain = _TRAILING.sub("", plain.rstrip(" ?.!,;"))
+    plain = _TRAILING.sub("", plain.rstrip(_PUNCTUATION)).rstrip(_PUNCTUATION)
     return plain.removesuffix(" in") if _ROOM_TO.match(plain) else plain

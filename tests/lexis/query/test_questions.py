@@ -42,6 +42,16 @@ def test_an_activity_is_one_question_in_any_form(activity):
     assert question.readings[0][0] == activity and len(question.readings[0]) == len(ACTIVITY_CAPTIONS)
 
 
+@pytest.mark.parametrize("lead", ["where to", "take me to", "please", "a place to", "inside the", "not the", "where can I"])
+@pytest.mark.parametrize("end", [" , please", " , here", ",, now", " ; please , here", " ... , please?"])
+def test_punctuation_before_polite_words_neither_counts_as_content_nor_leaves_none(lead, end):
+    assert all(caption.strip(" ,;.?") for caption in read_question(lead + end).readings[0])
+    if lead != "please":
+        assert read_question(f"{lead} kitchen{end}") == read_question(f"{lead} kitchen")
+    with pytest.raises(LexisError, match="valid: some words"):
+        read_question(end)
+
+
 def test_captions_the_encoder_was_trained_in_are_read_too():
     for activity in ("cook dinner", "wash my hands"):
         texts = [text for text in framed(PLACE_FRAMES, [activity]) if text != activity]
