@@ -37,7 +37,14 @@ from lexis.place_recognition import PlaceRecogniser, propose
 from lexis.room_labels import most_similar, similarities
 from lexis.semantics import Labeller, Semantics, Views, derive_by_component
 from lexis.sessions.compatibility import check_continues
-from lexis.sessions.relocalisation import Relocaliser, at_any_distance, candidates_elsewhere, shift_of
+from lexis.sessions.relocalisation import (
+    Relocaliser,
+    at_any_distance,
+    candidates_elsewhere,
+    shift_of,
+    with_support,
+    without_support,
+)
 from lexis.sight.visible_space import VisibleSpace, spaces_in_view
 from lexis.timing import StageTimer
 from lexis.types import Camera, EncoderId, Keyframe, LexisMap, Observation, Poses, RoomInstance, Verdict
@@ -238,8 +245,11 @@ class Slam:
             settings = at_any_distance(self._config.verification)
             found = self._verify(query, candidates, self._graph, self._camera, settings)
             agreed = self._relocaliser.agreed(found.edges, self._graph)
+        self._candidates.append((query.id, candidates))
+        self._verdicts.extend(without_support(found.verdicts))
         if not agreed:
             return False
+        self._verdicts = with_support(self._verdicts, agreed)
         self._graph.join(agreed, shift_of(agreed[-1], self._graph))
         self._optimise(final=True)
         return True

@@ -186,11 +186,13 @@ class LoopEdge:
 
 Outcome = Literal[
     "accepted", "few matches", "few inliers", "crowded inliers", "uncertain position", "far from the estimate", "surplus",
-    "unconfirmed", "contradicted",
+    "unconfirmed", "contradicted", "unsupported",
 ]  # fmt: skip
 """What became of a loop candidate. Inliers are crowded if they cover too little of the image. A candidate is surplus if
 enough others of the same query have more inliers. It is unconfirmed if a simulated verifier rejects it without a reason. It
-is contradicted if other loops of the same query, with at least as many inliers in all, lead to another pose."""
+is contradicted if other loops of the same query, with at least as many inliers in all, lead to another pose. It is
+unsupported if it leads to a session that shares no frame with the query, and too few keyframes agree with it to join both.
+"""
 OUTCOMES: tuple[Outcome, ...] = get_args(Outcome)
 """Saved maps contain the positions of outcomes in this list, so a new outcome belongs at its end."""
 
@@ -212,6 +214,7 @@ class Verdict:
     """Number of cells of a 6 x 6 grid on the image that contain an inlier; with several cameras, the largest number."""
     misfit_m: float | None = None
     """Distance between the measured position of the new keyframe and its position in the estimate at that time [m].
+    Keyframes that share no frame have no such distance.
 
     A loop may be refused for its difference in height although this distance is within its limit."""
     misfit_rad: float | None = None

@@ -19,7 +19,7 @@ from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.se3 import inverse
 from lexis.maths.ties import reaches
 from lexis.place_recognition import most_similar_keyframes
-from lexis.types import Keyframe, LoopArrays, LoopEdge, Pose
+from lexis.types import Keyframe, LoopArrays, LoopEdge, Outcome, Pose, Verdict
 from lexis.verification import within_drift
 
 _ANY_M, _ANY_RAD = 1e9, 4.0
@@ -80,6 +80,24 @@ class Relocaliser:
 def shift_of(edge: LoopEdge, graph: PoseGraph) -> Pose:
     """Return the rigid motion that, according to this edge, moves the query's component into the match's component."""
     return np.asarray(graph.T_W_B[edge.match] @ edge.T_match_query @ inverse(graph.T_W_B[edge.query]))
+
+
+def without_support(verdicts: Sequence[Verdict]) -> list[Verdict]:
+    """Return verdicts on candidates elsewhere, as long as their edges join nothing. There is no estimate to compare with."""
+    outcomes: dict[Outcome, Outcome] = {"accepted": "unsupported"}
+    return [
+        replace(verdict, outcome=outcomes.get(verdict.outcome, verdict.outcome), misfit_m=None, misfit_rad=None)
+        for verdict in verdicts
+    ]
+
+
+def with_support(verdicts: Sequence[Verdict], edges: Sequence[LoopEdge]) -> list[Verdict]:
+    """Return verdicts in which the candidates are accepted whose edges have joined two components."""
+    joining = {(edge.query, edge.match) for edge in edges}
+    return [
+        replace(verdict, outcome="accepted") if (verdict.query, verdict.match) in joining else verdict
+        for verdict in verdicts
+    ]
 
 
 def _ends(edge: LoopEdge, components: Int[np.ndarray, "n"]) -> tuple[int, int]:

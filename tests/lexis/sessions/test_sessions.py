@@ -132,8 +132,28 @@ def test_rooms_and_ways_do_not_cross_components(first):
     assert_same(replace(relabel(apart, ROOMS, Encoder()), stage_seconds={}), replace(apart, stage_seconds={}))
 
 
-def test_edges_that_contradict_each_other_never_join(first):
-    assert sessions_apart(second(first, verifier(wrong=range(FIRST, FIRST + SECOND)))) == [1]
+def candidates_of(lexis_map):
+    """The pairs of a query and a candidate, in the order of the map."""
+    return [(query, match) for query, matches in lexis_map.candidates for match in matches]
+
+
+def test_a_joined_map_tells_what_became_of_every_loop_candidate(first):
+    joined = second(first, verifier())
+    assert [(verdict.query, verdict.match) for verdict in joined.verdicts] == candidates_of(joined)
+    accepted = {(verdict.query, verdict.match) for verdict in joined.verdicts if verdict.outcome == "accepted"}
+    assert accepted == {(loop.query, loop.match) for loop in joined.loops}
+    assert any(query >= FIRST > match for query, match in accepted)
+
+
+def test_edges_that_contradict_each_other_never_join(first, tmp_path):
+    apart = second(first, verifier(wrong=range(FIRST, FIRST + SECOND)))
+    assert sessions_apart(apart) == [1]
+    assert [(verdict.query, verdict.match) for verdict in apart.verdicts] == candidates_of(apart)
+    across = [verdict for verdict in apart.verdicts if verdict.query >= FIRST > verdict.match]
+    assert {verdict.outcome for verdict in across} == {"unsupported", "surplus"}
+    assert {verdict.misfit_m for verdict in across} == {None}  # the poses share no frame
+    save_map(apart, tmp_path / "map")
+    assert_same(load_map(tmp_path / "map"), apart)
 
 
 def test_wrong_edges_do_not_keep_a_session_from_being_joined(first):
