@@ -18,6 +18,11 @@ class ProgramError(SimError):
         self.how, self.stderr = how, stderr
 
 
+USER_ERRORS = (Exception, SystemExit)
+"""What the code of a user may raise. `SystemExit` belongs to it: if it were passed on, its status would become that of the
+command, and a failing SLAM might count as one that passes."""
+
+
 class ClaimError(SimError):
     """The claims of a SLAM under test are not valid: they contradict each other, or refer to frames that do not exist."""
 

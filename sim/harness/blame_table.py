@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Literal
 
+from sim.errors import USER_ERRORS
 from sim.feature_sensor.oracle import Oracle
 from sim.fidelity import ORACLE
 from sim.harness.adapters.lexis import Lexis
@@ -126,7 +127,7 @@ def _row(scenario: Scenario, substitution: Substitution, judged: Callable[[Subst
         return BlameRow(substitution.name, "changes nothing")
     try:
         return judged(substitution)
-    except Exception as error:  # raised by the scenario or by any SLAM
+    except USER_ERRORS as error:  # raised by the scenario or by any SLAM
         return BlameRow(substitution.name, "cannot be told", detail=f"{type(error).__name__}: {error}")
 
 

@@ -10,7 +10,7 @@ import lexis
 import sim
 import worlds
 from lexis.errors import EncoderError, one_line
-from sim.errors import ProgramError, SimError
+from sim.errors import USER_ERRORS, ProgramError, SimError
 from sim.harness.last_run import noted
 from sim.harness.planning import Trial, try_plans
 from sim.harness.runner import Progress, Run
@@ -88,7 +88,7 @@ def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None
             return Crash(scenario, error, None)
         except (SimError, EncoderError):
             raise
-        except (Exception, SystemExit) as error:
+        except USER_ERRORS as error:
             if not last.in_slam:
                 raise
             return Crash(scenario, error, last.done, last.slam_name)
@@ -105,7 +105,7 @@ def attempt_plans(finished: Run) -> Sequence[Trial] | Crash:
             return try_plans(finished)
         except SimError:
             raise
-        except (Exception, SystemExit) as error:
+        except USER_ERRORS as error:
             if not last.in_slam:
                 raise
             return Crash(finished.scenario, error, None, type(finished.slam).__name__)

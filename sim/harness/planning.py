@@ -114,7 +114,11 @@ def ask_plan(run: Run, slam: PlansPaths, start: str, goal: str) -> Int[np.ndarra
             plan = slam.plan(start, goal)
     except PlanError:
         return None
-    rows, n = np.array(plan), len(run.estimate.frames)
+    n = len(run.estimate.frames)
+    try:
+        rows = np.array(plan)
+    except (TypeError, ValueError):  # such as a list of lists of different lengths
+        rows = np.zeros(0)
     if rows.ndim != 1 or not rows.size or rows.dtype.kind not in "iu" or not 0 <= rows.min() <= rows.max() < n:
         valid = f"one or more rows of the estimate, 0 to {n - 1}; without a plan, raise PlanError"
         raise ClaimError(f"the plan from {start} to {goal} is {plan!r:.60}; valid: {valid}")

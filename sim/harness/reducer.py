@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import Literal
 
-from sim.errors import SimError
+from sim.errors import USER_ERRORS, SimError
 from sim.fidelity import Fidelity
 from sim.harness.failure_signature import Signature
 from sim.harness.reductions import STEPS, ScenarioSize, Step, for_images, size, with_features, with_listed_house
@@ -250,7 +250,7 @@ class _Search:
             return "invalid"
         try:
             signature = self.fails(scenario)
-        except Exception:  # whatever a SLAM raises in a run that it cannot do
+        except USER_ERRORS:  # of a SLAM in a run that it cannot do
             return "cannot run"
         if signature is None:
             return "passes"

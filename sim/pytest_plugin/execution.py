@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 from _pytest.runner import runtestprotocol
 
-from sim.errors import ClaimError
+from sim.errors import USER_ERRORS, ClaimError
 from sim.harness.last_run import LastRun, watched
 from sim.harness.world_tests import World
 from sim.pytest_plugin.drawn_tests import replay_of_draws
@@ -33,7 +33,7 @@ key, so that only the name before it is found."""
 class Raised:
     """An exception that the SLAM has raised in the fixture `run`."""
 
-    error: Exception
+    error: BaseException
     traceback: TracebackType | None
     """The traceback from the fixture to the line that raised the exception."""
 
@@ -163,7 +163,7 @@ def pytest_runtest_setup(item: pytest.Item) -> Generator[None, None, None]:
     with watched(execution.last):
         try:
             yield
-        except Exception as error:
+        except USER_ERRORS as error:
             if execution.raised is None or execution.raised.error is not error:
                 raise
 

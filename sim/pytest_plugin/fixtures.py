@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from sim.errors import SimError
+from sim.errors import USER_ERRORS, SimError
 from sim.pytest_plugin.collection import family_of
 from sim.pytest_plugin.execution import EXECUTION, Execution, Raised
 
@@ -63,7 +63,7 @@ def run(request: pytest.FixtureRequest, scenario: "Scenario", slam: "SlamUnderTe
     try:
         finished = run_scenario(scenario, slam)
         return evaluate(finished, try_plans(finished) if family is not None and family.plans else [])
-    except Exception as error:
+    except USER_ERRORS as error:
         if execution.last.done is None:  # no SLAM, or a scenario that cannot be run
             with _mistakes_without_traceback():
                 raise

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Int
 
 from lexis.errors import one_line
-from sim.errors import ClaimError
+from sim.errors import USER_ERRORS, ClaimError
 from sim.harness.planning import ask_plan, planned_pairs
 from sim.harness.runner import Run
 from sim.harness.slam_under_test import PlansPaths
@@ -37,7 +37,7 @@ def plans_can_be_walked(run: Run) -> CheckFinding:
             plan = ask_plan(run, slam, start, goal)
         except ClaimError as error:
             return CheckFinding(False, one_line(str(error), 160))
-        except Exception as error:  # whatever a user's SLAM raises
+        except USER_ERRORS as error:
             return CheckFinding(False, one_line(f"plan() of the SLAM raises {type(error).__name__}: {error}", 160))
         if plan is None:
             return CheckFinding(False, f"there is no plan from {start} to {goal}")

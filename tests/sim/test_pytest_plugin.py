@@ -308,6 +308,15 @@ def test_beyond(run):
 """
 
 
+def test_a_slam_that_ends_the_process_fails_its_test(pytester, inner):
+    leaves = "@pytest.fixture\ndef slam():\n    return Lost(SystemExit)\n\n@small\ndef test_left(run):\n    pass\n"
+    lost = SLAM.replace("class Lost(Stub):", "class Lost(Stub):\n    def __init__(self, error):\n        self.error = error")
+    pytester.makepyfile(test_slam=lost.replace('raise RuntimeError("lost")', "raise self.error(0)") + leaves)
+    result = inner("--no-lexis-shrink", "--lexis-out", "kept")
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(["SystemExit: 0", "first wrong: in * at 10.0 s: the SLAM raised in process()"])
+
+
 def test_claims_that_the_harness_refuses_are_shown_at_the_method_that_returned_them(pytester, inner):
     pytester.makepyfile(test_slam=SLAM + BEYOND)
     inner("--no-lexis-shrink").stdout.fnmatch_lines(

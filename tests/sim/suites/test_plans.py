@@ -55,10 +55,12 @@ def test_plans_of_lexis_can_be_walked(finished):
         (lambda plan: plan[:1], " 100% begin and 0% end in a room of the wanted label; 0 steps"),
         (fail(PlanError("no way")), "there is no plan from"),
         (fail(ZeroDivisionError("oh")), "raises ZeroDivisionError: oh"),
+        (fail(SystemExit(0)), "raises SystemExit: 0"),
         (lambda plan: [], r"is \[\]; valid: one or more rows of the estimate, 0 to \d+; without a plan, raise PlanError"),
         (lambda plan: [0, 99999], r"is \[0, 99999\]; valid: one or more rows"),
+        (lambda plan: [0, [1, 2]], r"is \[0, \[1, 2\]\]; valid: one or more rows"),
     ],
-    ids=["straight ahead", "backwards", "stays", "none", "crash", "empty", "beyond"],
+    ids=["straight ahead", "backwards", "stays", "none", "crash", "exit", "empty", "beyond", "ragged"],
 )
 def test_plans_through_walls_to_other_rooms_or_none_at_all_are_found(finished, change, said):
     found = plans_can_be_walked(replace(finished, slam=Planner(finished.slam, change)))
