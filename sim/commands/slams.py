@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from lexis.errors import one_line
 from sim.commands.arguments import number
 from sim.commands.record import FORMATS
-from sim.errors import SimError
+from sim.errors import USER_ERRORS, SimError
 
 if TYPE_CHECKING:
     from sim.harness.claims import Claim
@@ -64,11 +64,12 @@ def runner_of(arguments: argparse.Namespace) -> "Runner":
         return program_of(arguments)
     refuse_program_options(arguments)
     from sim.harness import run
+    from sim.harness.slam_under_test import made_slam
 
     if arguments.slam is None:
         return lambda scenario, progress: run(scenario, None, progress)
     new_slam = slam_factory(arguments.slam)
-    return lambda scenario, progress: run(scenario, new_slam(), progress)
+    return lambda scenario, progress: run(scenario, made_slam(new_slam), progress)
 
 
 def replay_of(arguments: argparse.Namespace) -> "Replay":
@@ -119,13 +120,18 @@ class SlamFactory:
     text: str
 
     def __call__(self) -> "SlamUnderTest":
-        """Make a SLAM. Raises `SimError` if its class cannot be imported or called, or is no SLAM."""
-        return _made(self.text, _imported(self.text))
+        """Make a SLAM. Raises `SimError` if its class cannot be imported, and whatever the class raises."""
+        return _imported(self.text)()
 
 
 def slam_factory(text: str) -> SlamFactory:
-    """Return a function that makes the SLAM named MODULE:CLASS. Raises `SimError` if it cannot be imported or is no SLAM."""
-    _imported(text)
+    """Return a function that makes the SLAM named MODULE:CLASS.
+
+    Raises `SimError` if the class cannot be imported, or cannot be called without arguments.
+    """
+    from sim.harness.slam_under_test import check_slam_factory
+
+    check_slam_factory(f"--slam {text!r:.80}", _imported(text))
     return SlamFactory(text)
 
 
@@ -140,23 +146,9 @@ def _imported(text: str) -> "Callable[[], SlamUnderTest]":
         sys.path.insert(0, "")  # the current folder, as in `python -m`
     try:
         found = getattr(importlib.import_module(module_name), class_name, None)
-    except Exception as error:  # a user's module may raise anything
+    except USER_ERRORS as error:
         reason = one_line(f"{type(error).__name__}: {error}", 160)
         raise SimError(f"--slam {text!r:.80}: cannot be imported: {reason}; valid: a module here or on the path") from None
     if not callable(found):
         raise SimError(f"--slam {text!r:.80}: the module has no class {class_name}; valid: the name of a class in it")
     return found  # type: ignore[no-any-return]
-
-
-def _made(text: str, make: "Callable[[], SlamUnderTest]") -> "SlamUnderTest":
-    from sim.harness.slam_under_test import check_slam_methods
-
-    try:
-        slam = make()
-    except TypeError as error:
-        raise SimError(f"--slam {text!r:.80}: {one_line(error, 160)}; valid: a class that takes no arguments") from None
-    except Exception as error:  # a user's class may raise anything
-        reason = one_line(f"{type(error).__name__}: {error}", 160)
-        raise SimError(f"--slam {text!r:.80}: cannot be created: {reason}; valid: a class that can be called") from error
-    check_slam_methods(slam)
-    return slam

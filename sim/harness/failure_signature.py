@@ -136,7 +136,7 @@ class FailureTest:
         return outcome
 
     def _judge(self, finished: Run) -> Observed | Crash:
-        drives = self.claim is not None and self.claim.is_about_plans
+        drives = self.claim is None or self.claim.is_about_plans  # a crash may be one of the method `plan`
         trials = attempt_plans(finished) if drives else ()
         if isinstance(trials, Crash):
             return trials

@@ -15,6 +15,7 @@ from sim.feature_sensor.covisibility_verifier import CovisibilityVerifier
 from sim.feature_sensor.model import FeatureModel
 from sim.feature_sensor.oracle import Oracle
 from sim.harness.estimate import Estimate
+from sim.harness.last_run import last_run
 from sim.harness.wording import kind_of
 
 
@@ -82,6 +83,17 @@ def check_slam_factory(place: str, new_slam: object, valid: str = _NO_ARGUMENTS)
         raise SimError(f"{place} is {takes}; valid: {valid}") from None
     except ValueError:  # a callable that is written in C states no signature
         pass
+
+
+def made_slam(new_slam: Callable[[], SlamUnderTest]) -> SlamUnderTest:
+    """Make a SLAM. Raises `SimError` if what is made is no SLAM.
+
+    An exception that is raised while the SLAM is made counts as an exception of the SLAM, see `sim.harness.crash.attempt`.
+    """
+    with last_run().calling_slam():
+        slam = new_slam()
+    check_slam_methods(slam)
+    return slam
 
 
 @runtime_checkable

@@ -17,11 +17,10 @@ from sim.harness.claims import Claim
 from sim.harness.crash import Crash, attempt, attempt_plans
 from sim.harness.estimate import Estimate, LoopClaims
 from sim.harness.figures import evaluate
-from sim.harness.last_run import last_run
 from sim.harness.results import RunResult
 from sim.harness.runner import Progress, Run, run
 from sim.harness.scenario import Scenario
-from sim.harness.slam_under_test import CommandSlam, SlamUnderTest, check_slam_methods
+from sim.harness.slam_under_test import CommandSlam, SlamUnderTest, made_slam
 from sim.harness.walk import walk
 from sim.number_checks import check_between
 from sim.programs.command import Program
@@ -237,7 +236,7 @@ def attempted(scenario: Scenario, new_slam: NewSlam, change: StreamChange | None
             if change is not None:
                 raise SimError("program: it reads whole recordings, which cannot be changed; valid: a SLAM in Python")
             return new_slam(same, progress)
-        slam = _made(new_slam)
+        slam = made_slam(new_slam)
         return run(same, slam if change is None else changed(slam, change), progress)
 
     try:
@@ -261,17 +260,6 @@ def examined(scenario: Scenario, new_slam: NewSlam) -> Examined | CheckFinding:
     if isinstance(trials, Crash):
         return CheckFinding(False, f"plan() of {_described(trials)}")
     return Examined(finished, evaluate(finished, trials))
-
-
-def _made(new_slam: Callable[[], SlamUnderTest]) -> SlamUnderTest:
-    """Make a SLAM. Raises `SimError` if what is made is no SLAM.
-
-    An exception that is raised while the SLAM is made counts as an exception of the SLAM.
-    """
-    with last_run().calling_slam():
-        slam = new_slam()
-    check_slam_methods(slam)
-    return slam
 
 
 def _described(crash: Crash) -> str:

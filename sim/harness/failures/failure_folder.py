@@ -64,7 +64,8 @@ def replay_test(claim: Claim | None, replay: Replay = LEXIS_REPLAY) -> str:
     """Return the text of a pytest file that runs the scenario of the same folder and fails until the SLAM is mended.
 
     `claim` describes the failure, such as "labels.accuracy < 0.7", and the test asserts that the claim is false. None stands
-    for an exception of the SLAM: the test then asserts nothing, and fails while the run raises an exception.
+    for an exception of the SLAM: the test then asserts nothing, and fails while the SLAM raises an exception, be it in the
+    run or in a plan.
     """
     return _replay_of_claim(claim, replay) if claim else _replay_of_exception(replay)
 
@@ -74,13 +75,13 @@ def _replay_of_exception(replay: Replay) -> str:
 
 from pathlib import Path
 
-from sim.harness import Scenario
+from sim.harness import Scenario, try_plans
 {replay.imports}
 
 
 def test_replay():
     scenario = Scenario.load(Path(__file__).with_name("scenario.json"))
-    {replay.run}
+    try_plans({replay.run})
 '''
 
 

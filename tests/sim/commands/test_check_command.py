@@ -29,17 +29,24 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     SCENARIO.save(tmp_path / "scenario.json")
     (tmp_path / "own_slam_here.py").write_text(
+        "import numpy as np\n"
         "from lexis.errors import LexisError\n"
         "from sim.harness.adapters import OdometryOnly as Mine\n"
         "class Half:\n    def start(self, camera, room_names): pass\n"
         "class Lost(Mine):\n    def finish(self): return 1 / 0\n"
         "class Leaving(Mine):\n    def finish(self): raise SystemExit(0)\n"
         "class Lexical(Mine):\n    def start(self, camera, names): raise LexisError('no floor')\n"
+        "class Unlicensed(Mine):\n    def __init__(self): raise OSError('no licence')\n"
+        "class Planless(Mine):\n    def plan(self, start, goal): raise KeyError(goal)\n"
+        "    def finish(self):\n        from dataclasses import replace\n        found = super().finish()\n"
+        "        rooms = [i % 2 for i in range(len(found.frames))]\n"
+        "        return replace(found, rooms=np.array(rooms), labels=np.array(rooms))\n"
         "class Greedy:\n    def __init__(self, weights): pass\n"
     )
     (tmp_path / "own_slam_broken.py").write_text("raise OSError('no licence')")
+    (tmp_path / "own_slam_exits.py").write_text("raise SystemExit(0)")
     yield tmp_path
-    for name in ("own_slam_here", "own_slam_broken"):
+    for name in ("own_slam_here", "own_slam_broken", "own_slam_exits"):
         sys.modules.pop(name, None)
 
 
@@ -89,6 +96,7 @@ def test_a_slam_that_raises_fails_the_check_and_leaves_a_folder(folder, capsys):
     [
         ("Leaving", "failed: the SLAM raises SystemExit: 0"),
         ("Lexical", "failed: the SLAM raises LexisError: no floor"),
+        ("Unlicensed", "failed: the SLAM raises OSError: no licence"),
     ],
 )
 def test_whatever_ends_a_method_of_the_slam_is_a_crash(name, message, capsys):
@@ -104,6 +112,16 @@ def test_an_exception_of_plan_is_a_crash(monkeypatch, capsys):
     monkeypatch.setattr("sim.harness.crash.try_plans", lost)
     assert status_of(["check", "--scenario", "scenario.json", *ODOMETRY]) == 1
     assert capsys.readouterr().err.splitlines()[-1] == "failed: the SLAM raises KeyError: 'kitchen'"
+
+
+def test_a_crash_of_plan_is_replayed_and_made_smaller(folder):
+    words = ["--slam", "own_slam_here:Planless"]
+    assert status_of(["check", "--scenario", "scenario.json", *words, "--out", "out"]) == 1
+    with pytest.raises(KeyError):
+        runpy.run_path(str(folder / "out" / "test_replay.py"))["test_replay"]()
+    assert status_of(["shrink", "out", *words, "--fails", "crash", "--deadline", "1", "-o", "smaller"]) == 0
+    with pytest.raises(KeyError):
+        runpy.run_path(str(folder / "smaller" / "test_replay.py"))["test_replay"]()
 
 
 @pytest.mark.parametrize("place", ["sim.harness.runner.walk", "sim.harness.crash.try_plans"])
@@ -192,9 +210,10 @@ def test_a_program_that_fails_is_told_once(folder, capsys):
         (["--slam", "own_slam_here"], "is no MODULE:CLASS; valid: such as my_slam:MySlam"),
         (["--slam", "no_such_module:Slam"], "cannot be imported: ModuleNotFoundError: No module named 'no_such_module'"),
         (["--slam", "own_slam_broken:Slam"], "cannot be imported: OSError: no licence"),
+        (["--slam", "own_slam_exits:Slam"], "cannot be imported: SystemExit: 0"),
         (["--slam", "own_slam_here:Missing"], "the module has no class Missing"),
         (["--slam", "own_slam_here:Half"], "Half has no method process()"),
-        (["--slam", "own_slam_here:Greedy"], "missing 1 required positional argument: 'weights'; valid: a class that takes"),
+        (["--slam", "own_slam_here:Greedy"], "is the class Greedy, which cannot be called without arguments: "),
         (["--slam", "x:Y", "--command", "z"], "not allowed with argument --slam"),
         (["--command", "./slam"], "has no {dataset}"),
         (["--command", "./slam {dataset} {out}", "--fidelity", "features"], "a program needs images"),
