@@ -1,6 +1,6 @@
 """`compare`: are a SLAM's figures worse or better than another SLAM's on the same scenarios?
 
-Each scenario gives a pair of results, so that differences between houses cancel. Scenarios with one seed, such as a house
+Each scenario gives a pair of results, so that differences between houses cancel. Scenarios of one house, such as those
 with several values of openness, count as one, because they are not independent. No distribution of the differences is
 assumed: a figure is compared by the exact sign test, a claim by McNemar's exact test. Both count the scenarios in which one
 SLAM does better. If the SLAMs were equal, each of these scenarios would be like the toss of a fair coin; the p-value is the
@@ -9,7 +9,7 @@ corrected by Holm's method: the stated confidence holds for all verdicts togethe
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import count
@@ -66,15 +66,15 @@ _Pair = tuple[RunResult, RunResult]
 
 @dataclass(frozen=True, eq=False)
 class FigureChange:
-    """How a figure differs between SLAM a and SLAM b, over independent scenarios; scenarios with one seed count as one."""
+    """How a figure differs between SLAM a and SLAM b, over independent scenarios; scenarios of one house count as one."""
 
     name: str
     rule: Rule
     a: Float64[np.ndarray, "n"]
-    """The figure of SLAM a in each independent scenario, as a mean if several scenarios have one seed; NaN without the
+    """The figure of SLAM a in each independent scenario, as a mean if several scenarios have one house; NaN without the
     figure."""
     b: Float64[np.ndarray, "n"]
-    """The figure of SLAM b in each independent scenario, as a mean if several scenarios have one seed; NaN without the
+    """The figure of SLAM b in each independent scenario, as a mean if several scenarios have one house; NaN without the
     figure."""
 
     @property
@@ -147,7 +147,7 @@ class Comparison:
     scenarios: int
     """Number of scenarios for which both SLAMs have a result."""
     houses: int
-    """Number of independent scenarios among `scenarios`: scenarios with the same seed count as one."""
+    """Number of independent scenarios among `scenarios`: scenarios of one house count as one."""
     figures: tuple[FigureChange, ...]
     claims: tuple[ClaimChange, ...]
     confidence: float
@@ -250,8 +250,8 @@ def compare_results(
 ) -> Comparison:
     """Compare results of SLAM a with results of SLAM b; results of one scenario form a pair.
 
-    A scenario for which only one of the SLAMs has a result counts under "the run completed". There, too, scenarios with one
-    seed count as one: the SLAM that has results for more of these scenarios does better.
+    A scenario for which only one of the SLAMs has a result counts under "the run completed". There, too, scenarios of one
+    house count as one: the SLAM that has results for more of these scenarios does better.
 
     Args:
         a: results of the SLAM to compare with, at most one for each scenario.
@@ -272,9 +272,9 @@ def compare_results(
             f"compare: the results of a ({len(first)} scenarios) and of b ({len(second)}) have no scenario in common; "
             "valid: results of two SLAMs on the same scenarios"
         )
-    groups: dict[int, list[_Pair]] = {}
+    groups: dict[Hashable, list[_Pair]] = {}
     for scenario in common:
-        groups.setdefault(first[scenario].seed, []).append((first[scenario], second[scenario]))
+        groups.setdefault(_house(first[scenario]), []).append((first[scenario], second[scenario]))
     houses = list(groups.values())
     changes = (_figure_change(name, rule, houses) for name, rule in figures.items())
     return Comparison(
@@ -303,11 +303,19 @@ def _checked(claims: object, figures: object, confidence: object) -> list[Claim]
 def _figure_change(name: str, rule: Rule, houses: Sequence[Sequence[_Pair]]) -> FigureChange:
     claim = Claim(name, ">=", 0.0)
 
-    def values(side: int) -> Float64[np.ndarray, "n"]:
-        found = ([value for pair in house if (value := claim.value(pair[side])) is not None] for house in houses)
-        return np.array([np.mean(each) if each else np.nan for each in found], float)
+    means = [_house_means([(claim.value(a), claim.value(b)) for a, b in house]) for house in houses]
+    values = np.array(means, float)
+    return FigureChange(name, rule, values[:, 0], values[:, 1])
 
-    return FigureChange(name, rule, values(0), values(1))
+
+def _house_means(pairs: Sequence[tuple[float | None, float | None]]) -> tuple[float, float]:
+    """Return the means of both sides over the scenarios of one house in which both have the figure.
+
+    If there is no such scenario, each side has the mean of its own figures; NaN stands for no figure.
+    """
+    shared = [pair for pair in pairs if None not in pair] or pairs
+    a, b = ([value for value in side if value is not None] for side in zip(*shared, strict=True))
+    return float(np.mean(a)) if a else np.nan, float(np.mean(b)) if b else np.nan
 
 
 def _claim_change(claim: Claim, houses: Sequence[Sequence[_Pair]]) -> ClaimChange:
@@ -317,13 +325,18 @@ def _claim_change(claim: Claim, houses: Sequence[Sequence[_Pair]]) -> ClaimChang
 
 
 def _completed_change(a: Sequence[RunResult], b: Sequence[RunResult]) -> ClaimChange:
-    """Compare how many scenarios of each seed have a result."""
-    done_a, done_b = (Counter(result.seed for result in side) for side in (a, b))
-    return _counted(COMPLETED, [(done_a[seed], done_b[seed]) for seed in done_a.keys() | done_b.keys()])
+    """Compare how many scenarios of each house have a result."""
+    done_a, done_b = (Counter(map(_house, side)) for side in (a, b))
+    return _counted(COMPLETED, [(done_a[house], done_b[house]) for house in done_a.keys() | done_b.keys()])
+
+
+def _house(result: RunResult) -> Hashable:
+    """Return what identifies the house of a result. Scenarios of one house may differ in openness, light or furniture."""
+    return result.seed, result.preset, result.house.floors, result.house.area_m2
 
 
 def _counted(name: str, counts: Sequence[tuple[int, int]]) -> ClaimChange:
-    """Return the change of a claim from the numbers of scenarios in which it holds for SLAM a and SLAM b, for each seed."""
+    """Return the change of a claim from the numbers of scenarios in which it holds for SLAM a and SLAM b, for each house."""
     only_a, only_b = sum(a > b for a, b in counts), sum(b > a for a, b in counts)
     return ClaimChange(name, only_a, only_b, len(counts) - only_a - only_b)
 

@@ -117,6 +117,29 @@ def test_scenarios_of_one_house_count_as_one():
     assert compare_results(a, b).worse == ("labels.accuracy",)
 
 
+def test_houses_of_one_seed_are_told_apart_by_preset_and_area():
+    a, b = (
+        [
+            replace(each, seed=5, house=replace(each.house, area_m2=50.0 + i))
+            for i, each in enumerate(results([accuracy] * 12))
+        ]
+        for accuracy in (0.9, 0.8)
+    )
+    assert compare_results(a, b).houses == 12 and compare_results(a, b).worse == ("labels.accuracy",)
+    presets = [[replace(each, seed=5, preset=f"{i % 2}") for i, each in enumerate(results([0.9] * 12))]] * 2
+    assert compare_results(*presets).houses == 2
+
+
+def test_a_scenario_in_which_one_side_lacks_a_figure_does_not_move_the_mean_of_its_house():
+    def side(accuracies):
+        return [replace(each, seed=each.seed // 2) for each in results(accuracies)]
+
+    lacking, hard = side([0.6, None] * 12), side([0.6, 0.2] * 12)
+    compared = compare_results(lacking, hard)
+    assert compared.worse == () and compared.verdicts["labels.accuracy"] == "not shown to differ"
+    assert compare_results(side([None, None] * 12), side([0.6, 0.2] * 12)).verdicts["labels.accuracy"] == "better"
+
+
 def test_lost_scenarios_of_one_house_count_as_one_lost_run():
     a = [replace(each, seed=each.seed // 4) for each in results([0.9] * 20)]
     completed = compare_results(a, a[8:]).claims[0]
