@@ -82,11 +82,12 @@ def run_suite(arguments: argparse.Namespace) -> int:
     with progress_bar("checking by the suite") as progress:
         budget_s = math.inf if arguments.budget is None else arguments.budget
         report = check_slam(new_slam, suite, arguments.seed, workers, bool(arguments.exitfirst), progress, budget_s)
-    for line in _lines(report, failed_alone=bool(arguments.exitfirst)):
-        print(line)
     comparison = None if before is None else before.compared_with(report)
     worse = () if comparison is None else comparison.worse
-    _write(report, worse, workers, arguments)
+    if arguments.json is not None:  # before anything is printed, because the reader of a pipe may close it
+        _write_results(report, worse, arguments.json)
+    for line in _lines(report, failed_alone=bool(arguments.exitfirst)):
+        print(line)
     for verdict in (*report.failed, *report.failed_means):
         print(f"failed: {verdict}", file=sys.stderr)
     if comparison is not None:
@@ -95,6 +96,8 @@ def run_suite(arguments: argparse.Namespace) -> int:
         print(f"not compared with {arguments.against}: no scenario was completed in both runs", file=sys.stderr)
     if worse:
         print(f"failed: {', '.join(worse)} worse than in {arguments.against}", file=sys.stderr)
+    if arguments.picture is not None:
+        _draw(report, workers, arguments.picture)
     _search_smallest(report, new_slam, arguments)
     return 0 if report.ok and not worse and (before is None or comparison is not None) else 1
 
@@ -152,18 +155,21 @@ def _mean_line(mean: "SuiteMean") -> str:
     return f"{mean.outcome:12} {mean.name}{margin}"
 
 
-def _write(report: "SuiteReport", worse: Sequence[str], workers: int, arguments: argparse.Namespace) -> None:
-    """Write the verdicts and the picture to the files that the options name."""
-    from sim.suites.openness_chart import openness_chart
+def _write_results(report: "SuiteReport", worse: Sequence[str], path: Path) -> None:
+    """Write the results of all scenarios, the verdicts, and the names of the figures that got worse."""
     from sim.verdicts.stored_results import results_data
 
-    if arguments.json is not None:
-        data = results_data(report.results) | report.data() | {"worse": list(worse)}
-        with replaced_file(arguments.json) as beside:
-            beside.write_text(json.dumps(data, indent=1) + "\n")
-    if arguments.picture is not None:
-        with replaced_file(arguments.picture) as beside:
-            beside.write_text(openness_chart(report, workers))
+    data = results_data(report.results) | report.data() | {"worse": list(worse)}
+    with replaced_file(path) as beside:
+        beside.write_text(json.dumps(data, indent=1) + "\n")
+
+
+def _draw(report: "SuiteReport", workers: int, path: Path) -> None:
+    """Draw room quality against openness. The baselines in the picture are run first, which takes up to a minute."""
+    from sim.suites.openness_chart import openness_chart
+
+    with replaced_file(path) as beside:
+        beside.write_text(openness_chart(report, workers))
 
 
 def _search_smallest(report: "SuiteReport", new_slam: "NewSlam", arguments: argparse.Namespace) -> None:

@@ -14,10 +14,11 @@ from sim.harness.report_data import report_data
 from sim.harness.results import RunResult
 from sim.harness.runner import Run
 from sim.harness.slam_under_test import SavesFiles
+from sim.harness.world_tests import TEST_REPLAY
 from sim.report import ShownFailure, write_report
 
-MARKERS = ("result.json", TRACEBACK)
-"""Files that identify a folder as the output of a run or of a crash, which a new run may replace."""
+MARKERS = ("result.json", TRACEBACK, TEST_REPLAY)
+"""Files that identify a folder as the output of a run, of a crash or of a failed check, which a new run may replace."""
 _NO_FILES: Mapping[str, bytes] = MappingProxyType({})
 
 

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from sim.errors import SimError
-from sim.harness.last_run import LastRun, watched
 from sim.harness.slam_under_test import check_slam_factory
 from sim.harness.wording import kind_of
 from sim.programs.command import Program
@@ -142,8 +141,7 @@ class _Reports:
 
     def _examine(self, part: SuitePart) -> None:
         try:
-            with watched(LastRun()):  # otherwise the plugin reports the last of the many runs
-                self._of_part[part.name] = check_slam(self._new_slam, replace(self._suite, parts=(part,)), self._seed)
+            self._of_part[part.name] = check_slam(self._new_slam, replace(self._suite, parts=(part,)), self._seed)
         except Exception as error:
             self._errors[part.name] = error, error.__traceback__
 

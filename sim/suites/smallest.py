@@ -3,17 +3,19 @@
 from contextlib import suppress
 from pathlib import Path
 
+from lexis.errors import LexisError, one_line
 from lexis.files.replace import replaced_folder
-from sim.errors import SimError
+from sim.errors import USER_ERRORS, SimError
 from sim.harness.adapters.lexis import Lexis
 from sim.harness.blame_table import blame
 from sim.harness.crash import Runner
 from sim.harness.failure_signature import FailureTest, Signature
 from sim.harness.failures.failure_folder import LEXIS_REPLAY, Replay, not_reproduced, write_failure
+from sim.harness.outputs import MARKERS
 from sim.harness.reducer import DEADLINE_S, Reduction, reduce
 from sim.harness.reductions import with_listed_house
 from sim.harness.scenario import Scenario
-from sim.harness.world_tests import SCENARIO, slug_of
+from sim.harness.world_tests import SCENARIO, TEST_REPLAY, slug_of
 from sim.suites import catalogue
 from sim.suites.checks import Check, CheckFinding, ClaimCheck, NewSlam
 from sim.suites.examination import COMPLETES, finding
@@ -75,13 +77,15 @@ def write_smallest(
     For a claim or a crash, the folder is like one of `lexis-sim shrink`, with a page that says why the SLAM fails. For any
     other check, it holds the scenario, a short page, and a test that replays the failure. `runner` runs the same SLAM as
     `new_slam`, and `replay` is Python code that runs this SLAM. If the failure did not come back, the text says so.
-
-    Raises `LexisError` if the folder cannot be written.
+    An exception, for example because the folder cannot be written, is part of the text: the search goes on with the next
+    check.
     """
     try:
         return _written(verdict, new_slam, runner, replay, is_lexis, out)
-    except SimError as error:
+    except (SimError, LexisError) as error:
         return f"{verdict.name}: no smallest scenario: {error}"
+    except USER_ERRORS as error:  # such as an exception in the SLAM's method `save`
+        return f"{verdict.name}: no smallest scenario: {one_line(f'{type(error).__name__}: {error}', 160)}"
 
 
 def _written(verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: Replay, is_lexis: bool, out: Path) -> str:
@@ -100,11 +104,11 @@ def _written(verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: R
         smallest = finding(check, reduction.scenario, new_slam)
         if _signature(check, smallest) != reduction.signature:
             raise not_reproduced(reduction)
-        with replaced_folder(folder, SCENARIO) as beside:
+        with replaced_folder(folder, *MARKERS) as beside:
             reduction.scenario.save(beside / SCENARIO)
             (beside / "why.md").write_text(_why(verdict, smallest.measured, reduction))
-            (beside / "test_replay.py").write_text(_REPLAY.format(**names, imports=imports, new_slam=replay.new_slam))
-        found = f"replay: pytest {folder / 'test_replay.py'}"
+            (beside / TEST_REPLAY).write_text(_REPLAY.format(**names, imports=imports, new_slam=replay.new_slam))
+        found = f"replay: pytest {folder / TEST_REPLAY}"
     old, new = reduction.sizes
     return f"{verdict.name}: {old} -> {new}\n  {found}"
 
@@ -112,12 +116,12 @@ def _written(verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: R
 def _failure_test(check: Check | None, scenario: Scenario, runner: Runner) -> FailureTest | None:
     """Return the test with which `lexis-sim shrink` would search.
 
-    The result is None for a law, for invalid claims, for an exception of `plan`, and if the SLAM cannot be made.
+    The result is None for a law, for invalid claims, and if the SLAM cannot be made.
     """
     if isinstance(check, ClaimCheck):
         return FailureTest(check.claim.opposite, runner)
     crash = FailureTest(None, runner)
-    with suppress(Exception):
+    with suppress(*USER_ERRORS):
         return crash if check is None and crash(with_listed_house(scenario)) is not None else None
     return None
 

@@ -99,19 +99,21 @@ class Suite:
 
         The key of a claim that relates two figures is their ratio: "trajectory.ate_m / trajectory.ate_odometry_m". The key
         of a claim about a mean begins with "mean": "mean labels.accuracy". Raises `SimError` for a key about which the suite
-        makes no claim, and for a limit that is not finite.
+        makes no claim, for a claim with == or !=, and for a limit that is not finite.
         """
         if not isinstance(limits, Mapping):
             raise SimError(f"suite {self.name}: limits is {kind_of(limits)}; valid: a mapping, such as {{'rooms.pq': 0.5}}")
-        checks = [check for part in self.parts for check in part.checks]
-        known = {check.claim.quantity for check in checks if isinstance(check, ClaimCheck)}
-        known |= {f"mean {claim.quantity}" for claim in self.means}
+        made = [check.claim for part in self.parts for check in part.checks if isinstance(check, ClaimCheck)]
+        known = {claim.quantity for claim in made} | {f"mean {claim.quantity}" for claim in self.means}
+        equalities = {claim.quantity: claim for claim in made if claim.comparison in ("==", "!=")}
         for figure, limit in limits.items():
             if figure not in known:
                 guess, valid = did_you_mean(figure, known), listed(sorted(known), 8)
                 raise SimError(
                     f"suite {self.name}: has no claim about {figure!r:.60}{guess}; valid: {valid}, see its verdicts"
                 )
+            if figure in equalities:
+                raise SimError(f"suite {self.name}: {equalities[figure]} has no limit; valid: claims with <, <=, > or >=")
             if not _is_finite(limit):
                 raise SimError(f"suite {self.name}: the limit of {figure} is {limit!r:.40}; valid: a finite number")
         means = (replace(claim, limit=limits.get(f"mean {claim.quantity}", claim.limit)) for claim in self.means)

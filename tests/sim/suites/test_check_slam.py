@@ -22,6 +22,7 @@ from helpers.unchecked import untyped
 
 from sim.errors import SimError
 from sim.harness.adapters import GeometricRooms, OdometryOnly
+from sim.harness.last_run import LastRun, watched
 from sim.suites.catalogue import SUITES
 from sim.suites.examination import COMPLETES, examinations, jobs_of
 from sim.suites.pytest_items import slam_checks
@@ -128,6 +129,13 @@ def test_arguments_of_the_wrong_kind_or_in_the_wrong_order_are_named(function, a
 
 def test_a_slam_that_takes_arguments_is_checked_with_all_of_them_given():
     assert check_slam(partial(Named, "mine"), FLAT).ok
+
+
+def test_the_runs_of_a_suite_are_not_taken_for_the_run_of_a_test():
+    last = LastRun()
+    with watched(last):
+        check_slam(OdometryOnly, FLAT)
+    assert last.scenario is None
 
 
 def test_the_findings_do_not_depend_on_the_number_of_processes():

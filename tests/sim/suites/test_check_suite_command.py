@@ -2,6 +2,7 @@
 
 import json
 import re
+from contextlib import suppress
 from dataclasses import replace
 
 import pytest
@@ -24,6 +25,8 @@ from sim.suites.laws import LAWS
 from sim.suites.report import check_slam
 from sim.suites.suite import claims
 from sim.verdicts import load_results
+
+ODOMETRY = ("--slam", "sim.harness.adapters:OdometryOnly")
 
 
 def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):
@@ -49,6 +52,10 @@ def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):
         (["--budget", "9s"], "--budget is for suites; valid: with --suite"),
         (["--suite", "homes", "--limit", "rooms.qp=1"], "has no claim about 'rooms.qp'"),
         (["-x"], "--exitfirst is for suites; valid: with --suite"),
+        (
+            ["--suite", "homes", "--limit", "floors.count_error=1"],
+            "floors.count_error == 0 has no limit; valid: ",
+        ),
         (["--suite", "homes", "--limit", "rooms.pq=nan"], "the limit of rooms.pq is nan; valid: a finite number"),
         (["--suite", "homes", "--json", "no/such/folder.json"], "its folder does not exist"),
         (["--suite", "homes", "--json", "."], ".: is a folder; valid: the name of a file"),
@@ -81,6 +88,18 @@ def test_the_command_compares_with_the_results_of_an_earlier_version(tmp_path, c
     assert "failed: labels.accuracy" in capsys.readouterr().err
     assert main([*options, "--seed", "8", "--against", str(before)]) == 2
     assert "has no results of the suite flat with seed 8; valid:" in capsys.readouterr().err
+
+
+def test_results_are_written_even_if_the_reader_of_the_output_goes_away(tmp_path, monkeypatch):
+    monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": FLAT})
+    monkeypatch.setattr("sim.commands.check_suite._lines", broken_pipe)
+    with suppress(BrokenPipeError, SystemExit):
+        main(["check", "--suite", "flat", "--workers", "1", *ODOMETRY, "--json", str(tmp_path / "all.json")])
+    assert len(load_results(tmp_path / "all.json")) == 2
+
+
+def broken_pipe(*_, **__):
+    raise BrokenPipeError
 
 
 def test_a_program_is_checked_on_images_by_what_needs_no_change_of_its_input(capsys, monkeypatch):
