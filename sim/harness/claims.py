@@ -18,8 +18,10 @@ from sim.harness.wording import kind_of
 _OPERATORS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
     {"<=": operator.le, ">=": operator.ge, "==": operator.eq, "!=": operator.ne, "<": operator.lt, ">": operator.gt}
 )
-_NUMBER, _FIGURE = r"[-+]?[\d.]+(?:[eE][-+]?\d+)?", r"[A-Za-z_][\w.]*"
-_FORM = re.compile(rf"\s*([\w.]+)\s*(<=|>=|==|!=|<|>)\s*(?:({_NUMBER})|(?:({_NUMBER})\s*\*\s*)?({_FIGURE}))\s*")
+_NUMBER = r"[-+]?[\d.]+(?:[eE][-+]?\d+)?"
+_FIGURE = r"[^\W\d][\w.]*(?:[ '-]+[\w.]+)*"
+"""Name of a figure. The keys of mappings, such as names of rooms, may have several words."""
+_FORM = re.compile(rf"\s*({_FIGURE})\s*(<=|>=|==|!=|<|>)\s*(?:({_NUMBER})|(?:({_NUMBER})\s*\*\s*)?({_FIGURE}))\s*")
 Outcome = Literal["holds", "fails", "unknown"]
 
 

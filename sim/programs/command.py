@@ -187,7 +187,9 @@ def _exit_status(words: Sequence[str], timeout_s: float, memory_mb: float, stdou
     A negative status is the number of the signal that ended the program, with a minus sign. At the end, all processes of the
     group are killed.
     """
-    memory = int(memory_mb * 1e6)
+    memory, highest = int(memory_mb * 1e6), resource.getrlimit(resource.RLIMIT_DATA)[1]
+    if highest != resource.RLIM_INFINITY:  # a limit cannot be raised above that of this process
+        memory = min(memory, highest)
 
     def limit() -> None:
         resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
@@ -206,7 +208,7 @@ def _exit_status(words: Sequence[str], timeout_s: float, memory_mb: float, stdou
     except subprocess.TimeoutExpired:
         return None
     finally:
-        with suppress(ProcessLookupError):
+        with suppress(ProcessLookupError, PermissionError):  # macOS forbids it for a group that has ended
             os.killpg(process.pid, signal.SIGKILL)
         process.wait()
 

@@ -232,7 +232,7 @@ def _check(folder: Path, options: list[str]) -> tuple[int | None, str, str]:
 
 def _kill(process: subprocess.Popen[str]) -> None:
     """Kill a process and its worker processes, which are in its process group."""
-    with suppress(ProcessLookupError):
+    with suppress(ProcessLookupError, PermissionError):  # macOS forbids it for a group that has ended
         os.killpg(process.pid, signal.SIGKILL)
 
 

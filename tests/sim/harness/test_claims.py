@@ -68,6 +68,9 @@ def test_a_claim_keeps_all_digits_of_its_limit():
 
 def test_a_claim_about_one_room():
     assert Claim.parse("labels.per_room.kitchen < 0.5").outcome(result(0.9)) == "holds"
+    for name in ("living room", "children's room", "open-plan office"):
+        claim = Claim.parse(f"labels.per_room.{name} < 0.5")
+        assert claim.outcome(result(0.9)) == "unknown" and Claim.parse(str(claim)) == claim
 
 
 @pytest.mark.parametrize(
