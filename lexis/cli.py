@@ -138,6 +138,9 @@ def _add_plan(commands: Commands) -> None:
     path.add_argument("--from", dest="start", required=True, metavar="ROOM", help=FROM_HELP)
     path.add_argument("--to", dest="goal", required=True, metavar="ROOM", help=TO_HELP)
     path.add_argument("--avoid", action="append", default=[], metavar="ROOM", help=AVOID_HELP)
+    path.add_argument(
+        "--config", type=Path, metavar="FILE", help="settings as JSON; those of 'planner' are used (default: defaults)"
+    )
     path.add_argument("--calibration", type=Path, metavar="FILE", help=CALIBRATION_HELP)
     path.add_argument("--keyframes", action="store_true", help="list the keyframes on the way too, with their positions")
     path.add_argument("--json", action="store_true", help=f"{JSON_HELP}, keyframes included")
@@ -264,7 +267,8 @@ def _info(arguments: argparse.Namespace) -> int:
 def _plan(arguments: argparse.Namespace) -> int:
     lexis_map = load_map(arguments.map)
     goal = _goal(lexis_map, arguments.goal, arguments.calibration)
-    result = plan(lexis_map, arguments.start, goal, avoid=arguments.avoid)
+    config = read_config(arguments.config) if arguments.config else Config()
+    result = plan(lexis_map, arguments.start, goal, config.planner, arguments.avoid)
     if arguments.json:
         print(json.dumps(plan_summary(lexis_map, result), indent=1))
         return 0

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.map_builder import corridor_with_offices
+from helpers.map_builder import build_map, corridor_with_offices
 
 from lexis import cli
 from lexis.datasets.dataset import write_dataset
@@ -170,6 +170,17 @@ def test_a_plan_prints_directions_and_on_demand_keyframes_or_json(mapped, capsys
     assert cli.main([*command, "--keyframes"]) == 0
     listed = capsys.readouterr().out.splitlines()
     assert listed[: len(plain)] == plain and [int(line.split()[1]) for line in listed[len(plain) :]] == ids
+
+
+def test_a_plan_is_made_with_the_settings_of_the_planner(rng, tmp_path, capsys):
+    interrupted = np.array([0.0, 0.5, 4.5, 5.0])[:, None] * [1.0, 0.0, 0.0]
+    rooms = [("office", [0]), ("corridor", [1, 2]), ("kitchen", [3])]
+    save_map(build_map(interrupted, [0, 1, 1, 2], rooms, ("office", "corridor", "kitchen"), rng), tmp_path / "map")
+    command = ["plan", str(tmp_path / "map"), "--from", "office", "--to", "kitchen"]
+    assert cli.main(command) == 2 and "the walk was interrupted" in capsys.readouterr().err
+    (tmp_path / "settings.json").write_text(json.dumps({"planner": {"shortcut_m": 4.5}}))
+    assert cli.main([*command, "--config", str(tmp_path / "settings.json")]) == 0
+    assert capsys.readouterr().out.startswith("office (floor 0) to kitchen (floor 0): 5.0 m")
 
 
 @pytest.mark.parametrize(
