@@ -83,9 +83,8 @@ def parser() -> Parser:
     )
     commands = root.add_subparsers(required=True, metavar="COMMAND")
     for add in (
-        *(_add_run, _add_merge, _add_info, _add_plan, _add_query, _add_relabel, _add_export, _add_import),
-        _add_config,
-    ):
+        _add_run, _add_merge, _add_info, _add_plan, _add_query, _add_relabel, _add_export, _add_import, _add_config,
+    ):  # fmt: skip
         add(commands)
     add_completion(commands, root)
     return root
