@@ -31,7 +31,9 @@ class _Extent:
 
 
 class PoseGraph:
-    """Keyframes, loop edges and the current pose estimate. For the first keyframe, T_W_B equals T_O_B.
+    """Keyframes, loop edges and the current pose estimate.
+
+    For the first keyframe, T_W_B equals T_O_B, or the pose that it had in the earlier graph that is resumed.
 
     Active keyframes take part in the optimisation. Odometry connects each active keyframe to the active keyframe before it.
     """
@@ -49,6 +51,7 @@ class PoseGraph:
         self._retired = Retired()
         self._added = 0  # number of loop edges so far
         self._optimiser: GraphOptimiser | None = None
+        self._first: Pose | None = None  # the pose at which the first keyframe is held
         self._last_optimised, self._last_whole, self._last_final = _Extent(), _Extent(), _Extent()
         self._sessions = GrowingArray((), np.int64)
         self._component_of = np.zeros(0, int)  # one entry for each session
@@ -190,7 +193,8 @@ class PoseGraph:
 
     def _begin_session(self, keyframe: Keyframe) -> None:
         if self._optimiser is None:
-            self._optimiser = GraphOptimiser(keyframe.T_O_B, self._config)
+            self._first = keyframe.T_O_B if self._first is None else self._first
+            self._optimiser = GraphOptimiser(self._first, self._config)
             self._embeddings = GrowingArray(keyframe.embeddings.shape, np.float32)
         else:
             self._optimiser.add_session(keyframe.T_O_B)
@@ -204,7 +208,11 @@ class PoseGraph:
         loops: Sequence[LoopEdge],
         component_of: Int[np.ndarray, "sessions"],
     ) -> None:
-        """Fill an empty graph with keyframes, poses, loops, and the component of every session, from an earlier graph."""
+        """Fill an empty graph with keyframes, poses, loops, and the component of every session, from an earlier graph.
+
+        The frame W is that of the poses, which the user may have moved.
+        """
+        self._first = T_W_B[0].copy()
         for keyframe in keyframes:
             if keyframe.anchor is None:
                 self.add_keyframe(keyframe)
@@ -342,7 +350,8 @@ class PoseGraph:
         """Begin a new optimiser with the active keyframes at their current poses and the loop edges between them."""
         T_O_B = np.stack([self.keyframes[id].T_O_B for id in self.active.tolist()])
         steps, begins = between(T_O_B[:-1], T_O_B[1:]), np.diff(self._sessions.rows[self.active]) > 0
-        self._optimiser = GraphOptimiser(T_O_B[0], self._config)
+        assert self._first is not None
+        self._optimiser = GraphOptimiser(self._first, self._config)
         for id, step, covariance, new in zip(self.active[1:], steps, self._covariances[1:], begins, strict=True):
             if new:
                 self._optimiser.add_session(self.T_W_B[id])

@@ -12,6 +12,7 @@ from lexis.errors import MapError
 from lexis.graph.components import component_of, sessions_apart, side_by_side
 from lexis.graph.pose_graph import PoseGraph
 from lexis.map.folder import load_map, save_map
+from lexis.map.interchange import read_spark_dsg, write_spark_dsg
 from lexis.map.relabelling import relabel
 from lexis.maths import se3
 from lexis.merging import merge
@@ -112,6 +113,14 @@ def test_a_recognised_session_takes_the_frame_of_the_map(first):
     np.testing.assert_allclose(joined.T_W_B, TRUE, atol=1e-3)
 
 
+def test_a_map_that_the_user_has_moved_stays_there_when_it_is_continued_or_merged(first):
+    moved = replace(first, T_W_B=MOVED @ first.T_W_B)
+    other = walk(range(FIRST, FIRST + SECOND), verifier()).finish()
+    for joined in (second(moved, verifier()), merge(moved, other, Encoder(), verifier=verifier())):
+        assert sessions_apart(joined) == []
+        np.testing.assert_allclose(joined.T_W_B, MOVED @ TRUE, atol=1e-3)
+
+
 def test_a_session_that_is_not_recognised_lies_beside_the_map(first):
     apart = second(first, nothing)
     assert sessions_apart(apart) == [1]
@@ -197,6 +206,17 @@ def test_a_map_of_several_sessions_is_saved_and_continued(first, tmp_path):
     assert_same(load_map(tmp_path / "map"), both)
     third = walk(range(FIRST, FIRST + SECOND), verifier(), map=load_map(tmp_path / "map"))
     assert sessions_apart(third.finish()) == []  # the third session recognises both
+
+
+def test_a_map_that_was_saved_without_features_is_continued_and_merged_and_saved_again(first, tmp_path):
+    save_map(first, tmp_path / "bare", features=False)
+    bare = load_map(tmp_path / "bare")
+    write_spark_dsg(first, tmp_path / "graph.json")
+    for featureless in (bare, read_spark_dsg(tmp_path / "graph.json")):
+        other = second(featureless, nothing)
+        for both in (other, merge(other, featureless, Encoder(), verifier=nothing)):
+            save_map(both, tmp_path / "both")
+            assert_same(load_map(tmp_path / "both"), both)
 
 
 def test_two_maps_are_merged_like_a_second_session(first):
