@@ -23,7 +23,6 @@ class ChangedStream:
         """For each room name that the SLAM is told, the index of the unchanged room name; -1 for an additional name."""
         self._given: list[int] = []
         """Index of the unchanged observation for each observation that the SLAM got."""
-        self._processed = 0
         self._previous: Observation | None = None
 
     def start(self, camera: Camera, room_names: Sequence[str]) -> None:
@@ -32,11 +31,10 @@ class ChangedStream:
 
     def process(self, observation: Observation) -> None:
         """Give the SLAM the changed observations that take the place of this observation."""
-        number, self._processed = self._processed, self._processed + 1
         previous, self._previous = self._previous, copied(observation)
-        for changed in self._change.observations(observation, number, previous):
-            self._given.append(changed.index)
-            self._slam.process(replace(changed, index=len(self._given) - 1))
+        for given in self._change.observations(observation, previous):
+            self._given.append(given.index)
+            self._slam.process(replace(given, index=len(self._given) - 1))
 
     def finish(self) -> Estimate:
         """Return the claims about the unchanged observations, in the unchanged body frame, with the unchanged room names."""
@@ -46,7 +44,7 @@ class ChangedStream:
         """Forget the previous run, and return the camera and the room names with which the SLAM is started."""
         names = self._change.names(room_names)
         self._original_names = [-1 if name is None else room_names.index(name) for name in names.values()]
-        self._given, self._processed, self._previous = [], 0, None
+        self._given, self._previous = [], None
         return self._change.camera(camera), tuple(names)
 
 

@@ -22,7 +22,7 @@ from sim.suites.stream_changes import NoChange
 class OtherFrames(NoChange):
     """Base class of the changes of frames: observations, camera and loops are converted by `T_new_old` and `T_B_N`."""
 
-    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
+    def observations(self, observation: Observation, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation in the new frames."""
         T_O_B = self.T_new_old @ observation.T_O_B @ self.T_B_N
         covariance = _in_frame(self.T_B_N, observation.increment_covariance)

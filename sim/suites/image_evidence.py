@@ -27,7 +27,7 @@ class OtherImages(NoChange):
     In runs on features, every second observation gets one fixed embedding instead, and no points.
     """
 
-    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
+    def observations(self, observation: Observation, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation, with its image replaced if the observation's index is odd."""
         yield (
             observation.with_images(map(_other, observation.images)) if self.is_replaced(observation.index) else observation
@@ -87,7 +87,7 @@ class JumbledImages(NoChange):
     """Largest distance in each direction between a tile and what it shows [px]."""
     seed: int = 0
 
-    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
+    def observations(self, observation: Observation, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation, with its images jumbled if the observation's index is at least `first`."""
         if observation.index < self.first:
             yield observation

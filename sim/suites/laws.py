@@ -35,7 +35,7 @@ from sim.suites.stream_changes import (
 )
 from worlds.variant import variant
 
-_SLIPS = Slip(first=30, every=30, shift_m=(0.4, -0.3, 0.0))
+_SLIPS = Slip(first_s=15.0, every_s=15.0, shift_m=(0.4, -0.3, 0.0))
 _MENDED = LastLoopsFit(end_m=5.0, most_m=0.045, ratio=1.4)
 """LEXIS kept within these limits in all of 87 runs."""
 

@@ -5,6 +5,7 @@ converts the claims back. The SLAM itself stays the same, so the changes apply t
 the coordinate frames, and `false_loops` adds wrong loop closures.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -61,8 +62,8 @@ class StreamChange(Protocol):
         Each is mapped to the unchanged room name for which it stands, or to None if there is no such room name.
         """
 
-    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
-        """Yield what the SLAM gets in place of the observation with this number, counted from 0.
+    def observations(self, observation: Observation, previous: Observation | None) -> Iterator[Observation]:
+        """Yield what the SLAM gets in place of this observation.
 
         Each yielded observation has the index of the unchanged observation that it shows. If several have the same index,
         the claims about the last one count. `previous` is a copy of the unchanged observation before this one; None at the
@@ -98,7 +99,7 @@ class NoChange:
         """Return the names as they are."""
         return {name: name for name in room_names}
 
-    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
+    def observations(self, observation: Observation, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation unchanged."""
         yield observation
 
@@ -118,7 +119,7 @@ class OtherClock(NoChange):
     offset_s: float = 1.75e9
     """Time that is added to all stamps [s]."""
 
-    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
+    def observations(self, observation: Observation, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation with its new stamp."""
         yield replace(observation, stamp=self.offset_s + observation.stamp)
 
@@ -127,7 +128,7 @@ class OtherClock(NoChange):
 class ReusedArrays(NoChange):
     """Image or percept, pose and covariance are overwritten after the SLAM has processed them, as in a driver's buffers."""
 
-    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
+    def observations(self, observation: Observation, previous: Observation | None) -> Iterator[Observation]:
         """Yield a copy of the observation, and overwrite the copy when the next observation is requested."""
         lent = copied(observation)
         yield lent
@@ -141,21 +142,25 @@ class ReusedArrays(NoChange):
 class Pause(NoChange):
     """The robot stands still at regular intervals: an observation is repeated, which delays all later ones."""
 
-    every: int = 20
-    """Number of observations from one pause to the next."""
+    every_s: float = 10.0
+    """Walking time from one pause to the next [s]."""
     repeats: int = 15
     """Number of times that the observation of a pause is repeated."""
     period_s: float = 1.0
     """Time between two repetitions of an observation [s]."""
 
-    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
-        """Yield the observation and, if the robot pauses there, its repetitions."""
-        late = replace(observation, stamp=observation.stamp + number // self.every * self.repeats * self.period_s)
-        yield copied(late)
-        if number % self.every == self.every - 1:
-            still = np.eye(6) * 1e-12
+    def observations(self, observation: Observation, previous: Observation | None) -> Iterator[Observation]:
+        """Yield the repetitions of the previous observation, if the robot has paused there, and then the observation."""
+        pauses = int(observation.stamp // self.every_s)
+        if previous is not None and previous.stamp // self.every_s < pauses:
+            still, late = np.eye(6) * 1e-12, self._delayed(previous)
             for k in range(1, self.repeats + 1):
                 yield replace(copied(late), stamp=late.stamp + k * self.period_s, increment_covariance=still.copy())
+        yield copied(self._delayed(observation))
+
+    def _delayed(self, observation: Observation) -> Observation:
+        pauses = int(observation.stamp // self.every_s)
+        return replace(observation, stamp=observation.stamp + pauses * self.repeats * self.period_s)
 
 
 @dataclass(frozen=True)
@@ -165,26 +170,24 @@ class Slip(NoChange):
     Loop closures can therefore mend the slips.
     """
 
-    first: int = 41
-    """Number of the first observation with a slip before it, counted from 0."""
-    every: int | None = None
-    """Number of observations from one slip to the next; None: there is only one slip."""
+    first_s: float = 20.5
+    """Time of the first slip [s]. The first observation that is not earlier has the slip before it."""
+    every_s: float = math.inf
+    """Time from one slip to the next [s]; infinite: there is only one slip."""
     shift_m: tuple[float, float, float] = (0.5, -0.4, 0.0)
     """Displacement in the odometry frame of all poses after a slip [m]. The displacements of several slips add up."""
 
-    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
+    def observations(self, observation: Observation, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation with its pose displaced by all slips so far."""
-        since = number - self.first
-        if since < 0:
-            yield observation
-            return
-        slips = 1 if self.every is None else 1 + since // self.every
-        T_O_B, covariance = observation.T_O_B.copy(), observation.increment_covariance
+        slips = self._slips_until(observation.stamp)
+        new = slips - (0 if previous is None else self._slips_until(previous.stamp))
+        T_O_B, covariance = observation.T_O_B.copy(), observation.increment_covariance.copy()
         T_O_B[:3, 3] += slips * np.array(self.shift_m)
-        if since == 0 or (self.every is not None and since % self.every == 0):
-            covariance = covariance.copy()
-            covariance[3:, 3:] += np.eye(3) * float(np.dot(self.shift_m, self.shift_m))
+        covariance[3:, 3:] += np.eye(3) * new**2 * float(np.dot(self.shift_m, self.shift_m))
         yield replace(observation, T_O_B=T_O_B, increment_covariance=covariance)
+
+    def _slips_until(self, stamp: float) -> int:
+        return 0 if stamp < self.first_s else 1 + int((stamp - self.first_s) // self.every_s)
 
 
 @dataclass(frozen=True)
@@ -194,7 +197,7 @@ class HeightDrift(NoChange):
     rate_m_s: float = 0.02
     """Speed at which the odometry rises [m/s]."""
 
-    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
+    def observations(self, observation: Observation, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation with its pose raised by the drift so far, and its covariance by that of the latest rise."""
         T_O_B, covariance = observation.T_O_B.copy(), observation.increment_covariance.copy()
         T_O_B[2, 3] += self.rate_m_s * observation.stamp
@@ -211,7 +214,7 @@ class StepsInTwoParts(NoChange):
     Each part has half of the step's covariance. For the first part, the SLAM gets the previous observation once more.
     """
 
-    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
+    def observations(self, observation: Observation, previous: Observation | None) -> Iterator[Observation]:
         """Yield the previous observation again, half a step later, and then this observation with half its covariance."""
         if previous is None:
             yield observation

@@ -22,7 +22,7 @@ def oracle():
 
 
 def shown(change, image, index=0):
-    (seen,) = change.observations(Observation(index, 0.0, image, np.eye(4), np.eye(6)), index, None)
+    (seen,) = change.observations(Observation(index, 0.0, image, np.eye(4), np.eye(6)), None)
     return seen.image
 
 

@@ -139,7 +139,7 @@ def _slipped(finished):
 
 
 def test_a_law_about_the_run_on_changed_input_examines_that_run_alone():
-    slip = AfterChange("slip", "The odometry slips by 0.5 m.", Slip(first=1, shift_m=(0.4, -0.3, 0.0)), _slipped)
+    slip = AfterChange("slip", "The odometry slips by 0.5 m.", Slip(first_s=0.5, shift_m=(0.4, -0.3, 0.0)), _slipped)
     laws = replace(FLAT, parts=(replace(PART, checks=(slip, replace(slip, name="none", change=NoChange())), n=1),))
     assert outcomes(check_slam(OdometryOnly, laws)) == {COMPLETES: "holds", "slip": "holds", "none": "fails"}
 

@@ -34,7 +34,7 @@ EXACT = (
     OtherClock(),
     ReusedArrays(),
     TurnedBody(),
-    Pause(every=12, repeats=4),
+    Pause(every_s=6.0, repeats=4),
     PermutedNames(),
     StepsInTwoParts(),
 )
@@ -44,8 +44,8 @@ CHANGES = (
     CapitalLetters(),
     HeightDrift(),
     Synonyms(),
-    Slip(first=6),
-    Slip(first=6, every=4),
+    Slip(first_s=3.0),
+    Slip(first_s=3.0, every_s=2.0),
     FalseLoops(),
 )
 KEEPS_ARRAYS = [change for change in CHANGES if not isinstance(change, ReusedArrays)]
@@ -94,7 +94,7 @@ def test_claims_come_back_for_every_frame_in_the_unchanged_names(change):
 
 def test_every_observation_gets_a_new_index_from_zero():
     slam = Listening()
-    run(OPEN_FLAT, changed(slam, Pause(every=4, repeats=2)))
+    run(OPEN_FLAT, changed(slam, Pause(every_s=2.0, repeats=2)))
     assert [seen.index for seen in slam.seen] == list(range(len(slam.seen)))
     stamps = [seen.stamp for seen in slam.seen]
     assert stamps == sorted(stamps) and len(set(stamps)) == len(stamps)
@@ -150,7 +150,7 @@ def test_a_turned_body_moves_as_the_body_does_and_its_claims_come_back_as_those_
 def test_a_slip_displaces_all_later_poses_and_is_certain_of_nothing_else():
     plain, slipped = Listening(), Listening()
     run(OPEN_FLAT, plain)
-    run(OPEN_FLAT, changed(slipped, Slip(first=6, shift_m=(0.3, 0.0, 0.0))))
+    run(OPEN_FLAT, changed(slipped, Slip(first_s=3.0, shift_m=(0.3, 0.0, 0.0))))
     moved = np.array([b.T_O_B[:3, 3] - a.T_O_B[:3, 3] for a, b in zip(plain.seen, slipped.seen, strict=True)])
     np.testing.assert_allclose(moved[:6], 0.0)
     np.testing.assert_allclose(moved[6:], np.broadcast_to([0.3, 0.0, 0.0], moved[6:].shape), atol=1e-12)
@@ -159,10 +159,26 @@ def test_a_slip_displaces_all_later_poses_and_is_certain_of_nothing_else():
     np.testing.assert_allclose(np.diag(more[6]), [0, 0, 0, 0.09, 0.09, 0.09], atol=1e-12)
 
 
+def test_slips_and_pauses_come_at_the_same_times_at_any_frame_rate():
+    def slips_and_pauses(rate_hz):
+        scenario, plain, slipped, paused = replace(OPEN_FLAT, frame_rate_hz=rate_hz), *(Listening() for _ in range(3))
+        run(scenario, plain)
+        run(scenario, changed(slipped, Slip(first_s=3.0, every_s=5.0)))
+        run(scenario, changed(paused, Pause(every_s=5.0)))
+        slips = [
+            b.stamp
+            for a, b in zip(plain.seen, slipped.seen, strict=True)
+            if (b.increment_covariance - a.increment_covariance).any()
+        ]
+        return slips, len(paused.seen) - len(plain.seen), paused.seen[-1].stamp - plain.seen[-1].stamp
+
+    assert slips_and_pauses(2.0) == slips_and_pauses(10.0)
+
+
 def test_repeated_slips_add_up():
     plain, slipped = Listening(), Listening()
     run(OPEN_FLAT, plain)
-    run(OPEN_FLAT, changed(slipped, Slip(first=6, every=4, shift_m=(0.3, 0.0, 0.0))))
+    run(OPEN_FLAT, changed(slipped, Slip(first_s=3.0, every_s=2.0, shift_m=(0.3, 0.0, 0.0))))
     moved = np.array([b.T_O_B[0, 3] - a.T_O_B[0, 3] for a, b in zip(plain.seen, slipped.seen, strict=True)])
     np.testing.assert_allclose(moved[:15], 0.3 * np.array([0] * 6 + [1] * 4 + [2] * 4 + [3]), atol=1e-12)
     more = [b.increment_covariance - a.increment_covariance for a, b in zip(plain.seen, slipped.seen, strict=True)]
