@@ -1,7 +1,7 @@
 """LEXIS, an indoor SLAM that understands language: RGB images, drifting odometry and a list of room names become a map.
 
 The package needs neither the simulator nor generated houses; it runs unchanged on the data of a real robot. Read `slam.py`
-first: it names the stages in the order of the paper. Then read the files of the stages: `keyframes`, `keyframe_window`
+first: it names the stages in the order in which they run. Then read the files of the stages: `keyframes`, `keyframe_window`
 (waits for the frames after a keyframe), `features` and `landmarks`, `room_labels` and `stairs`, `room_segmentation` and
 `floors`, `place_recognition`, `verification` and `locator`, the subpackages `graph` and `planning`, and `merging` (of two
 maps). `types.py` defines the data that passes between the stages, `config.py` the settings of the stages. The subpackages

@@ -1,11 +1,14 @@
 """The LEXIS pipeline, from observations to a map. Start reading here.
 
-Every observation passes through these stages (with the sections of the paper):
+These are the stages, in the order in which they run (with the sections of the paper). Stages 4 to 8 work on keyframes alone:
 
-1. Select keyframes (`lexis.keyframes`, III-A). Equal spacing makes the graph grow with the path and not with time.
-2. Encode the images and extract local features (`lexis.perception`, III-A), for each camera of the rig by itself. The
-   embeddings are used to find the room label and loop candidates, the features to verify loops.
-3. Triangulate landmarks from the neighbouring frames (`lexis.keyframe_window`), because PnP needs 3-D points.
+1. Select keyframes, and support frames between them (`lexis.keyframes`, III-A). Equal spacing makes the graph grow with the
+   path and not with time. All other observations are dropped.
+2. Encode the images of keyframes, and extract local features from those of all selected frames (`lexis.perception`, III-A),
+   for each camera of the rig by itself. The embeddings are used to find the room label and loop candidates, the features to
+   verify loops.
+3. Triangulate the landmarks of each keyframe from the frames around it (`lexis.keyframe_window`), because PnP needs 3-D
+   points.
 4. Add the keyframe to the pose graph (`lexis.graph`, III-A), at the pose that odometry predicts.
 5. Propose loop candidates (`lexis.place_recognition`, III-D): earlier keyframes that the robot probably revisits, by the
    similarity of the images and by the estimated poses. The paper searches the room that the image shows instead.
@@ -13,7 +16,8 @@ Every observation passes through these stages (with the sections of the paper):
    one room need not show the same place.
 7. Optimise the graph when loops have been added (`lexis.graph`, Eq. 2), which removes odometry drift.
 8. Label all keyframes, refine the labels, and cluster keyframes into rooms and floors (`lexis.semantics`, III-B and III-C).
-   This happens when the map is finished, because the result depends on all poses.
+   This happens when a map is made, because the result depends on all poses; if loops are searched by room as in the paper,
+   also on the way.
 
 With an earlier map, the keyframes are a further session of this map. Its place in the map is unknown at first: see
 `lexis.sessions.relocalisation`.
@@ -125,8 +129,10 @@ class Slam:
         frame = self._selector.select(observation)
         if frame is None:
             return
-        with self._timed("encode"):
-            embeddings = [embedding_of(image, self._encoder) for image in observation.images if frame.is_keyframe] or None
+        embeddings = None
+        if frame.is_keyframe:
+            with self._timed("encode"):
+                embeddings = [embedding_of(image, self._encoder) for image in observation.images]
         with self._timed("features"):
             features = [features_of(image, self._extractor) for image in observation.images]
         with self._timed("landmarks"):
@@ -263,13 +269,15 @@ class Slam:
     def _forget_retired(self) -> None:
         """Forget what keyframes that have retired showed, and the loops that they sought; see `lexis.graph.thinning`."""
         new = self._graph.retired[self._forgotten :].tolist()
+        if not new:
+            return
         self._forgotten += len(new)
-        for id in new if self._spaces else ():
-            self._spaces[id] = spaces_in_view(self._graph.keyframes[id], self._camera, self._config.sight)
-        if new:
-            keyframes = self._graph.keyframes
-            self._candidates = [found for found in self._candidates if keyframes[found[0]].anchor is None]
-            self._verdicts = [verdict for verdict in self._verdicts if keyframes[verdict.query].anchor is None]
+        keyframes = self._graph.keyframes
+        if self._spaces:
+            for id in new:
+                self._spaces[id] = spaces_in_view(keyframes[id], self._camera, self._config.sight)
+        self._candidates = [found for found in self._candidates if keyframes[found[0]].anchor is None]
+        self._verdicts = [verdict for verdict in self._verdicts if keyframes[verdict.query].anchor is None]
 
     def _map(self) -> LexisMap:
         T_W_B = side_by_side(self._graph.T_W_B, self._graph.components)
