@@ -13,7 +13,7 @@ from jaxtyping import Int, Shaped
 
 from lexis.errors import MapError
 from lexis.files.arrays import Arrays, Layout
-from lexis.inputs import MAX_POSITION_M, usable_covariances
+from lexis.inputs import DESCRIPTOR_BYTES, MAX_POSITION_M, usable_covariances
 from lexis.map.other_views import pack_others, unpack_others
 from lexis.maths.se3 import is_rigid
 from lexis.types import OUTCOMES, Features, Keyframe, Landmarks, LexisMap, LoopArrays, LoopEdge, Verdict
@@ -95,7 +95,7 @@ def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
         "room_mean": [room.mean for room in map.rooms],
         "feature_count": [len(k.features.keypoints) for k in seen] if features else nothing,
         "keypoints": _joined([k.features.keypoints for k in seen], (0, 2)),
-        "descriptors": _joined([k.features.descriptors for k in seen], (0, 0)),
+        "descriptors": _joined([k.features.descriptors for k in seen], (0, DESCRIPTOR_BYTES)),
         "landmark_count": [len(k.landmarks.points) for k in seen] if features else nothing,
         "landmark_points": _joined([k.landmarks.points for k in seen], (0, 3)),
         "landmark_feature": _joined([k.landmarks.feature_ids for k in seen], (0,)),
@@ -119,7 +119,8 @@ def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
 def unpack_keyframes(arrays: Arrays) -> tuple[Keyframe, ...]:
     """Convert the arrays of a map back to keyframes. The arrays must have passed `check`."""
     keypoints = _split(arrays["keypoints"], arrays["feature_count"])
-    descriptors = _split(arrays["descriptors"], arrays["feature_count"])
+    # Maps that earlier versions saved without features have an array of shape (0, 0).
+    descriptors = _split(arrays["descriptors"].reshape(-1, DESCRIPTOR_BYTES), arrays["feature_count"])
     points = _split(arrays["landmark_points"], arrays["landmark_count"])
     feature_ids = _split(arrays["landmark_feature"], arrays["landmark_count"])
     row_of = embedding_rows(arrays["anchor"])
@@ -189,6 +190,7 @@ def check(arrays: Arrays) -> None:
         if counted in arrays:
             _check_counts(arrays, name)
     for prefix in ("", "other_") if "other_embedding" in arrays else ("",):
+        _check_descriptors(arrays, prefix)
         _check_landmarks(arrays, prefix)
     for name in ("T_O_B", "T_W_B", "loop_pose"):
         if not is_rigid(arrays[name], tolerance=1e-5).all():
@@ -250,6 +252,13 @@ def _check_anchors(arrays: Arrays) -> None:
     for name in ("embedding", "other_embedding"):
         if name in arrays and len(arrays[name]) != active.sum():
             raise MapError(f"array {name} has {len(arrays[name])} rows; valid: {active.sum()}, one for each active keyframe")
+
+
+def _check_descriptors(arrays: Arrays, prefix: str) -> None:
+    """Raise MapError unless the descriptors are as long as those of AKAZE; without key points, they may be empty."""
+    rows, columns = arrays[f"{prefix}descriptors"].shape
+    if rows and columns != DESCRIPTOR_BYTES:
+        raise MapError(f"array {prefix}descriptors has {columns} columns; valid: {DESCRIPTOR_BYTES}")
 
 
 def _check_landmarks(arrays: Arrays, prefix: str) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Int, Shaped
 
 from lexis.files.arrays import Arrays, Layout
+from lexis.inputs import DESCRIPTOR_BYTES
 from lexis.types import CameraView, Features, Keyframe, Landmarks
 
 LAYOUT: Layout = {
@@ -56,7 +57,8 @@ def unpack_others(arrays: Arrays, row_of: Int[np.ndarray, "n"]) -> list[tuple[Ca
     landmarks = np.cumsum(arrays["other_landmark_count"])[:-1]
     columns = (
         [embedding for row in row_of.tolist() for embedding in embeddings[row]],
-        *(np.split(arrays[f"other_{name}"], features) for name in ("keypoints", "descriptors")),
+        np.split(arrays["other_keypoints"], features),
+        np.split(arrays["other_descriptors"].reshape(-1, DESCRIPTOR_BYTES), features),
         *(np.split(arrays[f"other_landmark_{name}"], landmarks) for name in ("points", "feature")),
     )
     views = [
@@ -68,4 +70,4 @@ def unpack_others(arrays: Arrays, row_of: Int[np.ndarray, "n"]) -> list[tuple[Ca
 
 
 def _joined(parts: Sequence[Shaped[np.ndarray, "n bytes"]]) -> Shaped[np.ndarray, "m bytes"]:
-    return np.concatenate(parts) if parts else np.zeros((0, 0))
+    return np.concatenate(parts) if parts else np.zeros((0, DESCRIPTOR_BYTES))

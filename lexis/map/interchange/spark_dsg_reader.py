@@ -13,7 +13,7 @@ import numpy as np
 from lexis.errors import MapError
 from lexis.files.reading import FileKind, read_model
 from lexis.floors import NO_FLOOR
-from lexis.inputs import check_camera, check_room_names
+from lexis.inputs import DESCRIPTOR_BYTES, check_camera, check_room_names
 from lexis.map.arrays import check, pack
 from lexis.map.interchange.spark_dsg_format import (
     AGENTS,
@@ -135,7 +135,7 @@ def _keyframe(i: int, agent: AgentAttributes, place: PlaceAttributes) -> Keyfram
 
 def _view(embedding: Sequence[float]) -> CameraView:
     """Return the view of a camera of which only the embedding is known."""
-    features = Features(np.zeros((0, 2), np.float32), np.zeros((0, 0), np.uint8))
+    features = Features(np.zeros((0, 2), np.float32), np.zeros((0, DESCRIPTOR_BYTES), np.uint8))
     return CameraView(np.array(embedding, np.float32), features, Landmarks(np.zeros((0, 3)), np.zeros(0, int)))
 
 
