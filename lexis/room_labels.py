@@ -7,9 +7,9 @@
    ambiguous near doors and in front of bare walls.
 
 All keyframes are labelled when a map is made. If loops are sought by room, they are also labelled, as in the paper, after a
-fixed number of new keyframes, K, and in addition after every optimisation. Unlike in the paper, each pass of label propagation
-(step 3) starts from the labels of the images and not from the labels of the previous pass. Labels are thus a function of the
-current graph, and a wrong label disappears as soon as its cause does.
+fixed number of new keyframes, K, and in addition after every optimisation. Unlike in the paper, each pass of label
+propagation (step 3) starts from the labels of the images and not from the labels of the previous pass. Labels are thus a
+function of the current graph, and a wrong label disappears as soon as its cause does.
 """
 
 from collections.abc import Callable
