@@ -36,6 +36,8 @@ MIN_FOCAL_PX, MAX_FOCAL_PX = 1e-3, 1e6
 """Bounds of focal lengths [px]; the upper one also bounds the coordinates of principal points and key points."""
 DESCRIPTOR_BYTES = 61
 """Length of an AKAZE descriptor, in bytes."""
+NORM_TOLERANCE = 1e-3
+"""Largest deviation of an embedding's norm from 1."""
 
 _RIGID = "valid: 4x4 with an orthonormal, right-handed rotation and 0 0 0 1 as last row"
 
@@ -175,7 +177,7 @@ def _check_percept(percept: Percept, size: int | None, where: str) -> None:
     if not isinstance(embedding, np.ndarray) or embedding.dtype.kind != "f" or embedding.ndim != 1:
         raise ObservationError(f"{where}: the embedding is {_type_of(embedding)}; valid: float32 (d,)")
     length = float(np.linalg.norm(embedding.astype(np.float64)))
-    if not math.isclose(length, 1.0, abs_tol=1e-3):
+    if not math.isclose(length, 1.0, abs_tol=NORM_TOLERANCE):
         shape = embedding.shape
         raise ObservationError(f"{where}: the embedding {shape} has norm {length:.3g}; valid: a finite vector of unit norm")
     if size is not None and len(embedding) != size:

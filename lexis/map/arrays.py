@@ -13,7 +13,7 @@ from jaxtyping import Int, Shaped
 
 from lexis.errors import MapError
 from lexis.files.arrays import Arrays, Layout
-from lexis.inputs import DESCRIPTOR_BYTES, MAX_POSITION_M, usable_covariances
+from lexis.inputs import DESCRIPTOR_BYTES, MAX_POSITION_M, NORM_TOLERANCE, usable_covariances
 from lexis.map.other_views import pack_others, unpack_others
 from lexis.maths.se3 import is_rigid
 from lexis.types import OUTCOMES, Features, Keyframe, Landmarks, LexisMap, LoopArrays, LoopEdge, Verdict
@@ -190,6 +190,7 @@ def check(arrays: Arrays) -> None:
         if counted in arrays:
             _check_counts(arrays, name)
     for prefix in ("", "other_") if "other_embedding" in arrays else ("",):
+        _check_embeddings(arrays, prefix)
         _check_descriptors(arrays, prefix)
         _check_landmarks(arrays, prefix)
     for name in ("T_O_B", "T_W_B", "loop_pose"):
@@ -252,6 +253,13 @@ def _check_anchors(arrays: Arrays) -> None:
     for name in ("embedding", "other_embedding"):
         if name in arrays and len(arrays[name]) != active.sum():
             raise MapError(f"array {name} has {len(arrays[name])} rows; valid: {active.sum()}, one for each active keyframe")
+
+
+def _check_embeddings(arrays: Arrays, prefix: str) -> None:
+    """Raise MapError unless the embeddings have unit norm."""
+    norms = np.linalg.norm(arrays[f"{prefix}embedding"].astype(np.float64), axis=-1)
+    if (bad := np.argwhere(np.abs(norms - 1.0) > NORM_TOLERANCE)).size:
+        raise MapError(f"array {prefix}embedding has norm {norms[tuple(bad[0])]:.3g} in row {bad[0, 0]}; valid: unit norm")
 
 
 def _check_descriptors(arrays: Arrays, prefix: str) -> None:

@@ -148,3 +148,11 @@ def test_figures_of_questions_count_those_with_and_without_an_answer_apart():
     row = row_of([*answered, one(False, False, True), one(False, False, False)])
     assert row == QueriesRow(questions=4, ranked_first=0.5, answered=0.25, vain=2, refused=0.5)
     assert row_of(answered).refused is None
+
+
+def test_an_imported_map_with_embeddings_of_another_length_is_refused(lexis_map):
+    longer = ReadingEncoder({"office": np.eye(17, dtype=np.float32)[0]}, ENCODER)
+    with pytest.raises(
+        MapError, match="the map's embeddings have 16 numbers, and those of its encoder 'test' have 17; valid: "
+    ):
+        ask(lexis_map, "office", longer)

@@ -174,6 +174,7 @@ def changed(data, path, value):
         ("nodes.5.id", 8070450532247928833, "node p0 is missing"),
         ("nodes.5.attributes.semantic_label", 77, "labels has a value outside"),
         ("nodes.6.attributes.semantic_feature.data", [1.0], "p1 has an embedding of 1 numbers in 16 rows; valid: 16"),
+        ("nodes.6.attributes.semantic_feature.data", [0.5] * 16, "array embedding has norm 2 in row 1; valid: unit norm"),
         ("nodes.6.attributes.metadata.lexis.similarities", [1.0], "p1 has 1 similarities; valid: 4"),
         ("nodes.45.attributes.world_R_body.w", 3.0, "a0 has a rotation that is no unit quaternion"),
         ("nodes.45.attributes.position", [1e300, 0, 0], "position beyond"),
