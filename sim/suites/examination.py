@@ -1,10 +1,10 @@
 """Runs the scenarios of a suite, in several processes, and collects what the checks find."""
 
 import math
-import os
 import pickle
 import time
-from collections.abc import Generator, Mapping, Sequence
+from collections import deque
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from functools import lru_cache
@@ -27,8 +27,8 @@ from worlds.errors import WorldsError
 
 COMPLETES = "the run completes"
 """Name of the check that every part has besides its own: the SLAM raises no exception, and its claims are valid."""
-DIED = "a process died while it ran the SLAM on"
-"""Part of the message of the error for a SLAM that aborts its process."""
+DIED = "the SLAM ends its process, as a fatal error of compiled code does"
+"""What is found in a scenario in which the SLAM ends the worker process."""
 _DRAWS = 20
 """Largest number of draws for one scenario; a draw is unlucky if its house or its walk is impossible."""
 
@@ -123,7 +123,13 @@ def examinations(
 
     When `time.monotonic()` reaches `end` [s], no further scenario is begun; the first one is examined in any case.
     `new_slam` has to be picklable if there are several workers. A consumer that stops early has to close the iterator.
-    Raises `SimError` for fewer than one worker, for objects that cannot be sent to other processes, and if a process dies.
+
+    With several workers, a SLAM that ends its process fails the check that the run completes. Whenever a process ends, the
+    scenarios that were being examined are lost. Each of them is examined again in a process of its own, which tells the one
+    that ends it; new processes then go on with the other scenarios.
+
+    Raises `SimError` for fewer than one worker, for objects that cannot be sent to other processes, and if a process ends
+    before it begins a scenario.
     """
     check_count("suite: workers", workers, 1)
     if workers == 1 or len(jobs) == 1:
@@ -131,38 +137,59 @@ def examinations(
         return
     for what, thing in (("SLAM", new_slam), *(("suite", part) for part in dict.fromkeys(job.part for job in jobs))):
         _check_picklable(what, thing)
-    with TemporaryDirectory() as folder:
-        notes = Path(folder)
-        pool = process_pool(workers)
-        try:
-            ends = [math.inf if job is jobs[0] else end for job in jobs]
-            found = pool.map(_noted, jobs, [new_slam] * len(jobs), [notes] * len(jobs), ends)
-            yield from (each for each in found if each is not None)
-        except BrokenProcessPool:
-            during = ", or ".join(sorted(note.read_text() for note in notes.iterdir()))
-            if not during:
-                raise SimError(
-                    "suite: a process died before it began a scenario; valid: in a script, a call of check_slam below "
-                    "'if __name__ == \"__main__\":', or one process (workers=1)"
-                ) from None
-            valid = "valid: a SLAM that does not abort; with one process (workers=1), its own messages tell where it does"
-            raise SimError(f"suite: {DIED} {during}; {valid}") from None
-        finally:
-            pool.shutdown(cancel_futures=True)
+    again: dict[Job, Examination] = {}
+    left = deque(jobs)
+    while left:
+        with TemporaryDirectory() as folder:
+            pool = process_pool(workers)
+            try:
+                others = [job for job in left if job not in again]
+                ends = [math.inf if job is jobs[0] else end for job in others]
+                found = pool.map(_noted, others, [new_slam] * len(others), [Path(folder)] * len(others), ends)
+                while left:
+                    each = again.get(left[0]) or next(found)
+                    left.popleft()
+                    if each is not None:
+                        yield each
+            except BrokenProcessPool:
+                again |= {job: _examined_alone(job, new_slam) for job in _begun(left, Path(folder))}
+            finally:
+                pool.shutdown(cancel_futures=True)
 
 
 def _noted(job: Job, new_slam: NewSlam, notes: Path, end: float) -> Examination | None:
-    """Examine a scenario unless the time is over.
-
-    Meanwhile, a file names the scenario, so that the scenario is known if the process dies.
-    """
+    """Examine a scenario unless the time is over. Meanwhile, a file names the job, which tells it if the process ends."""
     if time.monotonic() >= end:
         return None
-    note = notes / str(os.getpid())
-    note.write_text(f"scenario {job.number} of part {job.part.name}, seed {job.seed}")
+    note = notes / _name_of(job)
+    note.touch()
     found = examine(job, new_slam)
     note.unlink()
     return found
+
+
+def _name_of(job: Job) -> str:
+    return f"{job.part.name} {job.number}"
+
+
+def _begun(jobs: Iterable[Job], notes: Path) -> list[Job]:
+    """Return the jobs that have a note. Raises `SimError` if there is none."""
+    names = {note.name for note in notes.iterdir()}
+    if begun := [job for job in jobs if _name_of(job) in names]:
+        return begun
+    raise SimError(
+        "suite: a process died before it began a scenario; valid: in a script, a call of check_slam below "
+        "'if __name__ == \"__main__\":', or one process (workers=1)"
+    )
+
+
+def _examined_alone(job: Job, new_slam: NewSlam) -> Examination:
+    """Examine a scenario in a process of its own; if this process ends, the check that the run completes fails."""
+    with process_pool(1) as pool:
+        try:
+            return pool.submit(examine, job, new_slam).result()
+        except BrokenProcessPool:
+            return Examination(job.part.name, job.number, scenario_of(job), None, {COMPLETES: CheckFinding(False, DIED)})
 
 
 def _check_picklable(what: str, thing: object) -> None:

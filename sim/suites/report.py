@@ -279,7 +279,7 @@ def check_slam(
 
     Raises:
         SimError: the suite is unknown, the seed is negative, `workers` is less than 1, `budget_s` is no number, `new_slam`
-            cannot be called without arguments, makes no SLAM or cannot be sent to other processes, a process died, or no
+            cannot be called without arguments, makes no SLAM or cannot be sent to other processes, or no
             scenario of a part can be drawn.
     """
     if not isinstance(new_slam, Program):

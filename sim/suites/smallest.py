@@ -18,7 +18,7 @@ from sim.harness.scenario import Scenario
 from sim.harness.world_tests import SCENARIO, TEST_REPLAY, slug_of
 from sim.suites import catalogue
 from sim.suites.checks import Check, CheckFinding, ClaimCheck, NewSlam
-from sim.suites.examination import COMPLETES, finding
+from sim.suites.examination import COMPLETES, DIED, finding
 from sim.suites.report import CheckVerdict
 
 _REPLAY = '''"""Replays a failure. It fails as long as the check {name!r} fails in the scenario beside it."""
@@ -91,6 +91,8 @@ def write_smallest(
 def _written(verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: Replay, is_lexis: bool, out: Path) -> str:
     folder = out / slug_of(verdict.name)
     check = verdict.checked
+    if check is None and verdict.failures[0].findings[COMPLETES].measured == DIED:
+        raise SimError(f"{DIED}, and the search runs in this process; valid: lexis-sim shrink with a program (--command)")
     scenario = verdict.failures[0].scenario
     if (test := _failure_test(check, scenario, runner)) is not None:
         reduction = reduce(scenario, test, DEADLINE_S)

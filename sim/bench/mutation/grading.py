@@ -21,7 +21,7 @@ from lexis.errors import one_line
 from sim.bench.mutation.planting import Mutant, planted
 from sim.errors import SimError
 from sim.processes import ONE_THREAD
-from sim.suites.examination import COMPLETES, DIED
+from sim.suites.examination import COMPLETES
 from sim.suites.suite_means import name_of_mean
 from sim.verdicts import load_results
 
@@ -31,8 +31,7 @@ _HANGS = "the suite does not end"
 _ENDS = "the suite ends with status"
 """`Grade.caught_by` begins with one of these two texts for a suite that ended without verdicts."""
 _CANNOT_RUN = 2
-"""Exit status of `lexis-sim check` if it cannot check the SLAM. It is also the status if LEXIS aborts one of several worker
-processes; the error output then contains `DIED`."""
+"""Exit status of `lexis-sim check` if it cannot check the SLAM."""
 _MOST_S = 3600.0
 _RUNNING: set[subprocess.Popen[str]] = set()
 """The commands that check mutants at this moment."""
@@ -129,7 +128,7 @@ def grade(
             return replace(graded, changed=_changed(_stored(before), data["results"]))
         seconds = time.time() - begin
     how = _HANGS if status is None else f"{_ENDS} {status}"
-    if mutant is None or (status == _CANNOT_RUN and DIED not in errors):
+    if mutant is None or status == _CANNOT_RUN:
         what = "unchanged LEXIS" if mutant is None else f"mutant {mutant.name!r}"
         raise SimError(f"{what}: {how}: {one_line(errors, 300)}; valid: a suite that LEXIS completes")
     return Grade(*start, how, 0, seconds, one_line(errors, 160), searched=smallest, fingerprint=fingerprint)

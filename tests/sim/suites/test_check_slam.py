@@ -12,6 +12,7 @@ import pytest
 from helpers.aborting_slam import AbortingSlam
 from helpers.flat_suite import (
     FLAT,
+    PART,
     Broken,
     BrokenNow,
     FloorsByHeight,
@@ -21,12 +22,15 @@ from helpers.flat_suite import (
 from helpers.unchecked import untyped
 
 from sim.errors import SimError
+from sim.harness import run
 from sim.harness.adapters import GeometricRooms, OdometryOnly
+from sim.harness.failures.failure_folder import Replay
 from sim.harness.last_run import LastRun, watched
 from sim.suites.catalogue import SUITES
 from sim.suites.examination import COMPLETES, examinations, jobs_of
 from sim.suites.pytest_items import slam_checks
 from sim.suites.report import check_slam
+from sim.suites.smallest import write_smallest
 from sim.suites.suite import Suite
 
 
@@ -160,9 +164,17 @@ def test_an_exception_is_reported_with_the_line_of_the_slam_that_raises_it():
     assert re.search(r"the SLAM raises RuntimeError: .*, in flat_suite\.py:\d+$", found.findings[COMPLETES].measured)
 
 
-def test_a_slam_that_kills_its_process_is_reported_with_the_scenario():
-    with pytest.raises(SimError, match=r"a process died while it ran the SLAM on scenario [01] of part flat, seed 3"):
-        check_slam(AbortingSlam, FLAT, seed=3, workers=2)
+def test_a_slam_that_ends_its_process_in_one_scenario_is_checked_in_all_others(tmp_path):
+    flat = replace(FLAT, parts=(replace(PART, n=6),))
+    fatal = run(check_slam(OdometryOnly, flat, seed=3).examined[3].scenario, OdometryOnly()).estimate.T_W_B[1]
+    aborting = partial(AbortingSlam, fatal)
+    report = check_slam(aborting, flat, seed=3, workers=2)
+    assert [each.number for each in report.examined] == list(range(6))
+    assert [each.findings[COMPLETES].holds for each in report.examined] == [True] * 3 + [False] + [True] * 2
+    assert "the SLAM ends its process" in str(report)
+    (verdict,) = (each for each in report.failed if each.check == COMPLETES)
+    told = write_smallest(verdict, aborting, run, Replay(), False, tmp_path)
+    assert told.startswith("flat: the run completes: no smallest scenario: the SLAM ends its process")
 
 
 def test_a_script_that_runs_again_in_its_worker_processes_is_told_what_it_lacks(tmp_path):
