@@ -178,9 +178,9 @@ def _read_odometry(bag: _Bag, topic: str) -> tuple[OdometryTrack, str]:
     stamps = np.array([_stamp(message) for message in messages])
     check_ascending(where, stamps)
     rows = np.array([_pose_row(m.pose.pose.position, m.pose.pose.orientation) for m in messages])
-    bad = ~np.isfinite(rows).all(axis=1) | ~(np.abs(np.linalg.norm(rows[:, 3:], axis=1) - 1.0) <= 1e-3)
-    if bad.any():
-        raise DatasetError(f"{where}: message {int(np.argmax(bad))} has no finite position with a unit quaternion")
+    usable = _usable(rows)
+    if not usable.all():
+        raise DatasetError(f"{where}: message {int(np.argmin(usable))} has no finite position with a unit quaternion")
     return OdometryTrack(where, stamps, poses_of(rows)), str(messages[0].child_frame_id)
 
 
@@ -213,17 +213,19 @@ def _read_camera(bag: _Bag, topic: str, body: str) -> tuple[Camera, Float64[np.n
 
 def _static_transform(bag: _Bag, body: str, frame: str) -> Pose:
     """Return the pose of `frame` in the frame `body`, composed from the static transforms."""
-    parents: dict[str, tuple[str, Pose]] = {}
-    for message in bag.messages("/tf_static", _TRANSFORMS):
-        for link in message.transforms:
-            row = np.array([_pose_row(link.transform.translation, link.transform.rotation)])
-            parents[link.child_frame_id] = link.header.frame_id, poses_of(row)[0]
+    links = {link.child_frame_id: link for message in bag.messages("/tf_static", _TRANSFORMS) for link in message.transforms}
     T, here = np.eye(4), frame
-    for _ in range(len(parents)):
-        if here == body or here not in parents:
+    for _ in range(len(links)):
+        if here == body or here not in links:
             break
-        here, T_parent = parents[here]
-        T = T_parent @ T
+        link = links[here]
+        row = np.array([_pose_row(link.transform.translation, link.transform.rotation)])
+        if not _usable(row).all():
+            raise DatasetError(
+                f"{bag.path}: /tf_static: the link to {here!r} has no finite position with a unit quaternion; "
+                "valid: finite numbers, and a quaternion of norm 1"
+            )
+        here, T = link.header.frame_id, poses_of(row)[0] @ T
     if here != body:
         raise DatasetError(f"{bag.path}: /tf_static does not lead from {frame!r} up to {body!r}, the frame of the odometry")
     return T
@@ -231,6 +233,11 @@ def _static_transform(bag: _Bag, body: str, frame: str) -> Pose:
 
 def _pose_row(position: Message, orientation: Message) -> list[float]:
     return [position.x, position.y, position.z, orientation.x, orientation.y, orientation.z, orientation.w]
+
+
+def _usable(rows: Float64[np.ndarray, "n 7"]) -> Bool[np.ndarray, "n"]:
+    """Whether each row holds a finite position and a unit quaternion."""
+    return np.isfinite(rows).all(axis=1) & (np.abs(np.linalg.norm(rows[:, 3:], axis=1) - 1.0) <= 1e-3)
 
 
 def _stamp(message: Message) -> float:
