@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from lexis.errors import LexisError
+from lexis.errors import LexisError, MapError
 from lexis.files.g2o import TRANSLATION_FIRST
 from lexis.files.replace import replaced_file
 from lexis.files.tum_trajectory import write_tum
@@ -34,7 +34,16 @@ def export_map(map: LexisMap, format: str, path: Path) -> None:
 
 
 def _tum(map: LexisMap, path: Path) -> None:
-    """Write the optimised poses as lines of "stamp tx ty tz qx qy qz qw"."""
+    """Write the optimised poses as lines of "stamp tx ty tz qx qy qz qw".
+
+    Raises MapError if the stamps do not ascend, because readers of TUM files need that, `read_tum` included.
+    """
+    for a, b in pairwise(map.keyframes):
+        if round(b.stamp, 6) <= round(a.stamp, 6):  # as they are written
+            raise MapError(
+                f"{path}: stamp {b.stamp:.6f} s of session {b.session} follows {a.stamp:.6f} s of session {a.session}, and "
+                "the stamps of a TUM file ascend; valid: sessions of one clock, one after the other, or the format json"
+            )
     write_tum(path, [keyframe.stamp for keyframe in map.keyframes], map.T_W_B)
 
 

@@ -1,6 +1,7 @@
 """Exported maps can be read by the tools that they are meant for: evo and GTSAM."""
 
 import json
+from dataclasses import replace
 
 import gtsam
 import numpy as np
@@ -8,7 +9,8 @@ import pytest
 from evo.tools import file_interface
 from helpers.map_builder import corridor_with_offices
 
-from lexis.errors import LexisError
+from lexis.errors import LexisError, MapError
+from lexis.files.tum_trajectory import read_tum
 from lexis.map.export import FORMATS, export_map
 from lexis.maths.se3 import between
 
@@ -26,6 +28,26 @@ def test_trajectories_are_evos(lexis_map, tmp_path):
     np.testing.assert_allclose(tum.poses_se3, lexis_map.T_W_B, atol=1e-7)
     np.testing.assert_allclose(tum.timestamps, [k.stamp for k in lexis_map.keyframes])
     np.testing.assert_allclose(kitti.poses_se3, lexis_map.T_W_B, atol=1e-7)
+
+
+def in_sessions(lexis_map, starts, stamp_s):
+    """The map as if its keyframes from each of `starts` on were of one more session, whose first stamp is `stamp_s`."""
+    keyframes = list(lexis_map.keyframes)
+    for session, first in enumerate(starts, 1):
+        shift = stamp_s[session - 1] - keyframes[first].stamp
+        keyframes[first:] = [replace(k, session=session, stamp=k.stamp + shift) for k in keyframes[first:]]
+    return replace(lexis_map, keyframes=tuple(keyframes))
+
+
+def test_a_trajectory_can_be_read_again_or_is_not_written(lexis_map, tmp_path):
+    export_map(in_sessions(lexis_map, [10, 25], [100.0, 200.0]), "tum", tmp_path / "t.tum")
+    stamps, poses = read_tum(tmp_path / "t.tum")
+    assert len(stamps) == 40 and (stamps[9], stamps[10], stamps[25]) == (4.5, 100.0, 200.0)
+    np.testing.assert_allclose(poses, lexis_map.T_W_B, atol=1e-7)
+    for stamp_s in ([100.0, 5.0], [100.0, 107.0000001]):  # the session before begins at 100.0 s and ends at 107.0 s
+        with pytest.raises(MapError, match=r"of session 2 follows 107.* of session 1, .*; valid: ") as error:
+            export_map(in_sessions(lexis_map, [10, 25], stamp_s), "tum", tmp_path / "no.tum")
+        assert not (tmp_path / "no.tum").exists() and str(tmp_path / "no.tum") in str(error.value)
 
 
 def test_gtsam_reads_the_graph_with_poses_and_covariances(lexis_map, tmp_path):
