@@ -9,7 +9,7 @@ from dataclasses import asdict, fields, is_dataclass
 from functools import cache
 from numbers import Integral, Real
 from types import NoneType, UnionType
-from typing import Annotated, Any, ClassVar, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, ClassVar, Literal, SupportsFloat, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from annotated_types import Ge, Gt, Interval, Le, Lt, MinLen
 
@@ -95,7 +95,9 @@ def _value(annotation: Any, value: object) -> object:
         (*_, item) = get_args(annotation) or (Any,)
         return tuple(_value(item, each) for each in value)
     wants_float = float in (annotation, getattr(annotation, "__origin__", None), *_bases(annotation))
-    return float(value) if wants_float and isinstance(value, int) and not isinstance(value, bool) else value
+    if wants_float and isinstance(value, int) and not isinstance(value, bool) and _is_finite(value):
+        return float(value)
+    return value
 
 
 def _bases(annotation: Any) -> tuple[Any, ...]:
@@ -131,7 +133,15 @@ def _what_is_valid(value: object, annotation: Any, unit: str) -> str | None:
 def _is_a(value: object, base: type) -> bool:
     if base in (bool, str) or isinstance(value, bool):
         return isinstance(value, base) and base is not int
-    return isinstance(value, Integral) or (base is float and isinstance(value, Real) and math.isfinite(value))
+    return isinstance(value, Integral if base is int else Real) and _is_finite(value)
+
+
+def _is_finite(value: SupportsFloat) -> bool:
+    """Whether a number is finite as a float. Whole numbers of more than 308 digits are not."""
+    try:
+        return math.isfinite(value)
+    except OverflowError:
+        return False
 
 
 def _bounds(metadata: tuple[Any, ...]) -> list[Any]:
