@@ -27,7 +27,8 @@ class LastRun:
     slam: object = None
     """The SLAM of the last run; None if no run has begun, and while a program is run instead of a SLAM."""
     done: float | None = None
-    """Share of the frames that the SLAM has processed, in [0, 1]; None until the SLAM is started."""
+    """Share of the walk before the frame that the SLAM processes or has processed last, in [0, 1]; None until the SLAM is
+    started."""
     in_slam: bool = False
     """Whether a method of the SLAM was called and has not returned, so that an exception is the SLAM's."""
     run: "Run | None" = None

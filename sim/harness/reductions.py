@@ -45,7 +45,7 @@ class ScenarioSize(NamedTuple):
     drift: int
     """Number of kinds of odometry error, 0 to 2: poses that drift, and covariances that are too small."""
     motion: int
-    """Number of complications of the motion: sway, start manoeuvre, and a tour of another kind than "rooms"."""
+    """Number of complications of the motion: sway, start manoeuvre, a reversed tour, a kind of tour other than "rooms"."""
     length_m: float
     """Requested length of the tour [m]; infinite if the kind of tour decides."""
     corners: int

@@ -163,6 +163,7 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     with closing(iter(session)) as pairs:
         for observation, truth in pairs:
             delivered.append(truth)
+            last.done = observation.index / len(session)
             now = Given(observation.stamp, observation.T_O_B.copy())  # the SLAM may write into the observation
             try:
                 with timed("slam_s"), last.calling_slam():
@@ -173,9 +174,9 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
                     raise
                 refused.append(str(error))
                 last.in_slam = False
-            last.done = (observation.index + 1) / len(session)
             if progress is not None:
-                progress(last.done)
+                progress((observation.index + 1) / len(session))
+    last.done = 1.0
     with timed("slam_s"), last.calling_slam():
         estimate = slam.finish()
     if not isinstance(estimate, Estimate):

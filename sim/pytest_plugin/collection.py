@@ -97,7 +97,8 @@ def _worlds_of(family: WorldFamily, config: pytest.Config, name: str) -> Sequenc
     if (replayed := replayed_file(config)) is not None:
         return [StoredWorld(replayed, _REPLAY)]
     stored = stored_failures(out_folder(config), name) if config.option.lexis_profile == "lexis-nightly" else []
-    return [*stored, *(family.draw(config.stash[SEED], index) for index in range(family.n))]
+    drawn = (family.draw(config.stash[SEED], index) for index in range(family.n))
+    return [*stored, *{world.name: world for world in drawn}.values()]  # a house that is drawn twice is tested once
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:

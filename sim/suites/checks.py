@@ -58,7 +58,7 @@ class Check(Protocol):
 
     @property
     def name(self) -> str:
-        """Name of the check, unique in its suite."""
+        """Name of the check, unique in its part. Checks of one name in several parts are the same law."""
 
     @property
     def says(self) -> str:

@@ -1,5 +1,7 @@
 """The law that the plans of a SLAM can be walked. Geometry decides, so that no robot has to drive the plans."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Int
 
@@ -28,7 +30,7 @@ def plans_can_be_walked(run: Run) -> CheckFinding:
 
     Whether an end has the wanted label is judged by the SLAM's own labels, and whether a step is blocked by the true walls.
     """
-    pairs, labels, slam = planned_pairs(run)[:_MOST_PLANS], run.estimate.labels, run.slam
+    pairs, labels, slam = _spread(planned_pairs(run)), run.estimate.labels, run.slam
     if not pairs or labels is None or not isinstance(slam, PlansPaths):
         return CheckFinding(None, "the SLAM claims no rooms of two labels, or makes no plans")
     blocked, begins, ends = 0, 0, 0
@@ -47,6 +49,12 @@ def plans_can_be_walked(run: Run) -> CheckFinding:
     right = f"{begins / len(pairs):.0%} begin and {ends / len(pairs):.0%} end in a room of the wanted label"
     text = f"of {len(pairs)} plans, {right}; {blocked} steps are blocked"
     return CheckFinding(bool(blocked == 0 and min(begins, ends) >= _RIGHT_ENDS * len(pairs)), text)
+
+
+def _spread(pairs: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Return at most `_MOST_PLANS` of the pairs, evenly spread, so that plans begin in all labels."""
+    chosen = np.linspace(0, len(pairs) - 1, min(len(pairs), _MOST_PLANS)).round().astype(int)
+    return [pairs[i] for i in chosen]
 
 
 def _blocked_steps(run: Run, plan: Int[np.ndarray, "k"]) -> int:

@@ -228,7 +228,7 @@ class StepsInTwoParts(NoChange):
 
 @dataclass(frozen=True)
 class PermutedNames(NoChange):
-    """The room names come in another order, which is neither the original order nor its reverse."""
+    """The room names come in another order, which from three names on is neither the original order nor its reverse."""
 
     def names(self, room_names: Sequence[str]) -> Mapping[str, str | None]:
         """Return the names at odd positions, followed by the names at even positions in reverse order."""

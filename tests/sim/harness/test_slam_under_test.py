@@ -12,10 +12,12 @@ from lexis.errors import ObservationError
 from sim.errors import SimError
 from sim.faults.delivery import Dropped
 from sim.harness import Estimate, LoopClaims, Scenario, check, run, try_plans, write_run
-from sim.harness.failures.first_wrong import first_wrong
+from sim.harness.crash import attempt
+from sim.harness.failures.first_wrong import crash_frame, first_wrong
 from sim.harness.figures import evaluate
 from sim.harness.report_data import report_data
 from sim.harness.results import FloorFigures, LabelFigures, LoopFigures, RoomFigures
+from sim.harness.runner import scene_of
 from sim.harness.slam_under_test import check_slam_factory
 from sim.report.findings import findings
 from worlds.presets import sample_from_rooms
@@ -163,6 +165,19 @@ def test_frames_that_were_dropped_are_no_valid_frames():
     faulty = Scenario(**{**vars(SCENARIO), "faults": (Dropped(0.5),)})
     with pytest.raises(SimError, match=r"in row \d+; valid: \d+ to \d+, without observations that were dropped"):
         check(faulty, Recorder(frames=np.arange(40)))
+
+
+def test_a_crash_is_placed_at_the_frame_that_the_slam_was_given_even_if_frames_were_dropped():
+    class Lost(Recorder):
+        def process(self, observation):
+            super().process(observation)
+            if len(self.frames) == 10:
+                raise RuntimeError("lost")
+
+    slam = Lost()
+    faulty = Scenario(**{**vars(SCENARIO), "faults": (Dropped(0.5),)})
+    crash = attempt(lambda scenario, progress: run(scenario, slam, progress), faulty)
+    assert crash_frame(scene_of(faulty), crash.done).frame == slam.frames[-1] > 10
 
 
 def test_loops_of_another_form_are_named():

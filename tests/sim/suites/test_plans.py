@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from itertools import permutations
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from sim.harness import Lexis, Scenario, run
 from sim.harness.adapters import GeometricRooms
 from sim.harness.crash import attempt_plans
 from sim.suites.checks import examined
-from sim.suites.plans import plans_can_be_walked
+from sim.suites.plans import _spread, plans_can_be_walked
 from worlds.presets import sample_house
 
 HOME = Scenario(
@@ -74,6 +75,13 @@ def test_a_plan_that_is_no_list_of_rows_fails_the_run_and_not_the_suite(finished
     monkeypatch.setattr("sim.suites.checks.attempted", lambda *_: broken)
     found = examined(replace(HOME, fidelity="render", encoder="mini"), Lexis)
     assert found.holds is False and found.measured.startswith("the plan from ")
+
+
+def test_the_plans_that_are_asked_for_begin_and_end_in_all_labels():
+    pairs = list(permutations("abcde", 2))
+    starts, goals = map(set, zip(*_spread(pairs), strict=True))
+    assert starts == goals == set("abcde")
+    assert _spread(pairs[:5]) == pairs[:5] and _spread([]) == []
 
 
 def test_a_slam_without_plans_or_with_one_label_is_not_judged(finished):
