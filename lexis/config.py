@@ -21,8 +21,9 @@ _FILE = FileKind("settings as JSON; 'lexis config' prints the defaults", 1_000_0
 class KeyframeConfig(Settings, place="keyframes", error=ConfigError):
     """Settings for selecting the observations that become keyframes of the graph (paper, Sec. III-A)."""
 
-    spacing_m: Annotated[float, Gt(0)] = 0.5
-    """Length of the odometry path between keyframes [m]."""
+    spacing_m: Annotated[float, Interval(gt=0, le=2)] = 0.5
+    """Length of the odometry path between keyframes [m]. It is clearly below `lexis.keyframes.MAX_STEP_M`, because plans do
+    not cross larger steps."""
     rotation_rad: Annotated[float, Gt(0)] | None = None
     """Rotation after which a new keyframe is selected even if the path is shorter than `spacing_m` [rad]. None: only the
     path length decides, as in the paper."""

@@ -14,10 +14,12 @@ from lexis.config import (
     VerificationConfig,
 )
 from lexis.errors import ConfigError, LexisError
+from lexis.keyframes import MAX_STEP_M
 
 BAD = [
     (KeyframeConfig, "spacing_m", 0.0),
     (KeyframeConfig, "spacing_m", float("nan")),
+    (KeyframeConfig, "spacing_m", MAX_STEP_M),  # every step would count as a gap, and there would be no plans
     (KeyframeConfig, "rotation_rad", -0.1),
     (KeyframeConfig, "supports", 0),
     (LandmarkConfig, "akaze_threshold", 0.0),
