@@ -1,6 +1,7 @@
 """Merging of two saved maps.
 
-The sessions of the second map are added to the first map, as if they were recorded again.
+The sessions of the second map are added to the first map, as if they were recorded again. Sessions that the second map has
+joined stay joined.
 """
 
 from lexis.config import Config

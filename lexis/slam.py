@@ -24,18 +24,16 @@ With an earlier map, the keyframes are a further session of this map. Its place 
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from lexis.config import Config
 from lexis.errors import LexisError
 from lexis.features import FeatureExtractor
 from lexis.graph.components import session_components, side_by_side
-from lexis.graph.pose_graph import PoseGraph
+from lexis.graph.pose_graph import Placed, PoseGraph
 from lexis.inputs import check_camera, check_observation, check_room_names, with_copied_geometry
 from lexis.keyframe_window import KeyframeWindow
 from lexis.keyframes import KeyframeSelector
 from lexis.maths.growing_array import GrowingArray
-from lexis.maths.se3 import between
 from lexis.perception import Encoder, embedding_of, features_of
 from lexis.place_recognition import PlaceRecogniser, propose
 from lexis.room_labels import most_similar, similarities
@@ -49,9 +47,10 @@ from lexis.sessions.relocalisation import (
     with_support,
     without_support,
 )
+from lexis.sessions.replay import Replay
 from lexis.sight.visible_space import VisibleSpace, spaces_in_view
 from lexis.timing import StageTimer
-from lexis.types import Camera, EncoderId, Keyframe, LexisMap, Observation, Poses, RoomInstance, Verdict
+from lexis.types import Camera, EncoderId, Keyframe, LexisMap, LoopEdge, Observation, Poses, RoomInstance, Verdict
 from lexis.verification import Verifier, verify
 
 
@@ -143,16 +142,18 @@ class Slam:
     def replay(self, map: LexisMap) -> None:
         """Add the keyframes of another map, in place of observations.
 
-        The sessions of the other map are numbered after the sessions of this map. Its retired keyframes stay retired.
+        The sessions of the other map are numbered after the sessions of this map. Its retired keyframes stay retired, and
+        sessions that it has joined stay joined.
         """
-        first = self.keyframes
-        for keyframe, T_W_B in zip(map.keyframes, map.T_W_B, strict=True):
-            new = replace(keyframe, id=first + keyframe.id, session=self._window.session + keyframe.session)
+        other = Replay(map, self.keyframes, self._window.session)
+        for id in range(len(map.keyframes)):
+            keyframe, place = other.keyframe(id), other.place(id)
             if keyframe.anchor is None:
-                self._add(new)
+                self._add(keyframe, place, other.loops(id), other.verdicts(id))
             else:
-                T_anchor_B = between(map.T_W_B[keyframe.anchor], T_W_B)
-                self._graph.add_retired(replace(new, anchor=first + keyframe.anchor), T_anchor_B)
+                assert place is not None
+                self._graph.add_retired(keyframe, place.T_beside_B)
+                self._graph.add_loops(other.loops(id))
                 self._take_views(self._graph.keyframes[-1])
 
     def snapshot(self) -> LexisMap:
@@ -198,16 +199,24 @@ class Slam:
             self._take_views(keyframe)
         self._candidates, self._verdicts = list(map.candidates), list(map.verdicts)
 
-    def _add(self, keyframe: Keyframe) -> None:
-        """Add a keyframe to the graph, and close its loops.
+    def _add(
+        self,
+        keyframe: Keyframe,
+        place: Placed | None = None,
+        loops: Sequence[LoopEdge] = (),
+        verdicts: Sequence[Verdict] = (),
+    ) -> None:
+        """Add a keyframe to the graph, and close its loops. In a replay, its place and some of its loops may be known.
 
         Before the map is finished, rooms are needed only if loops are searched by room, as in the paper. They are then
         derived after every `labels.every` keyframes and after every optimisation. Deriving them after every keyframe would
         be slow, because all keyframes are labelled each time.
         """
-        self._graph.add_keyframe(keyframe)
+        self._graph.add_keyframe(keyframe, place)
         self._take_views(keyframe)
         self._close_loops(keyframe)
+        if loops:
+            self._keep_loops(loops, verdicts)
         joined = self._join_components(keyframe)
         optimised = self._optimise() or joined
         due = optimised or len(self._graph.keyframes) % self._config.labels.every == 0
@@ -238,6 +247,17 @@ class Slam:
         self._candidates.append((query.id, candidates))
         self._verdicts.extend(verified.verdicts)
         self._graph.add_loops(verified.edges)
+
+    def _keep_loops(self, loops: Sequence[LoopEdge], verdicts: Sequence[Verdict]) -> None:
+        """Add known loops of the last keyframe that were not found again, and the verdicts on them."""
+        query, found = loops[0].query, {(loop.query, loop.match) for loop in self._graph.loops}
+        judged = {(verdict.query, verdict.match) for verdict in self._verdicts}
+        kept = [loop for loop in loops if (loop.query, loop.match) not in found]
+        known = [verdict for verdict in verdicts if (verdict.query, verdict.match) not in judged]
+        self._graph.add_loops(kept)
+        self._verdicts = [*with_support(self._verdicts, kept), *known]
+        if known:
+            self._candidates.append((query, tuple(verdict.match for verdict in known)))
 
     def _join_components(self, query: Keyframe) -> bool:
         """Seek the place of a keyframe in the components of the map that are not connected with its own.

@@ -5,6 +5,7 @@ Odometry connects the keyframes of one session. Sessions that loops connect form
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float32, Float64, Int
@@ -28,6 +29,15 @@ class _Extent:
     keyframes: int = 0
     loops: int = 0
     """Number of loop edges that have been added so far, those of keyframes that have retired included."""
+
+
+class Placed(NamedTuple):
+    """The place of a new keyframe, relative to a keyframe of the graph."""
+
+    beside: int
+    """Id of the keyframe of the graph."""
+    T_beside_B: Pose
+    """Pose of the new keyframe relative to it."""
 
 
 class PoseGraph:
@@ -136,14 +146,19 @@ class PoseGraph:
         """Weights of the loop edges under the robust kernel at the current estimate, in [0, 1]."""
         return loop_weights(self.T_W_B, self.loops, self._config)
 
-    def add_keyframe(self, keyframe: Keyframe) -> None:
+    def add_keyframe(self, keyframe: Keyframe, place: Placed | None = None) -> None:
         """Append a keyframe at the pose that odometry predicts from the pose of the last active keyframe.
 
-        The first keyframe of a session begins a new component, at its odometry pose.
+        The first keyframe of a session begins a new component, at its odometry pose. If its `place` is known, it continues
+        the component of the keyframe beside it, at that place. Loop edges that hold it there have to follow.
         """
         T_W_B, covariance = keyframe.T_O_B, keyframe.step_covariance
         if self._optimiser is None or keyframe.session != self.keyframes[-1].session:
-            self._begin_session(keyframe)
+            component = keyframe.session
+            if place is not None:
+                T_W_B = self.T_W_B[place.beside] @ place.T_beside_B
+                component = int(self.components[place.beside])
+            self._begin_session(keyframe, T_W_B, component)
         else:
             last = int(self.active[-1])
             step, covariance = self._step_from(last, keyframe)
@@ -155,7 +170,7 @@ class PoseGraph:
         self._append(keyframe, T_W_B)
 
     def add_retired(self, keyframe: Keyframe, T_anchor_B: Pose) -> None:
-        """Append a keyframe that has retired in an earlier run, at a pose relative to its anchor.
+        """Append a keyframe that has retired in an earlier run, at a pose relative to its anchor, which is in its component.
 
         If the anchor has retired in this run, the keyframe is anchored to the anchor's anchor. The keyframe is not the first
         one of its session, because first keyframes do not retire.
@@ -191,14 +206,14 @@ class PoseGraph:
             before = after
         return between(self.keyframes[last].T_O_B, keyframe.T_O_B), covariance
 
-    def _begin_session(self, keyframe: Keyframe) -> None:
+    def _begin_session(self, keyframe: Keyframe, T_W_B: Pose, component: int) -> None:
         if self._optimiser is None:
-            self._first = keyframe.T_O_B if self._first is None else self._first
+            self._first = T_W_B if self._first is None else self._first
             self._optimiser = GraphOptimiser(self._first, self._config)
             self._embeddings = GrowingArray(keyframe.embeddings.shape, np.float32)
         else:
-            self._optimiser.add_session(keyframe.T_O_B)
-        self._component_of = np.append(self._component_of, keyframe.session)
+            self._optimiser.add_session(T_W_B)
+        self._component_of = np.append(self._component_of, component)
         self.session_start = keyframe.id
 
     def resume(

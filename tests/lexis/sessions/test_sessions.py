@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.box_room import FORWARD_CAMERA
+from helpers.map_builder import with_retired
 from helpers.same_map import assert_same
 
 from lexis.config import Config, LabelConfig, PlaceRecognitionConfig, PlannerConfig, SessionConfig
@@ -224,6 +225,43 @@ def test_two_maps_are_merged_like_a_second_session(first):
     merged = merge(first, other, Encoder(), verifier=verifier())
     assert [keyframe.session for keyframe in merged.keyframes] == [0] * FIRST + [1] * SECOND
     np.testing.assert_allclose(merged.T_W_B, TRUE, atol=1e-3)
+
+
+def without_second(query, candidates, graph, camera, config):
+    """Confirms candidates by the truth, unless the query or the candidate was in the second session."""
+    old = [match for match in candidates if graph.keyframes[match].observation_index < FIRST]
+    return verifier()(query, old if query.observation_index < FIRST else [], graph, camera, config)
+
+
+RETIRED = {FIRST + 5: 20, FIRST + 6: FIRST + 4}
+"""Anchors of keyframes of the second session: one is in the first session."""
+
+
+@pytest.mark.parametrize("anchors", [{}, RETIRED])
+@pytest.mark.parametrize(("check", "apart"), [(without_second, []), (nothing, [1, 2])])
+def test_sessions_that_the_second_map_has_joined_stay_joined_in_a_merged_map(first, anchors, check, apart):
+    """The verifier does not find the loops between the sessions of the second map again."""
+    joined = with_retired(second(first, verifier()), anchors)
+    base = walk(range(30), verifier()).finish()
+    merged = merge(base, joined, Encoder(), verifier=check)
+    assert sessions_apart(merged) == apart
+    start = merged.T_W_B[30] if apart else TRUE[0]
+    np.testing.assert_allclose(se3.between(start, merged.T_W_B[30:]), se3.between(TRUE[0], TRUE), atol=2e-3)
+    across = {(30 + loop.query, 30 + loop.match) for loop in joined.loops if loop.query >= FIRST > loop.match}
+    loops = {(loop.query, loop.match) for loop in merged.loops}
+    assert across == {(query, match) for query, match in loops if query >= 30 + FIRST > match}
+    assert {(verdict.query, verdict.match) for verdict in merged.verdicts if verdict.outcome == "accepted"} == {
+        (query, match) for query, match in loops if query - 30 not in anchors
+    }
+    assert {(verdict.query, verdict.match) for verdict in merged.verdicts} <= set(candidates_of(merged))
+
+
+def test_loops_that_a_merged_map_finds_again_are_in_it_once(first):
+    joined = second(first, verifier())
+    merged = merge(walk(range(30), verifier()).finish(), joined, Encoder(), verifier=verifier())
+    pairs = [(loop.query, loop.match) for loop in merged.loops]
+    assert len(set(pairs)) == len(pairs)
+    np.testing.assert_allclose(merged.T_W_B, np.concatenate([TRUE[:30], TRUE]), atol=2e-3)
 
 
 def test_a_snapshot_does_not_change_the_run(first):
