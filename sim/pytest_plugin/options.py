@@ -70,6 +70,7 @@ def pytest_configure(config: pytest.Config) -> None:
     """Register the markers, and decide on the seed, which the workers of xdist get from the process that starts them."""
     for tier in TIERS:
         config.addinivalue_line("markers", f"{tier}: a test in simulated houses, on the tier {tier!r} of LEXIS-sim")
+    config.addinivalue_line("markers", "xdist_group(name): pytest-xdist runs the tests of a group in one process")
     nightly = config.option.lexis_profile == "lexis-nightly"
     given = getattr(config, "workerinput", {}).get("lexis_seed", config.option.lexis_seed)
     fresh = secrets.randbelow(2**31) if nightly else DEFAULT_SEED

@@ -83,8 +83,9 @@ def slam_checks(
 
     An item fails if its check fails with the confidence of a suite (`sim.suites.report.CONFIDENCE`). It is skipped, and says
     why, if the check could not be decided in any scenario, for example because the SLAM does not make the claims that the
-    check is about. The first item of a part runs all scenarios of the part. The verdicts about several parts together, which
-    are means and laws that parts share, have no items: see `check_slam`.
+    check is about. The first item of a part runs all scenarios of the part; with pytest-xdist and `--dist loadgroup`, all
+    items of a part run in one process. The verdicts about several parts together, which are means and laws that parts share,
+    have no items: see `check_slam`.
 
     Args:
         new_slam: makes a SLAM that has not run yet, such as a class that takes no arguments.
@@ -108,8 +109,8 @@ def slam_checks(
     chosen = runnable(suite_named(suite), new_slam)
     items = [Item(part, check) for part in chosen.parts for check in (COMPLETES, *(each.name for each in part.checks))]
     _check_names(expected_failures, items)
-    tiers = {part.name: _tier(part) for part in chosen.parts}
-    parameters = [pytest.param(item, id=item.name, marks=tiers[item.part.name]) for item in items]
+    marks = {part.name: (_tier(part), pytest.mark.xdist_group(part.name)) for part in chosen.parts}
+    parameters = [pytest.param(item, id=item.name, marks=marks[item.part.name]) for item in items]
 
     reports = _Reports(new_slam, chosen, seed)
     expected = [_Expected.of(pattern, reason, items) for pattern, reason in expected_failures.items()]
