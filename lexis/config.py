@@ -73,8 +73,8 @@ class LabelConfig(Settings, place="labels", error=ConfigError):
     7 to 12), and after every optimisation. Only place recognition by room needs this; with the other methods, labels are
     refined only when a map is made."""
     stairs_name: Annotated[str, MinLen(1)] = "stairs"
-    """The room name that keyframes on stairs and in a moving lift get. If the user's room names lack it, these keyframes are
-    labelled like all others, and get the nearest floor."""
+    """The room name that keyframes on stairs and in a moving lift get, in any case ("Stairs"). If the user's room names lack
+    it, these keyframes are labelled like all others, and get the nearest floor."""
     stairs_window_m: Annotated[float, Gt(0)] = 2.0
     """Length of the path over which the change of height is measured, centred on the keyframe [m]."""
     stairs_min_height_m: Annotated[float, Gt(0)] = 0.5

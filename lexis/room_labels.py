@@ -21,6 +21,7 @@ from jaxtyping import Float, Float64, Int
 
 from lexis.config import LabelConfig
 from lexis.maths.ties import nearest_others, rounded
+from lexis.room_names import same_name
 from lexis.stairs import on_stairs
 
 Positions = Float64[np.ndarray, "n 3"]
@@ -99,9 +100,10 @@ def label_keyframes(
         return Refined(labels, certain(labels, len(room_names)))
 
     refine = refine or vote
-    if config.stairs_name not in room_names or len(room_names) == 1:
+    is_stairs = np.array([same_name(name, config.stairs_name) for name in room_names])
+    if not is_stairs.any() or len(room_names) == 1:
         return RoomLabels(baseline, *refine(similarities, np.arange(len(positions))))
-    stairs = room_names.index(config.stairs_name)
+    stairs = int(is_stairs.argmax())
     level = np.flatnonzero(~on_stairs(positions, config, sessions))
     rooms_only = similarities.copy()
     rooms_only[:, stairs] = -np.inf

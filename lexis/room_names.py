@@ -31,11 +31,15 @@ def unused_names(names: Sequence[str], rooms: Sequence[RoomInstance]) -> tuple[s
     return tuple(name for name in names if name not in used)
 
 
+def same_name(one: str, other: str) -> bool:
+    """Whether two names are equal up to case, and to blanks at their ends."""
+    return one.strip().lower() == other.strip().lower()
+
+
 def find_rooms(rooms: Sequence[RoomInstance], name: str) -> tuple[RoomInstance, ...]:
     """Return the room with this name ("office 2"), or if no room has it, all rooms with this label ("office").
 
     There may be none. Case, and blanks around `name`, are ignored.
     """
-    wanted = name.strip().lower()
-    exact = tuple(room for room, own in zip(rooms, instance_names(rooms), strict=True) if own.lower() == wanted)
-    return exact or tuple(room for room in rooms if room.label.lower() == wanted)
+    exact = tuple(room for room, own in zip(rooms, instance_names(rooms), strict=True) if same_name(own, name))
+    return exact or tuple(room for room in rooms if same_name(room.label, name))

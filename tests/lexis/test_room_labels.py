@@ -109,6 +109,17 @@ def test_climbing_alone_decides_on_stairs(rng):
     assert (labels.refined[~climbing] == 2).all()
 
 
+def test_the_case_of_the_name_of_the_stairs_makes_no_difference(rng):
+    similarities, positions = rng.uniform(size=(40, 4)), np.zeros((40, 3))
+    positions[:, 0] = 0.25 * np.arange(40)
+    positions[15:, 2] = np.minimum(0.2 * np.arange(25), 3.0)
+    plain, *others = (
+        label_keyframes(similarities, positions, (stairs, *NAMES), LabelConfig(method="vote"))
+        for stairs in ("stairs", "Stairs", "STAIRS")
+    )
+    assert (plain.refined == 0).any() and all(np.array_equal(other.refined, plain.refined) for other in others)
+
+
 def test_stairs_are_not_sought_where_nobody_named_them(rng):
     positions = np.zeros((30, 3))
     positions[:, 2] = 0.3 * np.arange(30)
