@@ -104,12 +104,12 @@ def _worlds_of(family: WorldFamily, config: pytest.Config, name: str) -> Sequenc
 def pytest_collection_finish(session: pytest.Session) -> None:
     """Divide the time budget `--lexis-budget` equally among the decorated tests.
 
-    The workers of xdist run in parallel, so each test's share is multiplied by their number.
+    If the workers of xdist share the tests, each test's share is multiplied by their number.
     """
     budget_s = session.config.option.lexis_budget
     items = sum(family_of(item) is not None for item in session.items)
     if budget_s is not None and items:
-        workers = getattr(session.config, "workerinput", {}).get("workercount", 1)
+        workers = getattr(session.config, "workerinput", {}).get("lexis_workers", 1)
         session.config.stash[SHARE_S] = budget_s * workers / items
 
 

@@ -83,8 +83,13 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_configure_node(node: Any) -> None:
-    """Tell a worker of xdist the seed: all workers have to collect the same tests."""
+    """Tell a worker of xdist the seed, as all workers have to collect the same tests, and how many workers share the tests.
+
+    Other ways of distribution may give all tests to one worker.
+    """
+    shared = node.config.option.dist in ("load", "worksteal")
     node.workerinput["lexis_seed"] = node.config.stash[SEED]
+    node.workerinput["lexis_workers"] = node.workerinput["workercount"] if shared else 1
 
 
 def pytest_report_header(config: pytest.Config) -> str:

@@ -22,6 +22,7 @@ from sim.harness import Scenario
 from sim.harness.world_tests import FreshWorld
 from sim.pytest_plugin.collection import with_world
 from sim.pytest_plugin.execution import Reason
+from sim.pytest_plugin.options import SEED, pytest_configure_node
 from worlds.errors import WorldsError
 from worlds.presets import sample_from_rooms
 from worlds.spec import HouseSpec
@@ -667,6 +668,16 @@ def test_a_budget_is_spent_on_further_houses_until_one_fails(pytester, inner, li
     result.assert_outcomes(passed=1, failed=1)
     assert result.stdout.str().count("ran\n") == 1
     assert f"assert {seeds[2]} != {seeds[2]}" in result.stdout.str()
+
+
+@pytest.mark.parametrize(
+    ("dist", "workers"), [("load", 2), ("worksteal", 2), ("loadfile", 1), ("loadgroup", 1), ("each", 1)]
+)
+def test_the_budget_is_multiplied_only_for_workers_that_share_the_tests(dist, workers):
+    config = types.SimpleNamespace(option=types.SimpleNamespace(dist=dist), stash={SEED: 7})
+    node = types.SimpleNamespace(config=config, workerinput={"workercount": 2})
+    pytest_configure_node(node)
+    assert node.workerinput == {"workercount": 2, "lexis_seed": 7, "lexis_workers": workers}
 
 
 def test_workers_of_xdist_collect_the_same_fresh_houses(pytester, start, inner):
