@@ -122,7 +122,8 @@ def count_views(map: LexisMap, floor: int) -> ViewCounts:
     sights = [sight for i in members.tolist() for sight in _sights(map, i)]
     seen = np.concatenate([cameras, *(points for _, points in sights)])
     heights = _heights(cameras, seen)
-    views = _no_views(floor, seen, heights)
+    robots = np.concatenate([map.T_W_B[members, :3, 3], *(camera[None] for camera, _ in sights)])
+    views = _no_views(floor, seen, robots, heights)
     band, bottom = _obstacle_heights(cameras, heights), heights[0] - _BELOW_M
     for camera, points in sights:
         samples, on_floor = _samples(camera, points), _within(points, (bottom, heights[0] + _ON_FLOOR_M))
@@ -153,12 +154,19 @@ def _obstacle_heights(cameras: Float64[np.ndarray, "n 3"], heights: tuple[float,
     return min(heights[0] + _FLOOR_M, lowest), max(min(highest + _HEAD_M, heights[1] - _FLOOR_M), highest)
 
 
-def _no_views(floor: int, seen: Float64[np.ndarray, "k 3"], heights: tuple[float, float]) -> ViewCounts:
-    """Return a grid around all cameras and landmarks, in which nothing is counted yet.
+def _no_views(
+    floor: int,
+    seen: Float64[np.ndarray, "k 3"],
+    robots: Float64[np.ndarray, "n 3"],
+    heights: tuple[float, float],
+) -> ViewCounts:
+    """Return a grid around the first cameras and all landmarks, `seen`, in which nothing is counted yet.
 
-    The grid's corner is at multiples of the cells' width. Raises MapError if the grid is too large.
+    The grid is larger where a body or a further camera of a rig, in `robots`, lies outside of it. Its corner is at multiples
+    of the cells' width. Raises MapError if the grid is too large.
     """
     low, high = seen[:, :2].min(axis=0) - _MARGIN_M, seen[:, :2].max(axis=0) + _MARGIN_M
+    low, high = np.minimum(low, robots[:, :2].min(axis=0)), np.maximum(high, robots[:, :2].max(axis=0))
     size = np.ceil(rounded((high - low) / CELL_M)) + 2
     if size.prod() > MAX_CELLS:
         wide, long = high - low

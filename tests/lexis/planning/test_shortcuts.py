@@ -9,7 +9,7 @@ from helpers.two_rooms import DOOR, ROOMS, two_rooms
 
 from lexis.config import PlannerConfig
 from lexis.floors import NO_FLOOR
-from lexis.maths.se3 import inverse, transform
+from lexis.maths.se3 import between, exp, inverse, transform
 from lexis.planning import shortcuts as module
 from lexis.planning.shortcuts import STAIRWELL_M, points_between, shortcuts
 from lexis.sight.storey_grid import CELL_M
@@ -109,6 +109,22 @@ def test_shortcuts_are_checked_alike_in_parts(lexis_map, monkeypatch):
     expected = shortcuts(lexis_map, PlannerConfig())
     monkeypatch.setattr(module, "_CHUNK", 7)
     assert (shortcuts(lexis_map, PlannerConfig()) == expected).all()
+
+
+@pytest.mark.parametrize("ahead_m", [4.0, -4.0])
+def test_bodies_outside_of_all_that_the_camera_saw_have_no_shortcuts(lexis_map, ahead_m):
+    """The camera stays where it is. Cells that no image shows are not free."""
+    T_B_C = exp(np.array([0.0, 0.0, 0.0, ahead_m, 0.0, 0.0]))
+    upright = np.tile(np.eye(4), (len(lexis_map.T_W_B), 1, 1))
+    upright[:, :3, 3] = lexis_map.T_W_B[:, :3, 3]
+    poses = upright @ inverse(T_B_C)
+    keyframes = []
+    for keyframe, old, new in zip(lexis_map.keyframes, lexis_map.T_W_B, poses, strict=True):
+        points = transform(between(new, old), keyframe.landmarks.points)
+        keyframes.append(replace(keyframe, landmarks=replace(keyframe.landmarks, points=points)))
+    camera = replace(lexis_map.camera, T_B_C=T_B_C)
+    pairs = shortcuts(replace(lexis_map, camera=camera, T_W_B=poses, keyframes=tuple(keyframes)), PlannerConfig())
+    assert shapely.within(lines(replace(lexis_map, T_W_B=poses), pairs), INSIDE.buffer(CELL_M)).all() and len(pairs)
 
 
 def test_a_floor_too_large_for_a_grid_has_no_shortcuts(lexis_map):

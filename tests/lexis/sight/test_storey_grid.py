@@ -8,8 +8,10 @@ import shapely
 from helpers.two_rooms import CAMERA_M, DOOR, ROOMS, two_rooms
 
 from lexis.errors import MapError
+from lexis.maths.se3 import between, exp, inverse, transform
 from lexis.sight import storey_grid as module
 from lexis.sight.storey_grid import CELL_M, LOW_M, count_views, floors, storey_grid
+from lexis.types import CameraView
 
 INSIDE = shapely.union_all([*(shapely.box(*room) for room in ROOMS.values()), shapely.box(4.0, DOOR[0], 4.1, DOOR[1])])
 
@@ -97,3 +99,37 @@ def test_low_views_do_not_pass_above_tables(lexis_map):
     views, high_only = count_views(lexis_map, 0), count_views(replace(lexis_map, keyframes=tuple(keyframes)), 0)
     assert (views.low > 1).sum() > 1000 and high_only.low.max() <= 1
     assert (high_only.passed > 1).sum() > 1000
+
+
+def with_body_elsewhere(lexis_map, T_C_B):
+    """The map with the same cameras and landmarks, but with the body at T_C_B behind the camera."""
+    T_B_C = inverse(T_C_B)
+    poses = lexis_map.T_W_B @ lexis_map.camera.T_B_C @ T_C_B
+    keyframes = []
+    for keyframe, old, new in zip(lexis_map.keyframes, lexis_map.T_W_B, poses, strict=True):
+        points = transform(between(new, old), keyframe.landmarks.points)
+        keyframes.append(replace(keyframe, landmarks=replace(keyframe.landmarks, points=points)))
+    return replace(lexis_map, camera=replace(lexis_map.camera, T_B_C=T_B_C), T_W_B=poses, keyframes=tuple(keyframes))
+
+
+@pytest.mark.parametrize("away_m", [[4.0, 0.0, 0.0], [-4.0, 0.0, 0.0], [1.0, -6.0, 0.5]])
+def test_the_grid_holds_a_body_far_from_its_camera_and_is_otherwise_the_same(lexis_map, away_m):
+    moved = with_body_elsewhere(lexis_map, exp(np.array([0.0, 0.0, 0.0, *away_m])))
+    views, wider = count_views(lexis_map, 0), count_views(moved, 0)
+    cells = wider.cells(moved.T_W_B[moved.floors == 0, :3, 3])
+    assert (cells >= 0).all() and (cells < wider.passed.shape).all()
+    (column, row), (rows, columns) = np.rint((views.origin - wider.origin) / CELL_M).astype(int), views.passed.shape
+    for name in ("passed", "hit", "low"):
+        counts, part = getattr(wider, name), getattr(wider, name)[row : row + rows, column : column + columns]
+        # Landmarks that are moved in their last bits may lose the last sample of a line of sight.
+        difference = np.abs(part - getattr(views, name))
+        assert difference.max() <= 1 and difference.mean() < 0.01 and part.sum() == counts.sum()
+
+
+def test_the_grid_holds_all_cameras_of_a_rig(lexis_map):
+    behind = replace(lexis_map.camera, T_B_C=lexis_map.camera.T_B_C @ exp(np.array([0.0, 0.0, 0.0, -4.0, 0.0, 0.0])))
+    keyframes = [replace(k, others=(CameraView(k.embedding, k.features, k.landmarks),)) for k in lexis_map.keyframes]
+    of_rig = replace(lexis_map, camera=replace(lexis_map.camera, others=(behind,)), keyframes=tuple(keyframes))
+    views = count_views(of_rig, 0)
+    cells = views.cells((of_rig.T_W_B @ behind.T_B_C)[of_rig.floors == 0, :3, 3])
+    assert (cells >= 0).all() and (cells < views.passed.shape).all()
