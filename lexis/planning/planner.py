@@ -21,7 +21,7 @@ from lexis.errors import PlanError
 from lexis.planning.arrivals import surely_inside
 from lexis.planning.connections import Pairs, as_graph, unwalked_steps, walked_steps
 from lexis.planning.path_ends import PathEnd, clear_ends, path_end
-from lexis.planning.shortcuts import points_between
+from lexis.planning.shortcuts import chunks, points_between
 from lexis.room_names import find_rooms, instance_names
 from lexis.types import LexisMap, RoomInstance
 
@@ -145,9 +145,9 @@ class PathPlanner:
     def _leads_past(self, steps: Pairs, closed: Bool[np.ndarray, "n"]) -> Bool[np.ndarray, "m"]:
         positions = self._map.T_W_B[:, :3, 3]
         longest = max(self._config.shortcut_m, self._config.sight_m)
-        points = points_between(positions, steps, longest)
-        nearest = cKDTree(positions).query(points.reshape(-1, 3))[1].reshape(points.shape[:2])
-        return np.asarray(closed[nearest].any(axis=1))
+        tree = cKDTree(positions)
+        past = [closed[tree.query(points_between(positions, part, longest))[1]].any(axis=1) for part in chunks(steps)]
+        return np.concatenate([np.zeros(0, bool), *past])
 
     def _known_rooms(self, name: str) -> tuple[RoomInstance, ...]:
         """Return the rooms named `name`. Raises PlanError for an unknown name."""

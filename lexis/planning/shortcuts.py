@@ -35,7 +35,7 @@ _SPARE_M = 1e-5
 """Distance by which the search radius for pairs exceeds `sight_m` [m], so that no pair is lost before the distances are
 rounded and compared with `sight_m`."""
 _CHUNK = 50_000
-"""Number of shortcuts that are checked at a time, so that memory stays bounded."""
+"""Largest number of steps whose points are checked at a time, so that memory stays bounded."""
 
 Pairs = Int[np.ndarray, "m 2"]
 
@@ -60,6 +60,12 @@ def points_between(positions: Float64[np.ndarray, "n d"], pairs: Pairs, metres: 
     return np.asarray((1.0 - share) * first + share * second)
 
 
+def chunks(pairs: Pairs) -> Iterator[Pairs]:
+    """Yield the pairs in parts of at most `_CHUNK`."""
+    for start in range(0, len(pairs), _CHUNK):
+        yield pairs[start : start + _CHUNK]
+
+
 def _on_floor(map: LexisMap, floor: int, config: PlannerConfig) -> Pairs:
     members = np.flatnonzero(map.floors == floor)
     positions = map.T_W_B[:, :3, 3]
@@ -68,7 +74,7 @@ def _on_floor(map: LexisMap, floor: int, config: PlannerConfig) -> Pairs:
     except MapError:
         return np.zeros((0, 2), int)
     pairs = _close_pairs(positions, members, config.sight_m)
-    kept = [clearance.allows(points_between(positions[:, :2], chunk, config.sight_m), config) for chunk in _chunks(pairs)]
+    kept = [clearance.allows(points_between(positions[:, :2], chunk, config.sight_m), config) for chunk in chunks(pairs)]
     return np.asarray(pairs[np.concatenate([np.zeros(0, bool), *kept])])
 
 
@@ -95,8 +101,3 @@ class _Clearance:
             near = np.isfinite(self._stairs.query(points[free].reshape(-1, 2), distance_upper_bound=STAIRWELL_M)[0])
             free[free] = ~near.reshape(-1, points.shape[1]).any(axis=1)
         return np.asarray(free)
-
-
-def _chunks(pairs: Pairs) -> Iterator[Pairs]:
-    for start in range(0, len(pairs), _CHUNK):
-        yield pairs[start : start + _CHUNK]

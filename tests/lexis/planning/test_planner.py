@@ -12,6 +12,8 @@ from helpers.two_rooms import two_rooms
 from lexis.config import PlannerConfig
 from lexis.errors import PlanError
 from lexis.planning import PathPlanner, adjacency, path_end, plan
+from lexis.planning import planner as module
+from lexis.planning import shortcuts as shortcuts_module
 from lexis.planning.arrivals import surely_inside
 from lexis.planning.planner import shortest_path
 from lexis.room_names import instance_names
@@ -160,6 +162,20 @@ def test_a_path_leads_around_the_rooms_to_avoid(rng):
         keyframes = plan(lexis_map, "kitchen", "office", avoid=[closed]).keyframes
         labels = set(lexis_map.room_of[list(keyframes)])
         assert other in labels and lexis_map.room_names.index(closed) not in labels
+
+
+def test_rooms_are_avoided_alike_when_the_steps_are_checked_in_parts(rng, monkeypatch):
+    lexis_map, sizes = ring_of_rooms(rng), []
+
+    def points_between(positions, steps, metres):
+        sizes.append(len(steps))
+        return shortcuts_module.points_between(positions, steps, metres)
+
+    whole = plan(lexis_map, "kitchen", "office", avoid=["bathroom"])
+    monkeypatch.setattr(module, "points_between", points_between)
+    monkeypatch.setattr(shortcuts_module, "_CHUNK", 3)
+    assert plan(lexis_map, "kitchen", "office", avoid=["bathroom"]) == whole
+    assert len(sizes) > 1 and max(sizes) == 3
 
 
 @pytest.mark.parametrize(
