@@ -49,9 +49,9 @@ def directions(map: LexisMap, plan: Plan) -> tuple[Step, ...]:
 
 def plan_summary(map: LexisMap, plan: Plan) -> dict[str, Any]:
     """A plan as plain data for JSON: rooms, length [m], directions, and keyframes with positions in W [m]."""
-    names = (*instance_names(map.rooms), None)
+    names, room_of = (*instance_names(map.rooms), None), map.room_of
     keyframes = [
-        {"id": i, "position_m": map.T_W_B[i, :3, 3].tolist(), "room": names[map.room_of[i]], "label": map.label_of(i)}
+        {"id": i, "position_m": map.T_W_B[i, :3, 3].tolist(), "room": names[room_of[i]], "label": map.label_of(i)}
         for i in plan.keyframes
     ]
     return {

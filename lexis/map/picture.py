@@ -72,10 +72,10 @@ def _edges(map: LexisMap, points: Float64[np.ndarray, "n 2"], here: Bool[np.ndar
 
 
 def _dots(map: LexisMap, points: Float64[np.ndarray, "n 2"], here: Bool[np.ndarray, "n"], floor: int) -> list[str]:
-    colours, names = _colours(map), (*instance_names(map.rooms), "no room")
+    colours, names, room_of = _colours(map), (*instance_names(map.rooms), "no room"), map.room_of
     dots = []
     for i in np.flatnonzero(here):
-        (x, y), room = points[i], map.room_of[i]
+        (x, y), room = points[i], room_of[i]
         radius = 0.16 if map.floors[i] == floor else 0.08
         title = f"<title>keyframe {i}: {escape(names[room])}</title>"
         dots.append(f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{radius}" fill="{colours[room]}">{title}</circle>')

@@ -9,6 +9,7 @@ from helpers.map_builder import build_map
 
 from lexis.map.path_directions import directions, plan_summary
 from lexis.planning import Plan
+from lexis.types import LexisMap
 
 
 def walked(rng, corners, rooms, floors=None):
@@ -121,3 +122,11 @@ def test_a_goal_that_no_keyframe_of_the_path_belongs_to_is_entered_before_it_is_
     lexis_map, plan = walked(rng, [(0, 0, 0), (4, 0, 0), (8, 0, 0), (12, 0, 0)], rooms)
     told = [step.text for step in directions(lexis_map, replace(plan, keyframes=plan.keyframes[:-1]))]
     assert told[-2:] == ["enter kitchen (floor 0)", "arrive in kitchen (floor 0)"]
+
+
+def test_the_rooms_of_all_keyframes_are_collected_once_and_not_for_every_keyframe_of_the_plan(rng, monkeypatch):
+    lexis_map, plan = walked(rng, [(0, 0, 0), (4, 0, 0)], [("kitchen", range(9))])
+    room_of, reads = LexisMap.room_of.fget, []
+    monkeypatch.setattr(LexisMap, "room_of", property(lambda lexis_map: reads.append(lexis_map) or room_of(lexis_map)))
+    plan_summary(lexis_map, plan)
+    assert len(reads) <= 2  # for the directions and for the keyframes

@@ -9,6 +9,7 @@ from helpers.map_builder import corridor_with_offices
 
 from lexis.map.info import info_text, map_info
 from lexis.map.picture import map_svg
+from lexis.types import LexisMap
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -82,3 +83,10 @@ def test_a_map_of_stairs_alone_and_names_with_markup_can_be_drawn(lexis_map):
     svg = ElementTree.fromstring(map_svg(replace(lexis_map, floors=np.full(40, -1), rooms=(odd, *lexis_map.rooms[1:]))))
     texts = [text.text for text in svg.iter(f"{SVG}text")]
     assert "stairs alone" in texts and "<b>&" in texts
+
+
+def test_the_rooms_of_all_keyframes_are_collected_once_for_each_floor(lexis_map, monkeypatch):
+    room_of, reads = LexisMap.room_of.fget, []
+    monkeypatch.setattr(LexisMap, "room_of", property(lambda lexis_map: reads.append(lexis_map) or room_of(lexis_map)))
+    map_svg(lexis_map)
+    assert len(reads) <= 1
