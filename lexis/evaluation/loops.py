@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64, Int
 
-from lexis.evaluation.relative import separation
+from lexis.evaluation.relative import pairs_within, separation
 from lexis.maths.se3 import between, rotation_angle
 from lexis.types import Poses
 
@@ -122,6 +122,6 @@ def _close_pairs(
     T_W_B: Poses, stamps: Float64[np.ndarray, "n"]
 ) -> tuple[Int[np.ndarray, "pairs"], Int[np.ndarray, "pairs"]]:
     """Return the later and the earlier keyframe of all pairs within 1 m of each other and at least 10 s apart."""
-    later, earlier = np.nonzero(stamps[:, None] - stamps[None, :] >= REVISIT_S)
-    near = np.linalg.norm(T_W_B[later, :3, 3] - T_W_B[earlier, :3, 3], axis=1) <= REVISIT_M
-    return later[near], earlier[near]
+    later, earlier = pairs_within(T_W_B, REVISIT_M)
+    apart = stamps[later] - stamps[earlier] >= REVISIT_S
+    return later[apart], earlier[apart]

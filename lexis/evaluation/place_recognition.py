@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool
 
-from lexis.evaluation.relative import separation
+from lexis.evaluation.relative import pairs_within, separation
 from lexis.types import Poses
 
 PLACE_M, PLACE_RAD = 1.0, 0.5
@@ -33,11 +33,10 @@ class Counts:
 
 def at_one_place(T_W_B: Poses) -> Bool[np.ndarray, "n n"]:
     """Whether each pair of true poses is within 1 m and 0.5 rad."""
-    positions = T_W_B[:, :3, 3]
-    near = np.linalg.norm(positions[:, None] - positions, axis=2) <= PLACE_M
-    first, second = np.nonzero(near)
+    first, second = pairs_within(T_W_B, PLACE_M)
+    near = np.zeros((len(T_W_B), len(T_W_B)), bool)
     near[first, second] = separation(T_W_B, first, second)[1] <= PLACE_RAD
-    return np.asarray(near)
+    return near
 
 
 def count_matches(

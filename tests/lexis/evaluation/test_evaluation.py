@@ -1,5 +1,7 @@
 """Metrics: exact small cases, agreement with independent implementations, and None where nothing can be measured."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -14,6 +16,7 @@ from lexis.evaluation.labels import accuracy, accuracy_per_room, graded_accuracy
 from lexis.evaluation.loops import opposite_edges, opposite_revisits, score_loops, true_revisits
 from lexis.evaluation.place_recognition import Counts, at_one_place, count_matches
 from lexis.evaluation.planning import spl, success_rate
+from lexis.evaluation.relative import separation
 from lexis.evaluation.rooms import score_rooms
 
 NOBODY = np.zeros(0, int)
@@ -139,6 +142,42 @@ def test_a_revisit_lies_ten_seconds_back():
     truth = np.stack([pose(), pose(0.5)])
     assert true_revisits(truth, np.array([0.0, 9.9])).tolist() == []
     assert true_revisits(truth, np.array([0.0, 10.0])).tolist() == [1]
+
+
+def plain_pairs(truth, stamps):
+    """The later and the earlier keyframe of all pairs within 1 m and 10 s apart, by comparing all pairs."""
+    later, earlier = np.nonzero(stamps[:, None] - stamps >= 10.0)
+    near = np.linalg.norm(truth[later, :3, 3] - truth[earlier, :3, 3], axis=1) <= 1.0
+    return later[near], earlier[near]
+
+
+@given(st.integers(0, 30), st.integers(0, 2**32 - 1))
+def test_revisits_and_places_are_those_of_all_pairs(n, seed):
+    """Distances of exactly 1 m are frequent, and stamps need not ascend, because sessions have clocks of their own."""
+    rng = np.random.default_rng(seed)
+    truth = np.array([pose(0.25 * x, yaw) for x, yaw in zip(rng.integers(0, 12, n), rng.uniform(0, 7, n), strict=True)])
+    truth, stamps = truth.reshape(n, 4, 4), rng.permutation(2.5 * np.arange(n))
+    later, earlier = plain_pairs(truth, stamps)
+    angle = separation(truth, later, earlier)[1]
+    same, opposite = np.unique(later[angle <= 0.5]), later[angle >= np.pi - 0.5]
+    np.testing.assert_array_equal(true_revisits(truth, stamps), same)
+    np.testing.assert_array_equal(opposite_revisits(truth, stamps), np.setdiff1d(opposite, same))
+    near = np.linalg.norm(truth[:, None, :3, 3] - truth[:, :3, 3], axis=2) <= 1.0
+    first, second = np.nonzero(near)
+    near[first, second] = separation(truth, first, second)[1] <= 0.5
+    np.testing.assert_array_equal(at_one_place(truth), near)
+
+
+@pytest.mark.parametrize("found", [lambda truth: true_revisits(truth, 1.0 * np.arange(len(truth))), at_one_place])
+def test_revisits_and_places_take_no_memory_for_keyframes_far_apart(found):
+    truth = np.tile(np.eye(4), (3000, 1, 1))
+    truth[:, 0, 3] = 2.0 * np.arange(3000)
+    found(truth[:10])
+    tracemalloc.start()
+    found(truth)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 3000**2 + 5_000_000  # bytes: the matrix of `at_one_place`, and little else
 
 
 def test_place_recognition_asks_for_n_right_matches():
