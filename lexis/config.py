@@ -252,8 +252,8 @@ class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
     features, landmarks and loop edges. The graph and the map thus grow with the area that is walked, and hardly with the
     time. None: no keyframe retires. See `lexis.graph.thinning`."""
     retire_above: Annotated[int, Ge(0)] = 800
-    """Keyframes retire only while more keyframes than this have not retired. A smaller graph costs little, and keeps all of
-    its loop edges."""
+    """Keyframes begin to retire when more keyframes than this have not retired. All keyframes that may retire then do so at
+    once, and fewer than this may remain. A smaller graph costs little, and keeps all of its loop edges."""
     min_rotation_sigma_rad: Annotated[float, Gt(0)] = 1e-4
     """Error that is added in quadrature to the standard deviation of an odometry step's rotation, because the odometry
     may state a deviation of 0 [rad]."""
@@ -333,7 +333,12 @@ PAPER = Config(
     segmentation=SegmentationConfig(method="distance"),
     place_recognition=PlaceRecognitionConfig(method="room", candidates=5),
 )
-"""Settings with the methods of the paper in place of the defaults that differ from the paper."""
+"""Settings with the methods of the paper for labels, rooms and loop candidates.
+
+Other defaults go beyond the paper and stay as they are: keyframes retire (`pose_graph.copies`; None switches it off), paths
+take shortcuts through space that images show to be free (`planner.sight_m`; 0 switches it off), and loop edges that differ
+too much from the current estimate, or are too uncertain, are rejected (the gates and `max_sigma_m` of `verification`).
+"""
 
 
 def read_config(path: Path) -> Config:

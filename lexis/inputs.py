@@ -122,8 +122,9 @@ def check_observation(
 def with_copied_geometry(observation: Observation) -> Observation:
     """Return the observation with copies of its pose, covariance and points.
 
-    The copies are needed because the caller may reuse the original arrays. Images are not copied, because LEXIS keeps no
-    image after the observation is processed.
+    The copies are needed because the caller may reuse the original arrays. Images are not copied: LEXIS reads no pixel after
+    the observation is processed. It keeps the observations of a few recent frames with their images, which the caller may
+    overwrite (`lexis.keyframe_window`).
     """
     own = replace(observation, T_O_B=observation.T_O_B.copy(), increment_covariance=observation.increment_covariance.copy())
     return own.with_images(
