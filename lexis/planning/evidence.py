@@ -14,7 +14,7 @@ from lexis.types import LexisMap
 LOOK_AHEAD_M = 1.5
 """Assumed distance from a camera to the place that its image shows [m]. The image describes that place, which is ahead of
 the camera, rather than the camera's own place."""
-REACH_M = 2.0
+EVIDENCE_REACH_M = 2.0
 """An image counts as evidence for a place if what the image shows is within this distance of the place [m]. The distance
 must exceed `LOOK_AHEAD_M`, so that at the position of every keyframe at least the keyframe's own image counts."""
 
@@ -40,7 +40,7 @@ def shown_places(map: LexisMap) -> Float64[np.ndarray, "n 3"]:
 
 def _similarities_at(map: LexisMap, places: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k rooms"]:
     shown = shown_places(map)
-    near_images = cKDTree(shown).query_ball_point(places, REACH_M, return_sorted=True)
+    near_images = cKDTree(shown).query_ball_point(places, EVIDENCE_REACH_M, return_sorted=True)
     return np.array([
         np.average(map.similarities[near], axis=0, weights=_distance_weights(shown[near] - place))
         for place, near in zip(places, near_images, strict=True)
@@ -48,5 +48,5 @@ def _similarities_at(map: LexisMap, places: Float64[np.ndarray, "k 3"]) -> Float
 
 
 def _distance_weights(offsets: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k"]:
-    """Return weights of images by the distance of the place they show: 1 at distance 0, and 0 from `REACH_M` on."""
-    return np.asarray(np.maximum(1.0 - (offsets**2).sum(axis=1) / REACH_M**2, 0.0) ** 2)
+    """Return weights of images by the distance of the place they show: 1 at distance 0, and 0 from `EVIDENCE_REACH_M` on."""
+    return np.asarray(np.maximum(1.0 - (offsets**2).sum(axis=1) / EVIDENCE_REACH_M**2, 0.0) ** 2)

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from lexis.floors import NO_FLOOR
 from lexis.maths.ties import rounded
-from lexis.planning.evidence import REACH_M, evidence_at, shown_places
+from lexis.planning.evidence import EVIDENCE_REACH_M, evidence_at, shown_places
 from lexis.types import LexisMap, RoomInstance
 
 DOUBTFUL = 0.55
@@ -61,7 +61,7 @@ def _candidates(map: LexisMap, room: RoomInstance) -> Int[np.ndarray, "k"]:
     Keyframes of other rooms with the same label are left out, because evidence cannot tell rooms of one label apart.
     """
     own = list(room.keyframes)
-    near = cKDTree(map.T_W_B[:, :3, 3]).query_ball_point(shown_places(map)[own], REACH_M)
+    near = cKDTree(map.T_W_B[:, :3, 3]).query_ball_point(shown_places(map)[own], EVIDENCE_REACH_M)
     twins = [k for other in map.rooms if other.label == room.label and other.id != room.id for k in other.keyframes]
     return np.setdiff1d(np.concatenate([own, *near]).astype(int), twins)
 

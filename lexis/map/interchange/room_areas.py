@@ -17,7 +17,7 @@ from scipy.sparse.csgraph import dijkstra
 from lexis.sight.storey_grid import CELL_M, StoreyGrid
 from lexis.types import LexisMap
 
-REACH_M = 4.0
+ROOM_REACH_M = 4.0
 """Longest way from a keyframe to a cell of its room [m]. Cells that are seen from afar through doors thus belong to no
 room."""
 NO_ROOM = -1
@@ -47,7 +47,9 @@ def _owners(map: LexisMap, grid: StoreyGrid) -> Int[np.ndarray, "rows columns"]:
     owners = np.full(grid.free.shape, NO_ROOM)
     if not len(cells):
         return owners
-    steps = dijkstra(_steps_between(number), indices=cells, min_only=True, return_predecessors=True, limit=REACH_M / CELL_M)
+    steps = dijkstra(
+        _steps_between(number), indices=cells, min_only=True, return_predecessors=True, limit=ROOM_REACH_M / CELL_M
+    )
     room_of_cell = np.full(len(steps[0]), NO_ROOM)
     room_of_cell[cells] = map.room_of[starts[first]]
     reached = np.isfinite(steps[0])
