@@ -237,7 +237,7 @@ def _pose_row(position: Message, orientation: Message) -> list[float]:
 
 def _usable(rows: Float64[np.ndarray, "n 7"]) -> Bool[np.ndarray, "n"]:
     """Whether each row holds a finite position and a unit quaternion."""
-    return np.isfinite(rows).all(axis=1) & (np.abs(np.linalg.norm(rows[:, 3:], axis=1) - 1.0) <= 1e-3)
+    return np.asarray(np.isfinite(rows).all(axis=1) & (np.abs(np.linalg.norm(rows[:, 3:], axis=1) - 1.0) <= 1e-3))
 
 
 def _stamp(message: Message) -> float:
