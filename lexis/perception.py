@@ -1,12 +1,15 @@
 """The embedding and the features of an image, computed from the image or sent in place of the image (`Percept`)."""
 
+import math
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float32
 
+from lexis.errors import EncoderError
 from lexis.features import FeatureExtractor
+from lexis.inputs import NORM_TOLERANCE
 from lexis.types import Features, Image, Percept
 
 
@@ -43,8 +46,17 @@ class TextEncoder(Encoder, Protocol):
 
 
 def embedding_of(seen: Image | Percept, encoder: Encoder) -> Float32[np.ndarray, "d"]:
-    """CLIP embedding of an image (f_CLIP in the paper), copied because sensors and encoders may reuse their arrays."""
-    return (seen.embedding if isinstance(seen, Percept) else encoder.encode_image(seen)).copy()
+    """CLIP embedding of an image (f_CLIP in the paper), copied because sensors and encoders may reuse their arrays.
+
+    Raises EncoderError unless the encoder gives a vector of unit norm. Percepts are checked with their observation.
+    """
+    if isinstance(seen, Percept):
+        return seen.embedding.copy()
+    embedding = encoder.encode_image(seen).copy()
+    length = float(np.linalg.norm(embedding.astype(np.float64)))
+    if not math.isclose(length, 1.0, abs_tol=NORM_TOLERANCE):
+        raise EncoderError(f"encoder {encoder.name}: the embedding of an image has norm {length:.3g}; valid: unit norm")
+    return embedding
 
 
 def features_of(seen: Image | Percept, extractor: FeatureExtractor) -> Features:

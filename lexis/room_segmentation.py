@@ -15,6 +15,7 @@ from lexis.config import SegmentationConfig
 from lexis.floors import NO_FLOOR, floor_levels
 from lexis.maths.stretches import consecutive_pairs
 from lexis.maths.ties import DECIMALS
+from lexis.room_names import same_name
 from lexis.types import RoomInstance
 
 Positions = Float64[np.ndarray, "n 3"]
@@ -63,7 +64,7 @@ def segment(
         sessions: the sessions of the keyframes; None: they are all of one.
     """
     sessions = np.zeros(len(labels), int) if sessions is None else sessions
-    stairs = np.array([name == config.stairs_name for name in room_names])[labels]
+    stairs = np.array([same_name(name, config.stairs_name) for name in room_names])[labels]
     floors = floor_levels(stairs, positions, sessions)
     if cluster is None:
         groups = _by_distance(labels, floors, stairs, positions, sessions, config)

@@ -7,7 +7,7 @@ import pytest
 from helpers.box_room import FORWARD_CAMERA, BoxRoom, walk
 
 from lexis.config import Config, LandmarkConfig
-from lexis.errors import ObservationError
+from lexis.errors import EncoderError, ObservationError
 from lexis.features import FeatureExtractor
 from lexis.inputs import pixels
 from lexis.perception import embedding_of, features_of
@@ -58,6 +58,16 @@ def test_the_map_of_percepts_is_the_map_of_the_images_they_are_of(observations):
     np.testing.assert_array_equal(told.similarities, seen.similarities)
     assert [len(k.landmarks.points) for k in told.keyframes] == [len(k.landmarks.points) for k in seen.keyframes]
     assert sum(len(k.landmarks.points) for k in told.keyframes) > 100
+
+
+def test_an_encoder_whose_embeddings_have_another_norm_is_refused_at_the_first_image(observations):
+    class Doubled(MeanColour):
+        def encode_image(self, image):
+            return 2.0 * super().encode_image(image)
+
+    slam = Slam(FORWARD_CAMERA, Doubled(), ("kitchen", "office"), CONFIG)
+    with pytest.raises(EncoderError, match="encoder mean colour: the embedding of an image has norm 2; valid: unit norm"):
+        slam.process(observations[0])
 
 
 def test_loops_are_the_verifiers(observations):

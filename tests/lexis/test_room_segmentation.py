@@ -44,6 +44,13 @@ def test_offices_off_one_corridor_are_two_and_a_second_visit_is_no_third():
     assert max(rooms[1].keyframes) == len(labels) - 1
 
 
+def test_stairs_are_told_by_their_name_without_regard_to_case():
+    labels, positions = walk((OFFICE, (0, 0, 0), (4, 0, 0)), (STAIRS, (4, 0, 0), (8, 0, 3)), (OFFICE, (8, 0, 3), (12, 0, 3)))
+    small, capital = (segment(labels, positions, (*NAMES[:2], name), SegmentationConfig()) for name in ("stairs", "Stairs"))
+    np.testing.assert_array_equal(small.floors, capital.floors)
+    assert set(small.floors.tolist()) == {-1, 0, 1}
+
+
 def test_a_long_room_is_one_although_its_clusters_are_several():
     labels, positions = walk((OFFICE, (0, 0, 0), (30, 0, 0)))
     assert len(segment(labels, positions, NAMES, SegmentationConfig()).rooms) == 1
