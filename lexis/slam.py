@@ -29,7 +29,7 @@ from lexis.config import Config
 from lexis.errors import LexisError
 from lexis.features import FeatureExtractor
 from lexis.graph.components import session_components, side_by_side
-from lexis.graph.pose_graph import Placed, PoseGraph
+from lexis.graph.pose_graph import KnownPlace, PoseGraph
 from lexis.inputs import check_camera, check_observation, check_room_names, with_copied_geometry
 from lexis.keyframe_window import KeyframeWindow
 from lexis.keyframes import KeyframeSelector
@@ -47,7 +47,7 @@ from lexis.sessions.relocalisation import (
     with_support,
     without_support,
 )
-from lexis.sessions.replay import Replay
+from lexis.sessions.renumbered_map import RenumberedMap
 from lexis.sight.visible_space import VisibleSpace, spaces_in_view
 from lexis.timing import StageTimer
 from lexis.types import Camera, EncoderId, Keyframe, LexisMap, LoopEdge, Observation, Poses, RoomInstance, Verdict
@@ -145,7 +145,7 @@ class Slam:
         The sessions of the other map are numbered after the sessions of this map. Its retired keyframes stay retired, and
         sessions that it has joined stay joined.
         """
-        other = Replay(map, self.keyframes, self._window.session)
+        other = RenumberedMap(map, self.keyframes, self._window.session)
         for id in range(len(map.keyframes)):
             keyframe, place = other.keyframe(id), other.place(id)
             if keyframe.anchor is None:
@@ -202,7 +202,7 @@ class Slam:
     def _add(
         self,
         keyframe: Keyframe,
-        place: Placed | None = None,
+        place: KnownPlace | None = None,
         loops: Sequence[LoopEdge] = (),
         verdicts: Sequence[Verdict] = (),
     ) -> None:

@@ -31,7 +31,7 @@ class _Extent:
     """Number of loop edges that have been added so far, those of keyframes that have retired included."""
 
 
-class Placed(NamedTuple):
+class KnownPlace(NamedTuple):
     """The place of a new keyframe, relative to a keyframe of the graph."""
 
     beside: int
@@ -146,7 +146,7 @@ class PoseGraph:
         """Weights of the loop edges under the robust kernel at the current estimate, in [0, 1]."""
         return loop_weights(self.T_W_B, self.loops, self._config)
 
-    def add_keyframe(self, keyframe: Keyframe, place: Placed | None = None) -> None:
+    def add_keyframe(self, keyframe: Keyframe, place: KnownPlace | None = None) -> None:
         """Append a keyframe at the pose that odometry predicts from the pose of the last active keyframe.
 
         The first keyframe of a session begins a new component, at its odometry pose. If its `place` is known, it continues

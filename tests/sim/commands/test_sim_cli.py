@@ -77,7 +77,7 @@ def status_of(argv):
         (["run", "--sway", "drunken"], "hand-held"),
         (["record", "--length", "far"], "--length: 'far'; valid: a number from 1 to 100000"),
         (["house", "gallery", "--houses", "99999999999", "-o", "g.png"], "valid: a whole number from 1 to 1000"),
-        (["house", "gallery", "--houses", "1", "-o", "g.pdf"], "valid: a file name that ends in .png"),
+        (["house", "gallery", "--houses", "1", "-o", "g.pdf"], "valid: a name that ends in .png"),
         (["house", "import", "plan.svg", "--snap", "9", "-o", "h.json"], "--snap: '9'; valid: a number from 0.001 to 0.3"),
         ([], "COMMAND"),
         (["fly"], "demo"),

@@ -1,4 +1,4 @@
-"""Replay: what a saved map knows about its keyframes, in the numbers that they get as further sessions of another map."""
+"""What a saved map knows about its keyframes, in the numbers that they get as further sessions of another map."""
 
 from collections import defaultdict
 from dataclasses import replace
@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from lexis.graph.components import component_of, sessions_of
-from lexis.graph.pose_graph import Placed
+from lexis.graph.pose_graph import KnownPlace
 from lexis.maths.se3 import between
 from lexis.maths.ties import rounded
 from lexis.types import Keyframe, LexisMap, LoopEdge, Verdict
 
 
-class Replay:
+class RenumberedMap:
     """The keyframes of a map with new ids and sessions, and how the map has joined its sessions."""
 
     def __init__(self, map: LexisMap, first: int, session: int) -> None:
@@ -31,7 +31,7 @@ class Replay:
         anchor = None if old.anchor is None else self._first + old.anchor
         return replace(old, id=self._first + id, session=self._session + old.session, anchor=anchor)
 
-    def place(self, id: int) -> Placed | None:
+    def place(self, id: int) -> KnownPlace | None:
         """Return where a keyframe lies, if the map knows this from something other than odometry.
 
         A retired keyframe has a place relative to its anchor. The first keyframe of a session has a place relative to the
@@ -48,8 +48,8 @@ class Replay:
         off_m = np.linalg.norm(self._map.T_W_B[earlier, :3, 3] - self._map.T_W_B[id, :3, 3], axis=1)
         return self._relative(int(earlier[rounded(off_m).argmin()]), id)
 
-    def _relative(self, beside: int, id: int) -> Placed:
-        return Placed(self._first + beside, np.asarray(between(self._map.T_W_B[beside], self._map.T_W_B[id])))
+    def _relative(self, beside: int, id: int) -> KnownPlace:
+        return KnownPlace(self._first + beside, np.asarray(between(self._map.T_W_B[beside], self._map.T_W_B[id])))
 
     def loops(self, id: int) -> list[LoopEdge]:
         """Return the loop edges that lead from a keyframe to other sessions, which join the sessions."""
