@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Bool, Float64, Shaped
 
 from lexis.errors import LexisError, ObservationError, one_line
 from lexis.maths.se3 import is_rigid
@@ -173,14 +173,19 @@ def _check_image(image: object, camera: Camera, where: str) -> None:
         raise ObservationError(f"{where}: the image is {_type_of(image)}; valid: uint8 {expected}, the camera's size")
 
 
+def wrong_norm(embedding: Shaped[np.ndarray, "d"]) -> float | None:
+    """Return the norm of an embedding that has no unit norm; None if it has."""
+    norm = float(np.linalg.norm(embedding.astype(np.float64)))
+    return None if math.isclose(norm, 1.0, abs_tol=NORM_TOLERANCE) else norm
+
+
 def _check_percept(percept: Percept, size: int | None, where: str) -> None:
     embedding = percept.embedding
     if not isinstance(embedding, np.ndarray) or embedding.dtype.kind != "f" or embedding.ndim != 1:
         raise ObservationError(f"{where}: the embedding is {_type_of(embedding)}; valid: float32 (d,)")
-    length = float(np.linalg.norm(embedding.astype(np.float64)))
-    if not math.isclose(length, 1.0, abs_tol=NORM_TOLERANCE):
+    if (norm := wrong_norm(embedding)) is not None:
         shape = embedding.shape
-        raise ObservationError(f"{where}: the embedding {shape} has norm {length:.3g}; valid: a finite vector of unit norm")
+        raise ObservationError(f"{where}: the embedding {shape} has norm {norm:.3g}; valid: a finite vector of unit norm")
     if size is not None and len(embedding) != size:
         raise ObservationError(f"{where}: the embedding has {len(embedding)} numbers; valid: {size}, as the encoder's")
     points, descriptors = percept.features.keypoints, percept.features.descriptors

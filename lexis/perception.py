@@ -1,6 +1,5 @@
 """The embedding and the features of an image, computed from the image or sent in place of the image (`Percept`)."""
 
-import math
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
@@ -9,7 +8,7 @@ from jaxtyping import Float32
 
 from lexis.errors import EncoderError
 from lexis.features import FeatureExtractor
-from lexis.inputs import NORM_TOLERANCE
+from lexis.inputs import wrong_norm
 from lexis.types import Features, Image, Percept
 
 
@@ -53,9 +52,8 @@ def embedding_of(seen: Image | Percept, encoder: Encoder) -> Float32[np.ndarray,
     if isinstance(seen, Percept):
         return seen.embedding.copy()
     embedding = encoder.encode_image(seen).copy()
-    length = float(np.linalg.norm(embedding.astype(np.float64)))
-    if not math.isclose(length, 1.0, abs_tol=NORM_TOLERANCE):
-        raise EncoderError(f"encoder {encoder.name}: the embedding of an image has norm {length:.3g}; valid: unit norm")
+    if (norm := wrong_norm(embedding)) is not None:
+        raise EncoderError(f"encoder {encoder.name}: the embedding of an image has norm {norm:.3g}; valid: unit norm")
     return embedding
 
 

@@ -6,7 +6,9 @@ from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from lexis.config import PlannerConfig
+from lexis.graph.components import sessions_of
 from lexis.keyframes import MAX_STEP_M
+from lexis.maths.stretches import consecutive_pairs
 from lexis.planning.shortcuts import shortcuts
 from lexis.stairs import is_vertical
 from lexis.types import LexisMap, LoopArrays
@@ -36,11 +38,9 @@ def walked_steps(map: LexisMap) -> Pairs:
 
     A vertical step of any length is a ride in a lift and no gap: the robot rode it, and can ride it again.
     """
-    sessions, positions = np.array([keyframe.session for keyframe in map.keyframes]), map.T_W_B[:, :3, 3]
-    last = np.flatnonzero(sessions[:-1] == sessions[1:])
-    steps = positions[last + 1] - positions[last]
-    travelled = (np.linalg.norm(steps, axis=1) <= MAX_STEP_M) | is_vertical(steps)
-    return np.stack([last[travelled], last[travelled] + 1], axis=1)
+    pairs, positions = consecutive_pairs(sessions_of(map.keyframes)), map.T_W_B[:, :3, 3]
+    steps = positions[pairs[:, 1]] - positions[pairs[:, 0]]
+    return np.asarray(pairs[(np.linalg.norm(steps, axis=1) <= MAX_STEP_M) | is_vertical(steps)])
 
 
 def unwalked_steps(map: LexisMap, config: PlannerConfig) -> Pairs:

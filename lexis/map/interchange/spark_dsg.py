@@ -7,7 +7,6 @@ Tests load the file with the library, and read the file that the library saves a
 import json
 from collections.abc import Iterator
 from dataclasses import asdict
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +17,11 @@ from scipy.spatial import cKDTree
 from lexis.files.camera import CameraData
 from lexis.files.replace import replaced_file
 from lexis.floors import NO_FLOOR
+from lexis.graph.components import sessions_of
 from lexis.map.interchange.spark_dsg_format import AGENT, AGENTS, FLOOR, FLOORS, KEY, LAYERS, PLACE, PLACES, ROOM, ROOMS
 from lexis.maths.quaternions import as_quaternions
 from lexis.maths.se3 import transform
+from lexis.maths.stretches import consecutive_pairs
 from lexis.room_names import instance_names
 from lexis.types import LexisMap
 
@@ -170,12 +171,11 @@ def _hierarchy(map: LexisMap) -> Iterator[_Json]:
 def _walk(map: LexisMap) -> Iterator[_Json]:
     """Yield edges between consecutive places, between rooms that follow each other on the walk, and between agents.
 
-    The last keyframe of a session and the first keyframe of the next session are not consecutive, because nobody walked from
-    one to the other.
-    There is an edge between the agents of two keyframes if they are consecutive or a loop edge connects them. The edge's
-    metadata hold all loop edges between the two keyframes.
+    The last keyframe of a session and the first keyframe of the next session are not consecutive. There is an edge
+    between the agents of two keyframes if they are consecutive or a loop edge connects them. The edge's metadata hold all
+    loop edges between the two keyframes.
     """
-    steps = [(a.id, b.id) for a, b in pairwise(map.keyframes) if a.session == b.session]
+    steps = [(a, b) for a, b in consecutive_pairs(sessions_of(map.keyframes)).tolist()]
     yield from (_edge(PLACES.node(a), PLACES.node(b)) for a, b in steps)
     room_of = map.room_of.tolist()
     passages = {tuple(sorted((room_of[a], room_of[b]))) for a, b in steps if -1 != room_of[a] != room_of[b] != -1}
