@@ -164,7 +164,7 @@ LAWS: Mapping[str, Check] = {
         ),
         SameClaims(
             "a drift in height",
-            "The odometry rises by 2 cm/s on level floors, too. Floors are told by the stairs between them, so few frames "
+            "The odometry rises by 1.5 cm/s on level floors, too. Floors are told by the stairs between them, so few frames "
             "change their floor.",
             HeightDrift(),
             least=0.95,

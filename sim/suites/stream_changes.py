@@ -194,7 +194,7 @@ class Slip(NoChange):
 class HeightDrift(NoChange):
     """The odometry rises all the time, also on level floors, and states an additional error as large as each rise."""
 
-    rate_m_s: float = 0.02
+    rate_m_s: float = 0.015
     """Speed at which the odometry rises [m/s]."""
 
     def observations(self, observation: Observation, previous: Observation | None) -> Iterator[Observation]:
