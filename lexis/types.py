@@ -184,7 +184,7 @@ class LoopEdge:
     """Number of key points in the later keyframe's images that lie where `T_match_query` predicts them."""
 
 
-Outcome = Literal[
+LoopOutcome = Literal[
     "accepted", "few matches", "few inliers", "crowded inliers", "uncertain position", "far from the estimate", "surplus",
     "unconfirmed", "contradicted", "unsupported",
 ]  # fmt: skip
@@ -193,7 +193,7 @@ enough others of the same query have more inliers. It is unconfirmed if a simula
 is contradicted if other loops of the same query, with at least as many inliers in all, lead to another pose. It is
 unsupported if it leads to a session that shares no frame with the query, and too few keyframes agree with it to join both.
 """
-OUTCOMES: tuple[Outcome, ...] = get_args(Outcome)
+LOOP_OUTCOMES: tuple[LoopOutcome, ...] = get_args(LoopOutcome)
 """Saved maps contain the positions of outcomes in this list, so a new outcome belongs at its end."""
 
 
@@ -205,7 +205,7 @@ class Verdict:
     """Id of the new keyframe."""
     match: int
     """Id of the earlier keyframe that was proposed."""
-    outcome: Outcome
+    outcome: LoopOutcome
     matches: int | None = None
     """Number of key points in the new keyframe's images that match a landmark."""
     inliers: int | None = None

@@ -28,7 +28,7 @@ from lexis.config import VerificationConfig
 from lexis.graph.pose_graph import PoseGraph
 from lexis.locator import Locator
 from lexis.maths.se3 import between, log, rotation_angle
-from lexis.types import Camera, Keyframe, LoopArrays, LoopEdge, Outcome, Poses, Verdict
+from lexis.types import Camera, Keyframe, LoopArrays, LoopEdge, LoopOutcome, Poses, Verdict
 
 _NEIGHBOURS_M = 3.0
 """Two earlier keyframes are neighbours if the path between them is at most this long [m]."""
@@ -90,7 +90,7 @@ def plausible(
     fitting = [edge for verdict, edge in judged if edge is not None and verdict.outcome == "accepted"]
     agreeing = _agreeing(sorted(fitting, key=lambda edge: -edge.inliers), graph, config)
     kept = agreeing[: config.max_edges]
-    outcomes: dict[int, Outcome] = {edge.match: "contradicted" for edge in fitting}
+    outcomes: dict[int, LoopOutcome] = {edge.match: "contradicted" for edge in fitting}
     outcomes |= {edge.match: "surplus" for edge in agreeing}
     outcomes |= {edge.match: "accepted" for edge in kept}
     verdicts = (replace(verdict, outcome=outcomes.get(verdict.match, verdict.outcome)) for verdict, _ in judged)

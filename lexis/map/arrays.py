@@ -16,7 +16,7 @@ from lexis.files.arrays import Arrays, Layout
 from lexis.inputs import DESCRIPTOR_BYTES, MAX_POSITION_M, NORM_TOLERANCE, usable_covariances
 from lexis.map.other_views import pack_others, unpack_others
 from lexis.maths.se3 import is_rigid
-from lexis.types import OUTCOMES, Features, Keyframe, Landmarks, LexisMap, LoopArrays, LoopEdge, Verdict
+from lexis.types import LOOP_OUTCOMES, Features, Keyframe, Landmarks, LexisMap, LoopArrays, LoopEdge, Verdict
 
 LAYOUT: Layout = {
     "session": ("i8", ("keyframes",)),
@@ -109,7 +109,7 @@ def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
         "candidate_count": [len(matches) for _, matches in map.candidates],
         "candidate_match": [match for _, matches in map.candidates for match in matches],
         "verdict_pair": [(v.query, v.match) for v in map.verdicts],
-        "verdict_outcome": [OUTCOMES.index(v.outcome) for v in map.verdicts],
+        "verdict_outcome": [LOOP_OUTCOMES.index(v.outcome) for v in map.verdicts],
         "verdict_counts": [_known((v.matches, v.inliers, v.cells)) for v in map.verdicts],
         "verdict_misfit": [_known((v.misfit_m, v.misfit_rad)) for v in map.verdicts],
     }
@@ -172,7 +172,7 @@ def unpack_verdicts(arrays: Arrays) -> tuple[Verdict, ...]:
     for (query, match), outcome, counts, misfits in zip(*columns, strict=True):
         matches, inliers, cells = map(_if_known, counts)
         misfit_m, misfit_rad = map(_if_known, misfits)
-        verdicts.append(Verdict(query, match, OUTCOMES[outcome], matches, inliers, cells, misfit_m, misfit_rad))
+        verdicts.append(Verdict(query, match, LOOP_OUTCOMES[outcome], matches, inliers, cells, misfit_m, misfit_rad))
     return tuple(verdicts)
 
 
@@ -216,7 +216,7 @@ def _check_references(arrays: Arrays) -> None:
         "candidate_query": (0, n),
         "candidate_match": (0, n),
         "verdict_pair": (0, n),
-        "verdict_outcome": (0, len(OUTCOMES)),
+        "verdict_outcome": (0, len(LOOP_OUTCOMES)),
         "verdict_counts": (_UNKNOWN, np.inf),
         "verdict_misfit": (_UNKNOWN, np.inf),
         "landmark_feature": (-1, max(len(arrays["keypoints"]), 1)),

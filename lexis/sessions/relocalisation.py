@@ -19,7 +19,7 @@ from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.se3 import inverse
 from lexis.maths.ties import reaches
 from lexis.place_recognition import most_similar_keyframes
-from lexis.types import Keyframe, LoopArrays, LoopEdge, Outcome, Pose, Verdict
+from lexis.types import Keyframe, LoopArrays, LoopEdge, LoopOutcome, Pose, Verdict
 from lexis.verification import within_drift
 
 _ANY_M, _ANY_RAD = 1e9, 4.0
@@ -84,7 +84,7 @@ def shift_of(edge: LoopEdge, graph: PoseGraph) -> Pose:
 
 def without_support(verdicts: Sequence[Verdict]) -> list[Verdict]:
     """Return verdicts on candidates elsewhere, as long as their edges join nothing. There is no estimate to compare with."""
-    outcomes: dict[Outcome, Outcome] = {"accepted": "unsupported"}
+    outcomes: dict[LoopOutcome, LoopOutcome] = {"accepted": "unsupported"}
     return [
         replace(verdict, outcome=outcomes.get(verdict.outcome, verdict.outcome), misfit_m=None, misfit_rad=None)
         for verdict in verdicts

@@ -30,7 +30,7 @@ _LAST_LINES = 3
 
 
 @dataclass(frozen=True)
-class Outcome:
+class BenchmarkRun:
     """How one benchmark of a collection ended."""
 
     benchmark: Benchmark
@@ -42,7 +42,7 @@ class Outcome:
     """The last lines of its error output; empty if it succeeded."""
 
 
-def collect(benchmarks: Iterable[Benchmark], out: Path, workers: int) -> Iterator[Outcome]:
+def collect(benchmarks: Iterable[Benchmark], out: Path, workers: int) -> Iterator[BenchmarkRun]:
     """Run benchmarks and yield how each of them ended, in the order in which they end.
 
     Args:
@@ -54,7 +54,7 @@ def collect(benchmarks: Iterable[Benchmark], out: Path, workers: int) -> Iterato
     for timing, together in ((False, workers), (True, 1)):
         pool = ThreadPoolExecutor(together)
         try:
-            begun: list[Future[Outcome]] = [pool.submit(_run, each, out) for each in chosen if each.is_timing is timing]
+            begun: list[Future[BenchmarkRun]] = [pool.submit(_run, each, out) for each in chosen if each.is_timing is timing]
             for ended in as_completed(begun):
                 yield ended.result()
         finally:
@@ -85,12 +85,12 @@ def _git(*arguments: str) -> str | None:
         return None
 
 
-def _run(benchmark: Benchmark, out: Path) -> Outcome:
+def _run(benchmark: Benchmark, out: Path) -> BenchmarkRun:
     """Run a benchmark and write its file, unless the file is there. The file states the commit at which the run began."""
     beginning = f"lexis-sim bench {shlex.join(benchmark.arguments)}\n{source()}\n"
     file = out / f"{benchmark.name}.txt"
     if file.is_file() and file.read_text(encoding="utf-8").startswith(beginning):
-        return Outcome(benchmark, None)
+        return BenchmarkRun(benchmark, None)
     start = time.perf_counter()
     command = (sys.executable, "-m", "sim.cli", "bench", *benchmark.arguments)
     environment = {**os.environ, "PYTHONUTF8": "1"} | ({} if benchmark.is_timing else ONE_THREAD)
@@ -102,11 +102,11 @@ def _run(benchmark: Benchmark, out: Path) -> Outcome:
     seconds, processor_s = time.perf_counter() - start, usage.ru_utime + usage.ru_stime
     if process.returncode:
         said = (complaints or tables).strip().splitlines()[-_LAST_LINES:]
-        return Outcome(benchmark, seconds, processor_s, "\n".join(said) or f"exit status {process.returncode}")
+        return BenchmarkRun(benchmark, seconds, processor_s, "\n".join(said) or f"exit status {process.returncode}")
     with replaced_file(file) as new:
         took = f"took {seconds:.0f} s, {processor_s:.0f} s of processor time"
         new.write_text(f"{beginning}{took}\n\n{tables}", encoding="utf-8")
-    return Outcome(benchmark, seconds, processor_s)
+    return BenchmarkRun(benchmark, seconds, processor_s)
 
 
 def _content(stream: BinaryIO) -> str:

@@ -30,7 +30,7 @@ from sim.render.rig import RigConfig, build_rig
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec
 
-FIGURES = ("accuracy", "baseline", "pq")
+HOUSE_FIGURES = ("accuracy", "baseline", "pq")
 """The figures that are compared: fields of `HousePair`."""
 _FRAME_RATE_HZ = 1.3
 """Frames per second [Hz]: one frame per 0.54 m of path, so that every frame becomes a keyframe, except while turning."""
@@ -147,7 +147,7 @@ def summarised(pairs: Sequence[HousePair]) -> Iterator[tuple[str, str, Agreement
     First come all figures over all houses with usual looks, then the label accuracy of each group.
     """
     usual = [pair for pair in pairs if pair.group in PRESETS]
-    for name in FIGURES:
+    for name in HOUSE_FIGURES:
         yield "usual looks", name, agreement([getattr(pair, name) for pair in usual])
     for group in dict.fromkeys(pair.group for pair in pairs):
-        yield group, FIGURES[0], agreement([pair.accuracy for pair in pairs if pair.group == group])
+        yield group, HOUSE_FIGURES[0], agreement([pair.accuracy for pair in pairs if pair.group == group])

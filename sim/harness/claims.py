@@ -22,7 +22,8 @@ _NUMBER = r"[-+]?[\d.]+(?:[eE][-+]?\d+)?"
 _FIGURE = r"[^\W\d][\w.]*(?:[ '-]+[\w.]+)*"
 """Name of a figure. The keys of mappings, such as names of rooms, may have several words."""
 _FORM = re.compile(rf"\s*({_FIGURE})\s*(<=|>=|==|!=|<|>)\s*(?:({_NUMBER})|(?:({_NUMBER})\s*\*\s*)?({_FIGURE}))\s*")
-Outcome = Literal["holds", "fails", "unknown"]
+ClaimOutcome = Literal["holds", "fails", "unknown"]
+"""What a result says about a claim; "unknown" if the result lacks a figure of the claim."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ class Claim:
         values = [self._number(result, name) for name in self.figures]
         return None if None in values else values[0]
 
-    def outcome(self, result: RunResult) -> Outcome:
+    def outcome(self, result: RunResult) -> ClaimOutcome:
         """Return whether the claim "holds" or "fails" for a result; "unknown" if one of its figures is null."""
         if (value := self.value(result)) is None:
             return "unknown"

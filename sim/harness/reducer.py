@@ -32,7 +32,7 @@ Clock = Callable[[], float]
 """A function that returns the time [s], like `time.monotonic`."""
 Ending = Literal["smallest", "deadline", "interrupted"]
 """Why a search ended: no step led to a smaller failure, time was up, or the user interrupted it."""
-Outcome = Literal["fails", "passes", "unavoidable", "fails differently", "cannot run", "invalid"]
+CandidateOutcome = Literal["fails", "passes", "unavoidable", "fails differently", "cannot run", "invalid"]
 """What a candidate does. "unavoidable": it fails in the same way, but so does a good SLAM; see `Signature.unavoidable`."""
 
 
@@ -43,7 +43,7 @@ class Attempt:
     step: str
     """Name of the step that made the candidate, such as a key of `reductions.STEPS`."""
     scenario: Scenario
-    outcome: Outcome
+    outcome: CandidateOutcome
     tried: int
     """Number of candidates that were tried so far, this one included."""
     elapsed_s: float
@@ -85,7 +85,7 @@ class Reduction:
     """Fidelity of the runs that found the smallest scenario. It may be "features" although the original has images."""
     confirmed: bool
     """Whether `scenario` was run with the fidelity of the original, and failed."""
-    on_features: Outcome | None = None
+    on_features: CandidateOutcome | None = None
     """Outcome of the original with fidelity "features", such as "cannot run" for a program; None if this was not tried."""
 
     @property
@@ -177,7 +177,7 @@ class _Search:
     on_progress: Callable[[Attempt], None] | None
     clock: Clock
     steps: Mapping[str, Step]
-    outcomes: dict[str, Outcome] = field(default_factory=dict)
+    outcomes: dict[str, CandidateOutcome] = field(default_factory=dict)
     """Outcome of every scenario that was tried; the key is the content hash of the scenario."""
     last_passing: tuple[Scenario, Change] | None = None
     """The last run that passed: the failing scenario from which its candidate was made, and the candidate."""
@@ -185,7 +185,7 @@ class _Search:
     """The failing scenario whose candidates are being tried."""
     passing: dict[str, Change] = field(default_factory=dict)
     """The candidates of `best` that pass, by content hash."""
-    on_features: Outcome | None = None
+    on_features: CandidateOutcome | None = None
     """Outcome of the original with fidelity "features"; None if this was not tried."""
     is_cut: bool = False
     """Whether the search on features was stopped because its share of the time was used up."""
@@ -231,7 +231,7 @@ class _Search:
                     self.last_passing = best, Change(name, candidate)
         return None
 
-    def outcome(self, step: str, scenario: Scenario, until: float) -> Outcome:
+    def outcome(self, step: str, scenario: Scenario, until: float) -> CandidateOutcome:
         """Return the outcome of a scenario; run the scenario if needed. Raises _TimeUpError if it is too late for a run."""
         key = scenario.content_hash
         if key not in self.outcomes:
@@ -245,7 +245,7 @@ class _Search:
             self.passing.setdefault(key, Change(step, scenario))
         return self.outcomes[key]
 
-    def _run(self, scenario: Scenario) -> Outcome:
+    def _run(self, scenario: Scenario) -> CandidateOutcome:
         if not is_valid(scenario):
             return "invalid"
         try:

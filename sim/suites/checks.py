@@ -36,7 +36,7 @@ _SHARES = ("frames", "labels", "rooms", "floors", "loops")
 """The figures of `ClaimAgreement` that are not distances or angles."""
 
 
-class Examined(NamedTuple):
+class EvaluatedRun(NamedTuple):
     """A finished run and its figures."""
 
     run: Run
@@ -68,7 +68,7 @@ class Check(Protocol):
     def rate(self) -> float | None:
         """Share of scenarios in which the check has to hold, in (0, 1); None: in all of them, and one failure decides."""
 
-    def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
+    def examine(self, base: EvaluatedRun, new_slam: NewSlam) -> CheckFinding:
         """Examine one scenario; `base` is the unchanged run of this scenario. Most laws run the SLAM a second time."""
 
 
@@ -95,7 +95,7 @@ class ClaimCheck:
         """The claim and the share of the scenarios in which it has to hold."""
         return f"{self.claim} in {self.rate:.0%} of the scenarios"
 
-    def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
+    def examine(self, base: EvaluatedRun, new_slam: NewSlam) -> CheckFinding:
         """Compare the figure of the unchanged run with the limit."""
         outcome = self.claim.outcome(base.result)
         return CheckFinding(None if outcome == "unknown" else outcome == "holds", self.claim.described(base.result))
@@ -127,7 +127,7 @@ class SameClaims:
     needs_poses: bool = False
     """Whether the law is only for runs whose poses agree, so that it is about the other results alone."""
 
-    def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
+    def examine(self, base: EvaluatedRun, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed input, and compare the claims of both runs."""
         if lacking := [name for name in self.needs if not _has_any(base.run.estimate, name)]:
             return CheckFinding(None, f"the SLAM claims no {' and no '.join(lacking)}")
@@ -169,7 +169,7 @@ class NotWorse:
     """Pairs of a figure, of which larger values are better, and the amount by which it may be smaller after the change."""
     rate: float | None = 0.7
 
-    def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
+    def examine(self, base: EvaluatedRun, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed scenario, and compare the figures. Larger figures are better."""
         try:
             scenario = self.change(base.run.scenario)
@@ -207,7 +207,7 @@ class AfterChange:
     """A function that examines the run on the changed input."""
     rate: float | None = None
 
-    def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
+    def examine(self, base: EvaluatedRun, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed input, and examine this run."""
         second = run_on_change(self.change, base.run, new_slam)
         return second if isinstance(second, CheckFinding) else self.find(second)
@@ -248,7 +248,7 @@ def attempted(scenario: Scenario, new_slam: NewSlam, change: StreamChange | None
     return CheckFinding(False, _described(finished))
 
 
-def examined(scenario: Scenario, new_slam: NewSlam) -> Examined | CheckFinding:
+def evaluated_run(scenario: Scenario, new_slam: NewSlam) -> EvaluatedRun | CheckFinding:
     """Run a SLAM on an unchanged scenario, like `attempted`. If the SLAM sees images, a robot also drives its plans."""
     finished = attempted(scenario, new_slam)
     if isinstance(finished, CheckFinding):
@@ -259,7 +259,7 @@ def examined(scenario: Scenario, new_slam: NewSlam) -> Examined | CheckFinding:
         return CheckFinding(False, one_line(str(error), 160))
     if isinstance(trials, Crash):
         return CheckFinding(False, f"plan() of {_described(trials)}")
-    return Examined(finished, evaluate(finished, trials))
+    return EvaluatedRun(finished, evaluate(finished, trials))
 
 
 def _described(crash: Crash) -> str:

@@ -12,7 +12,7 @@ from lexis.types import Poses
 from sim.harness.estimate import LoopClaims
 from sim.harness.runner import Run
 from sim.suites.agreement import apart
-from sim.suites.checks import CheckFinding, Examined, NewSlam
+from sim.suites.checks import CheckFinding, EvaluatedRun, NewSlam
 from sim.suites.staircases import CLIMB_M, NEAR_M, staircases_are_rooms, stairs_are_climbed, upright
 
 _STEP_M, _STEP_RAD = 0.25, 0.1
@@ -48,7 +48,7 @@ class Consistent:
     """A function that examines a run."""
     rate: float | None = None
 
-    def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
+    def examine(self, base: EvaluatedRun, new_slam: NewSlam) -> CheckFinding:
         """Examine the unchanged run. A run with faults is not judged, because its odometry may jump."""
         return CheckFinding(None, "the run has faults") if base.run.scenario.faults else self.find(base.run)
 

@@ -21,7 +21,7 @@ from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
 from sim.number_checks import check_count
 from sim.processes import process_pool
-from sim.suites.checks import Check, CheckFinding, NewSlam, examined
+from sim.suites.checks import Check, CheckFinding, NewSlam, evaluated_run
 from sim.suites.suite import Suite, SuitePart
 from worlds.errors import WorldsError
 
@@ -97,7 +97,7 @@ def _drawn_group(part: SuitePart, first: int, seed: int) -> tuple[Scenario, ...]
 def examine(job: Job, new_slam: NewSlam) -> Examination:
     """Run a SLAM on one scenario and evaluate all checks. Raises `SimError` if no scenario can be drawn."""
     scenario = scenario_of(job)
-    base = examined(scenario, new_slam)
+    base = evaluated_run(scenario, new_slam)
     if isinstance(base, CheckFinding):
         return Examination(job.part.name, job.number, scenario, None, {COMPLETES: base})
     checks = () if job.is_bare else job.part.checks
@@ -110,7 +110,7 @@ def finding(check: Check | None, scenario: Scenario, new_slam: NewSlam) -> Check
 
     Raises `SimError` for an impossible scenario.
     """
-    base = examined(scenario, new_slam)
+    base = evaluated_run(scenario, new_slam)
     if isinstance(base, CheckFinding):
         return base if check is None else CheckFinding(None, base.measured)
     return CheckFinding(True, "") if check is None else check.examine(base, new_slam)

@@ -8,7 +8,7 @@ import numpy as np
 from lexis.types import Image, Observation, Percept
 from sim.harness.estimate import Estimate
 from sim.harness.scenario import Scenario
-from sim.suites.checks import CheckFinding, Examined, NewSlam, run_on_change
+from sim.suites.checks import CheckFinding, EvaluatedRun, NewSlam, run_on_change
 from sim.suites.stream_changes import NoChange
 
 _TILES = 6, 8
@@ -50,7 +50,7 @@ class SimilaritiesFollowImages:
     )
     rate: float | None = None
 
-    def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
+    def examine(self, base: EvaluatedRun, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed images, and compare the similarities of the frames that both runs have."""
         first, change = base.run.estimate, OtherImages()
         if first.similarities is None:
@@ -122,7 +122,7 @@ class JumbledImagesAreNotRecognised:
     rate: float | None = 0.95
     change: JumbledImages = JumbledImages()
 
-    def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
+    def examine(self, base: EvaluatedRun, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed images, and count the loop closures of these images in both runs."""
         before = _loops_from(base.run.estimate, self.change.first)
         if before < _LOOPS:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lexis.encoder.open_clip_encoder import load_encoder
-from sim.bench.fidelity import FIGURES, HousePair, agreement, compare_fidelities, mixed_houses, summarised
+from sim.bench.fidelity import HOUSE_FIGURES, HousePair, agreement, compare_fidelities, mixed_houses, summarised
 from worlds.presets import PRESETS
 
 
@@ -28,7 +28,7 @@ def test_the_summary_is_of_usual_looks_first_then_by_group():
     pairs = [HousePair("home", "a", *[(0.1, 0.2)] * 3), HousePair("dim light", "b", *[(0.2, 0.9)] * 3)]
     rows = list(summarised(pairs))
     assert [row[:2] for row in rows] == [
-        *(("usual looks", name) for name in FIGURES), ("home", "accuracy"), ("dim light", "accuracy"),
+        *(("usual looks", name) for name in HOUSE_FIGURES), ("home", "accuracy"), ("dim light", "accuracy"),
     ]  # fmt: skip
     assert rows[0][2].houses == 1 and rows[-1][2].features == 0.9
 

@@ -199,16 +199,16 @@ def _queries(arguments: argparse.Namespace) -> Iterator[Table]:
 
 def _fidelity(arguments: argparse.Namespace) -> Iterator[Table]:
     from lexis.encoder.open_clip_encoder import load_encoder
-    from sim.bench.fidelity import FIGURES, compare_fidelities, mixed_houses, percepts_per_second, summarised
+    from sim.bench.fidelity import HOUSE_FIGURES, compare_fidelities, mixed_houses, percepts_per_second, summarised
     from sim.report.figures import shown
 
-    table = Table("houses", "house", *(f"{name}, {side}" for name in FIGURES for side in ("render", "features")))
+    table = Table("houses", "house", *(f"{name}, {side}" for name in HOUSE_FIGURES for side in ("render", "features")))
     pairs = []
     for pair in compare_fidelities(
         mixed_houses(arguments.houses, arguments.seed), load_encoder(arguments.encoder), arguments.feature_model
     ):
         pairs.append(pair)
-        table.add_row(pair.group, pair.name, *(f"{value:.2f}" for name in FIGURES for value in getattr(pair, name)))
+        table.add_row(pair.group, pair.name, *(f"{value:.2f}" for name in HOUSE_FIGURES for value in getattr(pair, name)))
     yield table
     headers = ("houses", "how many", "figure", "mean, render", "mean, features", "mean difference", "Spearman's rho")
     rate = percepts_per_second(arguments.seed, arguments.feature_model)

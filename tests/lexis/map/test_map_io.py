@@ -12,7 +12,7 @@ from helpers.same_map import assert_same
 
 from lexis.errors import LexisError, MapError
 from lexis.map.folder import load_map, save_map
-from lexis.types import OUTCOMES
+from lexis.types import LOOP_OUTCOMES
 
 
 @pytest.fixture
@@ -166,7 +166,7 @@ def rewritten(folder, **changes):
     ("changes", "says"),
     [
         ({"labels": np.full(40, 7)}, "labels"),
-        ({"verdict_outcome": np.full(6, len(OUTCOMES))}, "verdict_outcome"),
+        ({"verdict_outcome": np.full(6, len(LOOP_OUTCOMES))}, "verdict_outcome"),
         ({"verdict_counts": np.full((6, 3), -2)}, "verdict_counts"),
         ({"labels": np.zeros(39, int)}, "labels"),
         ({"labels": np.zeros(40)}, "labels"),

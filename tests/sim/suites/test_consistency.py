@@ -10,7 +10,7 @@ from lexis.maths.se3 import between, exp
 from sim.faults import parse_fault
 from sim.harness import Estimate, Lexis, run
 from sim.harness.adapters import OdometryOnly
-from sim.suites.checks import Examined
+from sim.suites.checks import EvaluatedRun
 from sim.suites.consistency import (
     CONSISTENCY,
     LastLoopsFit,
@@ -174,4 +174,4 @@ def test_a_sparse_trajectory_may_correct_more_in_one_step(lexis):
 
 def test_a_run_with_faults_is_not_judged(lexis):
     faulty = replace(lexis, scenario=replace(lexis.scenario, faults=(parse_fault("dropped:0.2"),)))
-    assert all(law.examine(Examined(faulty, None), None).holds is None for law in CONSISTENCY)
+    assert all(law.examine(EvaluatedRun(faulty, None), None).holds is None for law in CONSISTENCY)

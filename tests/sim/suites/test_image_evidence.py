@@ -10,7 +10,7 @@ from lexis.types import Observation
 from sim.harness import Lexis
 from sim.harness.adapters import OdometryOnly
 from sim.harness.estimate import LoopClaims
-from sim.suites.checks import examined
+from sim.suites.checks import evaluated_run
 from sim.suites.image_evidence import JumbledImages, JumbledImagesAreNotRecognised, OtherImages, SimilaritiesFollowImages
 
 IMAGE = np.array([[[10, 101, 250], [0, 1, 2]]], np.uint8)
@@ -66,7 +66,7 @@ class WithoutGeometry(OdometryOnly):
 def test_a_slam_that_confirms_loops_without_looking_at_their_geometry_is_found(slam, fidelity, holds):
     walk, law = replace(OPEN_FLAT, frame_rate_hz=3.0, length_m=32.0), JumbledImagesAreNotRecognised(change=JumbledImages(60))
     scenario = replace(walk, fidelity="render", encoder="mini") if fidelity == "render" else walk
-    assert law.examine(examined(scenario, slam), slam).holds is holds
+    assert law.examine(evaluated_run(scenario, slam), slam).holds is holds
 
 
 class LabelsLate(Lexis):
@@ -85,4 +85,4 @@ class LabelsLate(Lexis):
     ids=["Lexis", "LabelsLate", "OdometryOnly"],
 )  # fmt: skip
 def test_similarities_of_another_frame_are_found(slam, holds):
-    assert SimilaritiesFollowImages().examine(examined(OPEN_FLAT, slam), slam).holds is holds
+    assert SimilaritiesFollowImages().examine(evaluated_run(OPEN_FLAT, slam), slam).holds is holds

@@ -11,7 +11,7 @@ from sim.harness import Estimate
 from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.harness.estimate import LoopClaims
 from sim.suites.catalogue import SUITES
-from sim.suites.checks import AfterChange, CheckFinding, NotWorse, SameClaims, examined
+from sim.suites.checks import AfterChange, CheckFinding, NotWorse, SameClaims, evaluated_run
 from sim.suites.examination import COMPLETES, Examination, jobs_of
 from sim.suites.frame_changes import MovedOrigin
 from sim.suites.laws import LAWS
@@ -51,10 +51,10 @@ class LoopsOnce(OdometryOnly):
 
 def test_a_run_without_loop_closures_still_claims_them():
     law = SameClaims("again", "Twice the same.", NoChange(), compares=("frames",))
-    assert law.examine(examined(OPEN_FLAT, LoopsOnce), LoopsOnce).holds
+    assert law.examine(evaluated_run(OPEN_FLAT, LoopsOnce), LoopsOnce).holds
     needing = replace(law, needs=("loops",))
     LoopsOnce.runs = 1
-    assert needing.examine(examined(OPEN_FLAT, LoopsOnce), LoopsOnce).measured == "the SLAM claims no loops"
+    assert needing.examine(evaluated_run(OPEN_FLAT, LoopsOnce), LoopsOnce).measured == "the SLAM claims no loops"
 
 
 class Forgetful(GeometricRooms):
@@ -96,8 +96,8 @@ class OnlyLoops(Oracle):
 
 def test_a_law_holds_only_if_something_was_compared():
     law = SameClaims("slip", "", MovedOrigin(), compares=("labels", "rooms"))
-    assert law.examine(examined(OPEN_FLAT, OnlyLoops), OnlyLoops).holds is None
-    assert ORIGIN.examine(examined(OPEN_FLAT, Oracle), Oracle).holds
+    assert law.examine(evaluated_run(OPEN_FLAT, OnlyLoops), OnlyLoops).holds is None
+    assert ORIGIN.examine(evaluated_run(OPEN_FLAT, Oracle), Oracle).holds
 
 
 @pytest.mark.parametrize("law", SUITES["language"].parts[0].checks, ids=lambda law: law.name)
@@ -146,7 +146,7 @@ def test_a_law_about_the_run_on_changed_input_examines_that_run_alone():
 
 def test_slips_are_mended_to_the_end_by_lexis_and_not_by_odometry_alone():
     law = LAWS["slips are mended to the end"]
-    base = examined(replace(OPEN_FLAT, length_m=60.0, tour_kind="both ways"), Oracle)
+    base = evaluated_run(replace(OPEN_FLAT, length_m=60.0, tour_kind="both ways"), Oracle)
     assert law.examine(base, Oracle).holds
     assert law.examine(base, LoopsWithoutCorrection).holds is False
     assert law.examine(base, OdometryOnly).holds is None

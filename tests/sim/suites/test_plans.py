@@ -12,7 +12,7 @@ from sim.errors import ClaimError
 from sim.harness import Lexis, Scenario, run
 from sim.harness.adapters import GeometricRooms
 from sim.harness.crash import attempt_plans
-from sim.suites.checks import examined
+from sim.suites.checks import evaluated_run
 from sim.suites.plans import _spread, plans_can_be_walked
 from worlds.presets import sample_house
 
@@ -73,7 +73,7 @@ def test_a_plan_that_is_no_list_of_rows_fails_the_run_and_not_the_suite(finished
     with pytest.raises(ClaimError, match=r"is \[0.5\]; valid: one or more rows of the estimate"):
         attempt_plans(broken)
     monkeypatch.setattr("sim.suites.checks.attempted", lambda *_: broken)
-    found = examined(replace(HOME, fidelity="render", encoder="mini"), Lexis)
+    found = evaluated_run(replace(HOME, fidelity="render", encoder="mini"), Lexis)
     assert found.holds is False and found.measured.startswith("the plan from ")
 
 
