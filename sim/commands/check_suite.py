@@ -15,7 +15,7 @@ from sim.commands.run import progress_bar
 from sim.commands.slams import is_lexis, program_of, refuse_program_options, replay_of, runner_of, slam_factory
 from sim.durations import duration_s
 from sim.errors import SimError
-from sim.output_files import check_ending, check_output_file
+from sim.output_files import check_ending, check_output_file, make_output_folder
 
 if TYPE_CHECKING:
     from sim.suites.checks import NewSlam
@@ -103,7 +103,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
 
 
 def _check_output_files(arguments: argparse.Namespace) -> None:
-    """Raise SimError unless the results and the picture can be written to the files that the options name."""
+    """Raise SimError unless the results, the picture and the smallest scenarios can be written where the options say."""
     paths = [path for path in (arguments.json, arguments.picture) if path is not None]
     for path in paths:
         check_output_file(path)
@@ -111,6 +111,8 @@ def _check_output_files(arguments: argparse.Namespace) -> None:
         raise SimError(f"--json and --picture are both {arguments.json}; valid: two files")
     if arguments.picture is not None:
         check_ending(arguments.picture, [".svg"])
+    if arguments.out is not None:
+        make_output_folder(arguments.out)
 
 
 def _suite(arguments: argparse.Namespace) -> "Suite":

@@ -1,5 +1,6 @@
 """The smallest scenario in which a check of a suite fails, and a test that replays it; for a claim or a crash, its cause."""
 
+import re
 from contextlib import suppress
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from sim.suites.checks import Check, CheckFinding, ClaimCheck, NewSlam
 from sim.suites.examination import COMPLETES, DIED, finding
 from sim.suites.report import CheckVerdict
 
+_NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
 _REPLAY = '''"""Replays a failure. It fails as long as the check {name!r} fails in the scenario beside it."""
 
 from pathlib import Path
@@ -129,10 +131,13 @@ def _failure_test(check: Check | None, scenario: Scenario, runner: Runner) -> Fa
 
 
 def _signature(check: Check | None, found: CheckFinding) -> Signature | None:
-    """Return the signature of a check that fails, from what it found; None if it does not fail."""
+    """Return the signature of a check that fails, from what it found; None if it does not fail.
+
+    If no run was completed, the signature is what was found without its numbers, because a smaller scenario has others.
+    """
     if found.holds is not False:
         return None
-    return Signature(found.measured.partition(":")[0] if check is None else check.name)
+    return Signature(_NUMBER.sub("...", found.measured.partition("; valid:")[0]) if check is None else check.name)
 
 
 def _why(verdict: CheckVerdict, measured: str, reduction: Reduction) -> str:

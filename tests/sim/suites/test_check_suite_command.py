@@ -62,6 +62,7 @@ def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):
         (["--suite", "homes", "--picture", "."], ".: is a folder; valid: the name of a file"),
         (["--suite", "homes", "--json", "/dev/null"], "/dev/null: is a device or a pipe; valid: the name of a file"),
         (["--suite", "homes", "--json", "/proc/x.json"], "/proc/x.json: cannot be written"),
+        (["--suite", "homes", "--out", "/proc/small"], "/proc/small: cannot be written"),
         (
             ["--suite", "homes", "--picture", "x.png"],
             "x.png: cannot be written in this format; valid: a name that ends in .svg",

@@ -4,6 +4,7 @@ import json
 import runpy
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from helpers.flat_suite import (
     FLAT,
@@ -26,7 +27,7 @@ from sim.harness.adapters import OdometryOnly
 from sim.harness.crash import TRACEBACK
 from sim.harness.failures.failure_folder import Replay
 from sim.suites.checks import CheckFinding
-from sim.suites.examination import COMPLETES
+from sim.suites.examination import COMPLETES, finding
 from sim.suites.report import check_slam
 from sim.suites.smallest import finding_of, smallest_failure, write_smallest
 from sim.suites.suite import Suite, SuitePart, claims
@@ -45,6 +46,23 @@ def test_the_smallest_failure_of_a_law_fails_by_it_as_well():
     reduction = smallest_failure(ORIGIN, OPEN_FLAT, FloorsByHeight, deadline_s=30.0)
     old, new = reduction.sizes
     assert new.rooms == 1 < old.rooms and reduction.signature.what == "origin"
+
+
+class WrongClaims(OdometryOnly):
+    """Claims about a frame that does not exist after a long walk, and a room name that does not exist after a short one."""
+
+    def finish(self):
+        claims = super().finish()
+        n = len(claims.frames)
+        if n > 15:
+            return replace(claims, frames=np.append(claims.frames[:-1], 100 * n))
+        return replace(claims, labels=np.full(n, 100))
+
+
+def test_the_smallest_failure_of_invalid_claims_has_claims_that_are_invalid_in_the_same_way():
+    reduction = smallest_failure(None, OPEN_FLAT, WrongClaims, deadline_s=10.0)
+    assert reduction.signature.what == "estimate: frames has ... in row ..."
+    assert finding(None, reduction.scenario, WrongClaims).measured.startswith("estimate: frames has ")
 
 
 def test_the_command_keeps_the_smallest_failing_scenario(tmp_path, capsys, monkeypatch):
