@@ -7,9 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from lexis.floors import NO_FLOOR
-from lexis.graph.components import sessions_of
-from lexis.keyframes import MAX_STEP_M
-from lexis.maths.stretches import consecutive_pairs
+from lexis.graph.walked_steps import walked_steps
 from lexis.planning.connections import MIN_LOOP_WEIGHT
 from lexis.room_names import instance_names
 from lexis.types import LexisMap
@@ -61,11 +59,9 @@ def _plan(map: LexisMap, points: Float64[np.ndarray, "n 2"], floor: int, size: F
 
 
 def _edges(map: LexisMap, points: Float64[np.ndarray, "n 2"], here: Bool[np.ndarray, "n"]) -> list[str]:
-    steps = consecutive_pairs(sessions_of(map.keyframes)).tolist()
-    walked = [(i, j) for i, j in steps if np.linalg.norm(points[j] - points[i]) <= MAX_STEP_M]
     loops = [(loop.query, loop.match) for loop in map.loops]
     kinds = ["loop" if weight >= MIN_LOOP_WEIGHT else "doubted" for weight in map.loop_weights]
-    edges = [*((edge, "walk") for edge in walked), *zip(loops, kinds, strict=True)]
+    edges = [*((step, "walk") for step in walked_steps(map).tolist()), *zip(loops, kinds, strict=True)]
     return [
         f'<path class="{kind}" d="M{_xy(points[a])}L{_xy(points[b])}"/>' for (a, b), kind in edges if here[a] and here[b]
     ]

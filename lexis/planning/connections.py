@@ -6,11 +6,8 @@ from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from lexis.config import PlannerConfig
-from lexis.graph.components import sessions_of
-from lexis.keyframes import MAX_STEP_M
-from lexis.maths.stretches import consecutive_pairs
+from lexis.graph.walked_steps import walked_steps
 from lexis.planning.shortcuts import shortcuts
-from lexis.stairs import is_vertical
 from lexis.types import LexisMap, LoopArrays
 
 MIN_LOOP_WEIGHT = 0.5
@@ -31,16 +28,6 @@ def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
     `shortcut_m` long, because a longer one could lead through furniture or a wall.
     """
     return as_graph(map, np.concatenate([walked_steps(map), unwalked_steps(map, config)]))
-
-
-def walked_steps(map: LexisMap) -> Pairs:
-    """Return the pairs of consecutive keyframes, except at gaps in the recording.
-
-    A vertical step of any length is a ride in a lift and no gap: the robot rode it, and can ride it again.
-    """
-    pairs, positions = consecutive_pairs(sessions_of(map.keyframes)), map.T_W_B[:, :3, 3]
-    steps = positions[pairs[:, 1]] - positions[pairs[:, 0]]
-    return np.asarray(pairs[(np.linalg.norm(steps, axis=1) <= MAX_STEP_M) | is_vertical(steps)])
 
 
 def unwalked_steps(map: LexisMap, config: PlannerConfig) -> Pairs:

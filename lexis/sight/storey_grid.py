@@ -17,10 +17,9 @@ from scipy.ndimage import distance_transform_edt
 
 from lexis.errors import MapError
 from lexis.floors import NO_FLOOR
-from lexis.graph.components import sessions_of
+from lexis.graph.walked_steps import walked_steps
 from lexis.keyframes import MAX_STEP_M
 from lexis.maths.se3 import transform
-from lexis.maths.stretches import consecutive_pairs
 from lexis.maths.ties import rounded
 from lexis.types import LexisMap
 
@@ -209,14 +208,9 @@ def _walked(map: LexisMap, floor: int, views: ViewCounts) -> Bool[np.ndarray, "r
 
 
 def _steps(map: LexisMap, floor: int) -> Iterator[Float64[np.ndarray, "k 2"]]:
-    """Yield positions (x and y in W) along the camera's path on a floor, less than a cell apart except at gaps [m].
-
-    Nobody walked from one session to the next.
-    """
+    """Yield positions (x and y in W) along the camera's path on a floor, less than a cell apart except at gaps [m]."""
     cameras = (map.T_W_B @ map.camera.T_B_C)[:, :2, 3]
     yield cameras[map.floors == floor]
-    steps = consecutive_pairs(sessions_of(map.keyframes))
-    both = (map.floors[steps] == floor).all(axis=1)
-    short = np.linalg.norm(np.diff(map.T_W_B[steps, :3, 3], axis=1)[:, 0], axis=1) <= MAX_STEP_M
-    for first, second in steps[both & short].tolist():
+    steps = walked_steps(map)
+    for first, second in steps[(map.floors[steps] == floor).all(axis=1)].tolist():
         yield np.linspace(cameras[first], cameras[second], int(MAX_STEP_M / CELL_M) * 2)
