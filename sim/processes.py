@@ -4,6 +4,7 @@ import multiprocessing
 import os
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from threading import Thread
 from typing import Any
 
 from threadpoolctl import threadpool_limits
@@ -16,14 +17,23 @@ def process_pool(
 ) -> ProcessPoolExecutor:
     """Return a pool of new processes. In each process, BLAS and OpenMP use one thread, so that every process needs one core.
 
-    Each process calls `start(*arguments)` first. `start` and `arguments` have to be picklable.
+    Each process calls `start(*arguments)` first. `start` and `arguments` have to be picklable. The processes end with this
+    process, even if it is killed.
     """
     context = multiprocessing.get_context("spawn")  # a forked torch or OpenCV may hang
     return ProcessPoolExecutor(workers, context, initializer=_begin, initargs=(start, arguments))
 
 
 def _begin(start: Callable[..., Any] | None, arguments: tuple[Any, ...]) -> None:
+    Thread(target=_end_with_parent, daemon=True).start()
     os.environ.update(ONE_THREAD)  # for libraries that are not loaded yet
     threadpool_limits(1)  # for libraries that are loaded already
     if start is not None:
         start(*arguments)
+
+
+def _end_with_parent() -> None:
+    """Wait until the parent process ends, then end this process, which would otherwise wait for work for ever."""
+    if (parent := multiprocessing.parent_process()) is not None:
+        parent.join()
+        os._exit(1)

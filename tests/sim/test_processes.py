@@ -1,7 +1,11 @@
 """Worker processes use one thread each for linear algebra, whatever the settings of the parent process are."""
 
 import os
+import subprocess
+import sys
+import time
 
+import pytest
 from threadpoolctl import threadpool_info
 
 from sim.processes import process_pool
@@ -25,3 +29,31 @@ def test_workers_use_one_thread_and_call_the_given_function_first(monkeypatch):
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "3")
     with process_pool(1, begin, ("ready",)) as pool:
         assert pool.submit(threads).result() == ({1}, "1", ["ready"])
+
+
+KILLED = """
+import os, time
+from sim.processes import process_pool
+
+if __name__ == "__main__":
+    pool = process_pool(1)
+    print(pool.submit(os.getpid).result(), flush=True)
+    time.sleep(600.0)
+"""
+
+
+def test_workers_end_with_a_process_that_is_killed(tmp_path):
+    script = tmp_path / "killed.py"
+    script.write_text(KILLED)
+    with subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True) as process:
+        worker = int(process.stdout.readline())
+        os.kill(worker, 0)  # it lives
+        process.kill()
+    for _ in range(600):
+        try:
+            os.kill(worker, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.1)
+    os.kill(worker, 9)
+    pytest.fail("the worker still lives")
