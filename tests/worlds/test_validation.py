@@ -231,6 +231,8 @@ def test_a_closed_door_is_passable():
         ("arch", {"height_m": 2.9}, "2.90 m high"),
         ("counter", {"sill_m": 1.0, "height_m": 2.8}, "open from 1.00 to 2.80 m"),
         ("half wall", {"sill_m": 2.7}, "open from 2.70 to 2.60 m"),
+        ("half wall", {"sill_m": 0.04}, "open from 0.04 to 2.60 m; valid: a part of 0.3 ... 2.60 m"),
+        ("counter", {"sill_m": 0.2, "height_m": 2.0}, "open from 0.20 to 2.00 m; valid: a part of 0.3 ... 2.60 m"),
     ],
 )
 def test_openings_fit_under_the_ceiling(kind, sizes, message):
@@ -252,6 +254,20 @@ def test_windows_stay_apart_and_under_the_ceiling():
         "storeys[0]: window/0/0 and window/0/1 overlap; openings and windows may only touch"
     ]
     assert "up to the ceiling" in told(two_rooms(windows=[window | {"height_m": 2.8}]))[0]
+
+
+def test_a_fence_has_no_windows():
+    rooms = json.loads(two_rooms().to_json())["storeys"][0]["rooms"]
+    window = {"room": "b", "start_m": [8, 0.5], "end_m": [8, 1.5]}
+    (problem,) = told(two_rooms(rooms=[rooms[0], rooms[1] | {"label": "garden"}], windows=[window]))
+    assert problem == "window/0/0 (b): is in a fence; valid: windows of indoor rooms"
+
+
+def test_a_slot_in_one_room_is_told_as_such():
+    slotted = [[0, 0], [4, 0], [4, 3], [2.2, 3], [2.2, 1], [2, 1], [2, 3], [0, 3]]
+    rooms = json.loads(two_rooms().to_json())["storeys"][0]["rooms"]
+    found = told(two_rooms(rooms=[rooms[0] | {"polygon_m": slotted}, rooms[1]]))
+    assert any("room 'a' has a slot of 0.2 m near (2.00, 1.00) m" in problem for problem in found)
 
 
 @pytest.mark.parametrize("gap", [1e-3, 0.05, 0.29])

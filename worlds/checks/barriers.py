@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
-from shapely import LineString, Polygon
+from shapely import LineString
 
 from worlds.checks.furniture_checks import piece_name
 from worlds.checks.plan_grid import PlanGrid
@@ -39,7 +39,8 @@ def reachability_problems(house: House, grid: PlanGrid, radius_m: float) -> Iter
         barriers = _barriers(house, solid, lambda pieces: cut_off(pieces) <= unfurnished)
         for piece in barriers:
             others = [other for other in solid if other is piece or other not in barriers]
-            rooms = [room.id for room in house.rooms if room.id in cut_off(others) - unfurnished]
+            behind = cut_off(others) - unfurnished
+            rooms = [room.id for room in house.rooms if room.id in behind]
             yield (
                 f"{piece_name(piece)} in {piece.room!r} {_blocked(house, piece)}; not reachable on foot "
                 f"(body radius {radius_m} m): {', '.join(rooms)}; move it away"
@@ -57,7 +58,7 @@ def _barriers(house: House, solid: Sequence[Furniture], frees: Callable[[Sequenc
     and so on. This needs few tests, because most pieces are no barriers.
     """
     openings = shapely.union_all([line for _, _, line in _openings(house)])
-    suspects = [piece for piece in solid if shapely.distance(_footprint(piece), openings) <= _BESIDE_M]
+    suspects = [piece for piece in solid if shapely.distance(piece.footprint, openings) <= _BESIDE_M]
     if not frees([piece for piece in solid if piece not in suspects]):
         suspects = list(solid)
     barriers, some = suspects, len(suspects)
@@ -74,9 +75,7 @@ def _barriers(house: House, solid: Sequence[Furniture], frees: Callable[[Sequenc
 def _blocked(house: House, piece: Furniture) -> str:
     """Return the part of a message that says what a piece blocks: the opening beside the piece, or else "the path"."""
     beside = [
-        (shapely.distance(_footprint(piece), line), name)
-        for storey, name, line in _openings(house)
-        if storey == piece.storey
+        (shapely.distance(piece.footprint, line), name) for storey, name, line in _openings(house) if storey == piece.storey
     ]
     distance, name = min(beside, default=(np.inf, ""))
     return f"blocks {name}" if distance <= _BESIDE_M else "blocks the path"
@@ -92,10 +91,3 @@ def _openings(house: House) -> Iterator[tuple[int, str, LineString]]:
 
 
 _KINDS = {"cased": "passage", "open": "open boundary"}
-
-
-def _footprint(piece: Furniture) -> Polygon:
-    (width, depth, _), (x, y, _) = piece.size, piece.position
-    corners = np.array([[-width, -depth], [width, -depth], [width, depth], [-width, depth]]) / 2
-    cos, sin = np.cos(piece.yaw), np.sin(piece.yaw)
-    return Polygon(corners @ np.array([[cos, sin], [-sin, cos]]) + (x, y))

@@ -10,6 +10,7 @@ from worlds.checks.collisions import outlines_over, overlaps
 from worlds.checks.plan_grid import PlanGrid
 from worlds.free_space import Obstacles
 from worlds.house import Furniture, House
+from worlds.labels import STAIRS
 from worlds.openings.doors import DoorLeaf
 from worlds.walls import Wall, opening_span
 
@@ -99,12 +100,19 @@ def _sides(grid: PlanGrid) -> tuple[Obstacles, Int[np.ndarray, "n"]]:
 
 
 def _on_the_stairs(house: House, boxes: Obstacles) -> Iterator[str]:
+    """Yield a message for each piece that runs into a step, and for each solid piece in a room of stairs.
+
+    A body follows the walking line of stairs and does not walk around anything, so there has to be nothing in its way.
+    """
     parts = [(flight, part) for flight in house.stairs for part in flight.parts]
-    steps = boxes_of([(*p.centre[:2], p.centre[2] - p.size[2] / 2, *p.size, 0.0) for _, p in parts])
+    steps = boxes_of([(*p.centre[:2], p.centre[2] - p.size[2] / 2, *p.size, p.yaw) for _, p in parts])
     hits = {(i, parts[j][0].room): None for i, j in overlaps(boxes, steps, _TOLERANCE_M).tolist()}
     for i, stairs in hits:
         piece = house.furniture[i]
         yield f"{piece_name(piece)} in {piece.room!r} stands on the stairs {stairs!r}"
+    for i, piece in enumerate(house.furniture):
+        if piece.solid and house.room_by_id[piece.room].label == STAIRS and not any(hit == i for hit, _ in hits):
+            yield f"{piece_name(piece)} stands in the stairs {piece.room!r}; stairs hold no furniture that blocks a body"
 
 
 def _swings(house: House, boxes: Obstacles, hung: Obstacles, walls: Obstacles) -> Iterator[str]:

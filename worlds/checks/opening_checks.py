@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from itertools import combinations
 
 from worlds.house import House
-from worlds.labels import STAIRS
+from worlds.labels import OUTDOOR_LABELS, STAIRS
 from worlds.openings.windows import Window
 from worlds.spec import PASSABLE, OpeningSpec
 from worlds.walls import opening_span, segment_span
@@ -13,6 +13,8 @@ from worlds.walls import opening_span, segment_span
 MIN_WIDTH_M = 0.6
 """Least width of an opening that a body with a radius of 0.25 m can walk through [m]."""
 MIN_HEIGHT_M = 1.9
+MIN_SILL_M = 0.3
+"""Least sill of a half wall or counter [m]. Nobody can step over it, so that it is not a way between two rooms."""
 _TOLERANCE_M = 1e-3
 
 Span = tuple[int, float, float, float]
@@ -58,8 +60,9 @@ def _bad_opening(place: str, opening: OpeningSpec, in_wall_m: float, height_m: f
         yield f"{place}: only {in_wall_m:.2f} of its {opening.width_m:.2f} m lie in the wall between the two rooms"
     low, high = opening.gap_m(height_m)
     if opening.kind not in PASSABLE:
-        if not low < high <= height_m:
-            yield f"{place}: open from {low:.2f} to {high:.2f} m; valid: a part of 0 ... {height_m:.2f} m, floor to ceiling"
+        if not MIN_SILL_M - _TOLERANCE_M <= low < high <= height_m:
+            span = f"{MIN_SILL_M} ... {height_m:.2f} m, up to the ceiling"
+            yield f"{place}: open from {low:.2f} to {high:.2f} m; valid: a part of {span}"
         return
     if opening.width_m < MIN_WIDTH_M - _TOLERANCE_M:
         yield f"{place}: {opening.width_m:.2f} m wide; a body needs at least {MIN_WIDTH_M:.2f} m"
@@ -68,6 +71,9 @@ def _bad_opening(place: str, opening: OpeningSpec, in_wall_m: float, height_m: f
 
 
 def _bad_window(house: House, window: Window) -> Iterator[str]:
+    if house.room_by_id[window.room].label in OUTDOOR_LABELS:
+        yield f"{window.id} ({window.room}): is in a fence; valid: windows of indoor rooms"
+        return
     storey = house.storeys[window.storey]
     bottom, top = window.position[2] - storey.floor_m, window.position[2] + window.size[2] - storey.floor_m
     if top > (height_m := storey.ceiling_m - storey.floor_m) + _TOLERANCE_M:

@@ -57,10 +57,14 @@ def _narrow_gaps(grid: PlanGrid) -> Iterator[str]:
                     seen.add(pair)
                     a, b = (grid.rooms[k].id for k in pair)
                     place = (along[column], across[row]) if axis == 0 else (across[row], along[column])
-                    yield (
-                        f"storeys[{level}]: rooms {a!r} and {b!r} leave a gap of {width[row, column]:.3g} m near "
-                        f"({place[0]:.2f}, {place[1]:.2f}) m; rooms touch or are at least {MIN_APART_M} m apart"
-                    )
+                    gap = f"{width[row, column]:.3g} m near ({place[0]:.2f}, {place[1]:.2f}) m"
+                    if a == b:
+                        yield f"storeys[{level}]: room {a!r} has a slot of {gap}; slots are at least {MIN_APART_M} m wide"
+                    else:
+                        yield (
+                            f"storeys[{level}]: rooms {a!r} and {b!r} leave a gap of {gap}; rooms touch or are at least "
+                            f"{MIN_APART_M} m apart"
+                        )
 
 
 def _unsupported(grid: PlanGrid) -> Iterator[str]:

@@ -41,7 +41,7 @@ from worlds.stairs.cells import (
     opening_that_leads,
 )
 from worlds.stairs.flights import INSET_M, MIN_WIDTH_M, Point, StairsKind, StairsLayout, cell_needed, fit_stairs
-from worlds.stairs.geometry import floor_beside_flight, rail_parts, slab_parts
+from worlds.stairs.geometry import SLAB_THICKNESS_M, floor_beside_flight, rail_parts, slab_parts
 from worlds.stairs.shafts import check_shafts, door, lift_line
 from worlds.stairs.spirals import MIN_FRONT_M, MIN_RADIUS_M, Spiral
 
@@ -121,6 +121,9 @@ def _spiral(spec: HouseSpec, floors_m: Sequence[float], level: int, room: RoomSp
             f"valid: at least {2 * MIN_RADIUS_M + INSET_M + MIN_FRONT_M:.2f} m away from its openings and "
             f"{2 * MIN_RADIUS_M + 2 * INSET_M:.2f} m across, and more for a greater rise"
         )
+    if (head_room := spiral.rise - SLAB_THICKNESS_M) < MIN_HEAD_ROOM_M:
+        valid = f"a rise of at least {MIN_HEAD_ROOM_M + SLAB_THICKNESS_M:.2f} m"
+        raise HouseError(f"spiral {room.id!r}: the floor above leaves {head_room:.2f} m of head room; valid: {valid}")
     line = spiral.line(*(frame.plan(*end.middle[:2])[1] for end in (foot, head)))
     line = [_outwards(line[1], line[0]), *line, _outwards(line[-2], line[-1])]
     return Stairs(

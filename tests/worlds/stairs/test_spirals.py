@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,13 +14,13 @@ from lexis.floors import floor_levels
 from lexis.stairs import lift_rides, on_stairs
 from sim.tours.tour import plan_tour
 from worlds.errors import HouseError
-from worlds.house import build_house
+from worlds.house import Furniture, build_house
 from worlds.presets import sample_house
 from worlds.stairs.build import build_stairs
 from worlds.stairs.cells import MIN_HEAD_ROOM_M
 from worlds.stairs.flights import INSET_M, MIN_TREAD_M
 from worlds.stairs.spirals import MAX_RISER_M, MIN_FRONT_M, Spiral
-from worlds.validation import validate
+from worlds.validation import problems, validate
 from worlds.variant import variant
 from worlds.walkable import Walkable
 
@@ -71,6 +72,25 @@ def test_the_walking_line_passes_over_every_step_with_head_room(house):
             assert min((part.centre[2] - part.size[2] / 2 - z for part in above), default=np.inf) >= MIN_HEAD_ROOM_M
 
 
+def test_furniture_on_any_step_of_a_spiral_is_refused(house):
+    flight = house.stairs[0]
+    for step in steps_of(flight):
+        tip = max(footprint(step).exterior.coords, key=Point(flight.treads[-1].centre[:2]).distance)
+        x, y = np.average([tip, step.centre[:2]], axis=0, weights=[0.8, 0.2])
+        size = (0.06, 0.06, 0.1)
+        vase = Furniture("f", "vase", flight.room, flight.storey, (x, y, top(step) - 0.05), 0.0, size, solid=True)
+        assert any("stands on the stairs" in each for each in problems(replace(house, furniture=(vase,))))
+
+
+def test_stairs_hold_no_furniture(house):
+    flight = house.stairs[0]
+    x, y, z = flight.walking_line[len(flight.walking_line) // 2]
+    for solid in (True, False):
+        shelf = Furniture("f", "vase", flight.room, flight.storey, (x, y, z + 0.5), 0.0, (0.1, 0.1, 0.1), solid=solid)
+        found = list(problems(replace(house, furniture=(shelf,))))
+        assert any("stands in the stairs" in each for each in found) == solid
+
+
 def test_lexis_takes_a_tour_up_and_down_a_spiral_for_stairs_between_floors(house):
     tour = plan_tour(house, Walkable(house), np.random.default_rng(0))
     at = np.interp(np.arange(0.0, tour.length_m, 0.5), tour.distances_m, np.arange(len(tour.stamps))).astype(int)
@@ -95,6 +115,8 @@ def test_a_spiral_is_refused_with_what_is_wrong():
     with pytest.raises(HouseError, match="openings are in different sides"):
         build_house(variant(sample_house("home", 101, clutter=0.0), climb="spiral"))
     spec = variant(sample_house("home", 100, clutter=0.0), climb="spiral")
+    with pytest.raises(HouseError, match=r"leaves 1.90 m of head room; valid: a rise of at least 2.25 m"):
+        build_stairs(spec, [0.0, 2.2])
     with pytest.raises(HouseError, match=r"too small to rise 4.50 m; valid: at least 2.55 m away") as refused:
         build_stairs(spec, [0.0, 4.5])
     length, width = map(float, re.findall(r"(\d\.\d\d) m (?:away|across)", str(refused.value)))
