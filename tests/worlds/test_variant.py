@@ -1,5 +1,6 @@
 """Variants of houses: one property differs and nothing else; symmetries form a group and commute with the truth."""
 
+import json
 import math
 
 import numpy as np
@@ -150,6 +151,37 @@ def test_a_storey_more_has_valid_room_ids_however_long_the_old_ids_are(ending):
     for _ in range(4):
         longer = variant(longer, add_storey=True)
     assert len({room.id for storey in longer.storeys for room in storey.rooms}) == sum(len(s.rooms) for s in longer.storeys)
+
+
+def two_storeys(**door):
+    """Return a house whose openings do not say where they lead, as in the README."""
+    cell = {"label": "stairs", "polygon_m": [[2, 0], [6, 0], [6, 3], [2, 3]]}
+    room = {"label": "corridor", "polygon_m": [[0, 0], [2, 0], [2, 3], [0, 3]]}
+    up = {"rooms": ["hall", "stairs 0"], "kind": "door", "start_m": [2, 0.2], "end_m": [2, 1.3]}
+    down = {"rooms": ["gallery", "stairs 1"], "kind": "open", "start_m": [2, 1.7], "end_m": [2, 2.8]}
+    lower = {"rooms": [room | {"id": "hall"}, cell | {"id": "stairs 0"}], "openings": [up | door]}
+    upper = {"rooms": [room | {"id": "gallery"}, cell | {"id": "stairs 1"}], "openings": [down]}
+    return HouseSpec.from_json(json.dumps({"storeys": [lower, upper], "clutter": 0}))
+
+
+@pytest.mark.parametrize("door", [{}, {"leaf": {"into": "hall"}}, {"leads": "up"}])
+def test_a_storey_more_on_a_house_by_hand(door):
+    taller = variant(two_storeys(**door), add_storey=True)
+    house = build_house(taller)
+    validate(house)
+    assert len(house.stairs) == 2 and taller.storeys[0] == two_storeys(**door).storeys[0]
+    assert [opening.leads for opening in taller.storeys[1].openings] == ["down", "up"]
+    validate(build_house(variant(taller, add_storey=True)))
+
+
+def test_a_storey_more_may_be_too_much():
+    squares = [[[x, y], [x + 2, y], [x + 2, y + 2], [x, y + 2]] for x in range(-16, 2, 2) for y in range(3, 27, 2)]
+    rooms = [{"id": f"r{i}", "label": "office", "polygon_m": square} for i, square in enumerate(squares)]
+    data = json.loads(two_storeys().to_json())
+    for level in (0, 1):
+        data["storeys"][level]["rooms"] += [room | {"id": f"{room['id']} {level}"} for room in rooms[:95]]
+    with pytest.raises(WorldsError, match=r"the house with one more storey: .*at most 200"):
+        variant(HouseSpec.from_json(json.dumps(data)), add_storey=True)
 
 
 def test_what_cannot_be_varied_is_refused():

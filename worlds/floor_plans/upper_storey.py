@@ -6,11 +6,24 @@ from collections.abc import Mapping
 from dataclasses import replace
 from itertools import count
 
+from pydantic import ValidationError
+
 from worlds.errors import WorldsError
 from worlds.labels import STAIRS
 from worlds.openings.door_swings import hang_leaf, is_in_front
 from worlds.openings.opening_draft import OpeningDraft, shared_walls
-from worlds.spec import MAX_ID_LENGTH, MAX_STOREYS, HouseSpec, OpeningSpec, RoomSpec, StoreySpec
+from worlds.spec import (
+    MAX_ID_LENGTH,
+    MAX_STOREYS,
+    PASSABLE,
+    HouseSpec,
+    OpeningSpec,
+    RoomSpec,
+    StoreySpec,
+    json_schema,
+)
+from worlds.spec_errors import explain, mistakes_error
+from worlds.stairs.cells import cell_on, opening_that_leads
 from worlds.walls import opening_span
 
 _GROUND_ONLY = frozenset({"garden", "garage"})
@@ -32,8 +45,8 @@ def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
     2. Door leaves that would stand in front of these openings are hung differently, or removed.
     3. The copy gets new room ids, and with them furniture and finishes of its own. Twin rooms (with equal seeds) stay twins.
 
-    Raises `WorldsError` if no stairs reach the top storey, if no room lies at the foot of a new flight, or if the house has
-    `MAX_STOREYS` storeys already.
+    Raises `WorldsError` if no stairs reach the top storey, if no room lies at the foot of a new flight, if the house has
+    `MAX_STOREYS` storeys already, or if the new house has more than `MAX_ROOMS` rooms.
     """
     top, below = spec.storeys[-1], spec.storeys[-2] if len(spec.storeys) > 1 else None
     cells = [room for room in top.rooms if room.label == STAIRS]
@@ -41,30 +54,48 @@ def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
         raise WorldsError("no stairs lead to the top storey, so none can lead on; valid: houses of two storeys or more")
     if len(spec.storeys) == MAX_STOREYS:
         raise WorldsError(f"the house has {MAX_STOREYS} storeys, the most that a house can have; valid: fewer")
-    ups = [_foot(cell, below, top, len(spec.storeys) - 1) for cell in cells if cell.climb == "flights"]
-    storeys = (*spec.storeys[:-1], _with_feet(top, ups), _copy(spec, top))
-    return HouseSpec.model_validate(spec.model_copy(update={"storeys": storeys}).model_dump(by_alias=True))
+    flights = [room for room in cells if room.climb == "flights"]
+    ups = [_foot(spec, cell) for cell in flights]
+    old = _leading_down(top, {cell.id for cell in flights})
+    storeys = (*spec.storeys[:-1], _with_feet(old, ups), _copy(spec, top))
+    data = spec.model_copy(update={"storeys": storeys}).model_dump(by_alias=True)
+    try:
+        return HouseSpec.model_validate(data)
+    except ValidationError as error:
+        raise mistakes_error("the house with one more storey", explain(error, data, json_schema())) from None
 
 
-def _foot(cell: RoomSpec, below: StoreySpec, top: StoreySpec, level: int) -> OpeningSpec:
+def _foot(spec: HouseSpec, cell: RoomSpec) -> OpeningSpec:
     """Return the opening on the top storey to the new flight of stairs, straight above the opening to the flight below.
 
-    `cell` is the stairs' room on the top storey, `below` the storey below, and `level` the index of the top storey. Raises
-    `WorldsError` if there is no opening to the flight below, or no room in front of the new opening.
+    `cell` is the stairs' room on the top storey. Raises `WorldsError` if there is no opening to the flight below, or no room
+    in front of the new opening.
     """
-    here = sorted(cell.polygon_m)
-    lower = next((r.id for r in below.rooms if r.label == STAIRS and sorted(r.polygon_m) == here), None)
-    foot = next((o for o in below.openings if lower in o.rooms and o.leads == "up"), None)
-    if foot is None:
-        raise WorldsError(f"stairs {cell.id!r} have no opening on storeys[{level - 1}] that leads up, so none to repeat")
+    level, top = len(spec.storeys) - 1, spec.storeys[-1]
+    if (lower := cell_on(spec, level - 1, cell)) is None:
+        raise WorldsError(f"stairs {cell.id!r} do not come from the storey below, so there is no flight to repeat")
+    foot = opening_that_leads(spec, level - 1, lower, "up")
     axis, at, low, high = opening_span(foot)
     for room in top.rooms:
         for wall in shared_walls(cell, room) if room.id != cell.id else ():
             start, stop = max(low, wall.low), min(high, wall.high)
             if (wall.axis, wall.at) == (axis, at) and stop - start >= min(_MIN_SHARED_M, high - low) - 1e-6:
                 ends = {"start_m": wall.point(start), "end_m": wall.point(stop)}
-                return foot.model_copy(update={"rooms": (room.id, cell.id), **ends})
+                # A leaf would swing into a room of the storey below.
+                return foot.model_copy(update={"rooms": (room.id, cell.id), "leads": "up", "leaf": None, **ends})
     raise WorldsError(f"stairs {cell.id!r}: on storeys[{level}] no room lies in front of the foot of the new flight")
+
+
+def _leading_down(top: StoreySpec, flights: set[str]) -> StoreySpec:
+    """Return the storey with its openings to stairs marked as leading down, because other openings will lead up.
+
+    `flights` are the ids of the rooms of stairs.
+    """
+    openings = list(top.openings)
+    for i, opening in enumerate(openings):
+        if opening.kind in PASSABLE and flights & {*opening.rooms}:
+            openings[i] = opening.model_copy(update={"leads": "down"})
+    return top.model_copy(update={"openings": tuple(openings)})
 
 
 def _with_feet(top: StoreySpec, ups: list[OpeningSpec]) -> StoreySpec:
