@@ -15,7 +15,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from worlds.errors import SpecError
 from worlds.labels import ROOM_LABELS
@@ -30,10 +30,14 @@ MAX_PLAN_M2 = 20_000.0
 """Greatest product of the number of storeys and the area of the rectangle around all rooms [m²]. Within this limit, a grid
 of 10 cm fits in memory."""
 
-_SHORT = re.compile(r"""\[\s+(?: [-+.\deE,\s[\]]+ | (?: "[^"\n]*" ,? \s+ )+ )\]""", re.VERBOSE)
-"""Matches the arrays of numbers, points or strings in indented JSON. These arrays are written on one line instead."""
+_SHORT = re.compile(r""""(?:[^"\\]|\\.)*" | \[\s+(?: [-+.\deE,\s[\]]+ | (?: "[^"\n]*" ,? \s+ )+ )\]""", re.VERBOSE)
+"""Matches the arrays of numbers, points or strings in indented JSON, which are written on one line instead. Also matches
+the strings outside of these arrays, so that nothing inside a string is taken for an array."""
 
-Metres = Annotated[float, Field(ge=-1000.0, le=1000.0, description="coordinate [m]")]
+Metres = Annotated[
+    float, Field(ge=-1000.0, le=1000.0, description="coordinate [m]"), AfterValidator(lambda value: value + 0.0)
+]
+"""A coordinate. Minus zero becomes zero, so that equal specs have equal texts."""
 Length = Annotated[float, Field(gt=0.0, le=1000.0, description="length [m]")]
 Point = tuple[Metres, Metres]
 MAX_ID_LENGTH = 64
@@ -128,7 +132,9 @@ class OpeningSpec(_Data):
     )
 
     @model_validator(mode="after")
-    def _leaf_of_a_door(self) -> "OpeningSpec":
+    def _possible(self) -> "OpeningSpec":
+        if self.rooms[0] == self.rooms[1]:
+            raise ValueError(f"both rooms are {self.rooms[0]!r}; valid: two different rooms")
         if self.leaf is not None and self.kind != "door":
             raise ValueError(f"a leaf belongs to a door, not to {self.kind!r}")
         if self.leaf is not None and self.leaf.into not in self.rooms:
@@ -278,7 +284,9 @@ class HouseSpec(_Data):
 
 
 def _on_one_line(match: re.Match[str]) -> str:
-    return re.sub(r"\s+(?=\])|(?<=\[)\s+", "", re.sub(r"\s+", " ", match[0]))
+    if match[0].startswith('"'):
+        return match[0]
+    return re.sub(r"\s+(?=\])|(?<=\[)\s+", "", re.sub(r"\n\s*", " ", match[0]))
 
 
 def _room_names(storey: StoreySpec) -> Iterator[tuple[str, int, tuple[str, ...]]]:

@@ -27,6 +27,21 @@ def test_json_round_trip_is_the_identity(preset):
     assert HouseSpec.from_json(spec.to_json()).to_json() == spec.to_json()
 
 
+@pytest.mark.parametrize("name", ["flat [  1   2 ]", 'a "quoted [ 1,  2 ]" name', 'back\\slash [ " 3,  4 ]'])
+def test_json_keeps_every_character_of_names(name):
+    data = json.loads(spec_json(id="a  b"))
+    data["name"] = name
+    data["storeys"][0]["rooms"].append({"id": "c", "label": "office", "polygon_m": [[4, 0], [8, 0], [8, 3], [4, 3]]})
+    data["storeys"][0]["openings"] = [{"rooms": ["a  b", "c"], "kind": "door", "start_m": [4, 1], "end_m": [4, 2]}]
+    spec = HouseSpec.from_json(json.dumps(data))
+    assert HouseSpec.from_json(spec.to_json()) == spec and spec.name == name
+
+
+def test_equal_houses_have_equal_texts():
+    minus, plus = (HouseSpec.from_json(spec_json(polygon_m=[[zero, 0], [4, 0], [4, 3], [zero, 3]])) for zero in (-0.0, 0.0))
+    assert minus == plus and minus.to_json() == plus.to_json()
+
+
 def test_a_handwritten_house_needs_nothing_but_rooms():
     assert HouseSpec.from_json(spec_json()).room_labels == ("kitchen",)
 
