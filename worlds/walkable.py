@@ -14,6 +14,7 @@ import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int
@@ -27,6 +28,8 @@ from worlds.free_space import CLEARANCE_CAP_M, FreeSpace, Obstacles, solid_obsta
 from worlds.house import House
 from worlds.truth import room_at
 
+Node = int | np.integer[Any]
+"""Number of a node, as Python or numpy write whole numbers."""
 _CROWDING = 3.0
 """Weight of missing clearance in the cost of a step, for paths with `prefer_clearance_m`; see `Walkable._costs`."""
 
@@ -188,13 +191,13 @@ class Walkable:
         _, part = connected_components(self.graph, directed=False)
         return np.equal(part, np.argmax(np.bincount(part, minlength=1)))
 
-    def distances_from(self, start: Float64[np.ndarray, "3"] | int, limit_m: float = np.inf) -> Float64[np.ndarray, "n"]:
+    def distances_from(self, start: Float64[np.ndarray, "3"] | Node, limit_m: float = np.inf) -> Float64[np.ndarray, "n"]:
         """Return the length of the shortest path along the graph from `start` to every node [m].
 
         `start` is a point in W [m] or the number of a node. The length is infinite for nodes to which there is no path, and
         for nodes farther away than `limit_m` [m].
         """
-        node = start if isinstance(start, int) else self.snap(start)
+        node = int(start) if np.ndim(start) == 0 else self.snap(np.asarray(start))
         return np.ravel(dijkstra(self.graph, indices=[node], limit=limit_m))
 
     def distance(self, start: Float64[np.ndarray, "3"], goal: Float64[np.ndarray, "3"]) -> float:
@@ -202,7 +205,7 @@ class Walkable:
         return polyline_length(self.path(start, goal))
 
     def path(
-        self, start: Float64[np.ndarray, "3"] | int, goal: Float64[np.ndarray, "3"] | int, prefer_clearance_m: float = 0.0
+        self, start: Float64[np.ndarray, "3"] | Node, goal: Float64[np.ndarray, "3"] | Node, prefer_clearance_m: float = 0.0
     ) -> Float64[np.ndarray, "k 3"]:
         """Return the shortest path between two points or nodes, as its corners on the walked surface in W [m].
 
@@ -210,7 +213,7 @@ class Walkable:
         obstacles [m] if there is enough space. The path from `goal` to `start` is the same path reversed. Raises
         `UnreachableError` if there is no path, or a point is not walkable.
         """
-        a, b = (place if isinstance(place, int) else self.snap(place) for place in (start, goal))
+        a, b = (int(place) if np.ndim(place) == 0 else self.snap(np.asarray(place)) for place in (start, goal))
         if a > b:  # straightening depends on the end from which it starts, so it always starts from the smaller number
             return self.path(b, a, prefer_clearance_m)[::-1].copy()
         nodes = self._route(a, b, prefer_clearance_m)

@@ -167,7 +167,7 @@ def shortest_into(walkable: Walkable, start: Float64[np.ndarray, "3"], label: st
     inside = np.flatnonzero(depths >= min(INSIDE_M, deepest))
     nearest = inside[np.argmin(rounded(distances[inside]))]
     # The path over the grid is up to 8 % longer than its straightened form, so with its length the SPL would be too high.
-    return polyline_length(walkable.path(start, int(nearest)))
+    return polyline_length(walkable.path(start, nearest))
 
 
 def _depths(walkable: Walkable, label: str) -> Float64[np.ndarray, "nodes"]:

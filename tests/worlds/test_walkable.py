@@ -168,6 +168,10 @@ def test_stairs_join_the_storeys():
     path = walkable.path(line[0], line[-1])
     assert polyline_length(path) == pytest.approx(polyline_length(line), rel=1e-6)
     assert (np.diff(path[:, 2]) >= 0.0).all()
+    one, other = walkable.nodes_in(house.rooms[0].id)[0], walkable.nodes_in(house.rooms[-1].id)[0]
+    points = walkable.nodes[one], walkable.nodes[other]
+    assert np.array_equal(walkable.path(one, other), walkable.path(*points))
+    assert np.array_equal(walkable.distances_from(one), walkable.distances_from(points[0]))
     without = Walkable(replace(house, stairs=()))
     with pytest.raises(UnreachableError, match="no path between"):
         without.path(without.nodes[0], without.nodes[-1])
