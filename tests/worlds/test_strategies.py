@@ -91,6 +91,11 @@ def test_houses_are_as_open_as_asked(spec):
     assert 0.35 <= openness_of(spec) <= 0.65
 
 
+@given(houses(max_rooms=2, max_storeys=1, openness=(0.34, 0.34)))
+def test_houses_whose_walls_are_too_short_for_the_openness_are_not_drawn(spec):
+    assert openness_of(spec) <= 0.39
+
+
 def test_an_open_boundary_shrinks_to_two_bare_squares():
     spec = find(
         houses(max_storeys=3),

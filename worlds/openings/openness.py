@@ -89,7 +89,7 @@ def with_openness(spec: HouseSpec, target: float, seed: int | None = None) -> Ho
     """Open the inner walls of a house, or close them with doors, until its openness is within 0.05 of `target`.
 
     The result is the spec of the same house with other openings. Only openings change, and rooms that were connected stay
-    connected.
+    connected. Furniture that the spec lists stays where it is, so that it may stand in a new opening; `problems` tells.
 
     1. Sort the partitions: kitchens, dining and living rooms first, then corridors, lobbies and offices, bedrooms and
        bathrooms last. `seed` (None: the house's) draws the order within these tiers, and the form of each opening.
