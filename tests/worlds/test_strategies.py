@@ -1,17 +1,19 @@
 """Every drawn house is valid, and failures shrink to the minimal house that a person would have drawn."""
 
+import json
 import math
 
 import pytest
 from hypothesis import HealthCheck, Phase, find, given, settings
 from hypothesis import strategies as st
-from hypothesis.errors import InvalidArgument
+from hypothesis.errors import InvalidArgument, Unsatisfiable
 
+from worlds.errors import WorldsError
 from worlds.house import build_house
 from worlds.labels import STAIRS
-from worlds.openings.openness import openness_of
+from worlds.openings.openness import openness_of, with_openness
 from worlds.spec import HouseSpec
-from worlds.strategies import KINDS, houses, open_plans, room_pairs
+from worlds.strategies import KINDS, _opened, houses, open_plans, room_pairs
 from worlds.validation import validate
 from worlds.walls import boundaries
 
@@ -91,9 +93,15 @@ def test_houses_are_as_open_as_asked(spec):
     assert 0.35 <= openness_of(spec) <= 0.65
 
 
-@given(houses(max_rooms=2, max_storeys=1, openness=(0.34, 0.34)))
-def test_houses_whose_walls_are_too_short_for_the_openness_are_not_drawn(spec):
-    assert openness_of(spec) <= 0.39
+def test_houses_whose_walls_are_too_short_for_the_openness_are_not_drawn():
+    squares = [[0, 0], [3, 0], [3, 3], [0, 3]], [[3, 1.6], [6, 1.6], [6, 4.6], [3, 4.6]]
+    rooms = [{"id": f"r{i}", "label": "office", "polygon_m": square} for i, square in enumerate(squares)]
+    door = {"rooms": ["r0", "r1"], "kind": "door", "start_m": [3, 1.9], "end_m": [3, 2.7]}
+    spec = HouseSpec.from_json(json.dumps({"storeys": [{"rooms": rooms, "openings": [door]}]}))
+    with pytest.raises(WorldsError, match=r"too short for openness 0\.34"):
+        with_openness(spec, 0.34)
+    with pytest.raises(Unsatisfiable):
+        find(_opened(st.just(spec), 0.34, 0.34), lambda _: True, settings=SHRINKING)
 
 
 def test_an_open_boundary_shrinks_to_two_bare_squares():
