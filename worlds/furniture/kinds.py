@@ -1,9 +1,10 @@
 """`Kind`: the declaration of a kind of furniture: sizes, rooms, how it is placed and how it is built."""
 
+import math
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from dataclasses import dataclass, fields
+from typing import Any, Literal, NamedTuple, get_args
 
 from numpy.random import Generator
 
@@ -14,6 +15,8 @@ from worlds.spec import ID_PATTERN
 
 MAX_NAME_LENGTH = 40
 """Largest number of characters of a kind's name. The ids of its pieces consist of three numbers and this name."""
+MAX_LENGTH_M = 20.0
+"""Greatest length that a declaration may contain [m]. Greater numbers are refused, since they usually mean centimetres."""
 Range = tuple[float, float]
 """A range of values, from the lowest to the highest."""
 Parts = tuple[Part, ...]
@@ -82,6 +85,11 @@ class Size(NamedTuple):
         return 0.0, self.height
 
 
+Spot = Literal["centre", "anywhere"]
+Side = Literal["all", "front"]
+TopPosition = Literal["back", "middle", "front", "anywhere"]
+
+
 @dataclass(frozen=True)
 class AgainstWall:
     """Placement of a piece on the floor, with its back to a wall."""
@@ -96,7 +104,7 @@ class AgainstWall:
 class OnFloor:
     """Placement of a piece on the floor, independently of the walls."""
 
-    spot: Literal["centre", "anywhere"] = "anywhere"
+    spot: Spot = "anywhere"
 
 
 @dataclass(frozen=True)
@@ -104,7 +112,7 @@ class Around:
     """Placement on the floor, facing another piece (the host) of a kind in `hosts`. `Kind.rooms` counts pieces per host."""
 
     hosts: tuple[str, ...]
-    side: Literal["all", "front"] = "all"
+    side: Side = "all"
     """The sides of the host at which the piece can stand."""
     gap_m: float = 0.03
     """Distance from the host [m]."""
@@ -115,7 +123,7 @@ class OnTop:
     """Placement on top of another piece (the host) of a kind in `hosts`. `Kind.rooms` counts pieces per host."""
 
     hosts: tuple[str, ...]
-    at: Literal["back", "middle", "front", "anywhere"] = "anywhere"
+    at: TopPosition = "anywhere"
 
 
 @dataclass(frozen=True)
@@ -159,17 +167,92 @@ class Kind:
     """Depth of the floor in front of the piece that stays free [m]."""
 
     def __post_init__(self) -> None:
-        """Raise `WorldsError` for a name, a room or a range that is not valid."""
+        """Raise `WorldsError` for a value with which no piece can be placed."""
         if len(self.name) > MAX_NAME_LENGTH or not re.fullmatch(ID_PATTERN, self.name):
             raise WorldsError(
                 f"furniture kind {self.name[:80]!r} has a name that cannot be written into a house; valid: up to "
                 f"{MAX_NAME_LENGTH} letters a to z, digits, blanks and _ . ' -, beginning with a letter or a digit"
             )
-        unknown = sorted(set(self.rooms) - set(ROOM_LABELS))
-        if unknown:
-            raise WorldsError(
-                f"kind {self.name!r} names unknown rooms {', '.join(unknown)}; valid: {', '.join(ROOM_LABELS)}"
-            )
-        for axis, (low, high) in zip(("width", "depth", "height"), (self.width, self.depth, self.height), strict=True):
-            if not 0.0 < low <= high:
-                raise WorldsError(f"kind {self.name!r}: {axis} {low} ... {high} m is not a range; valid: 0 < low <= high")
+        self._check_fields(self)
+        self._check_fields(self.place)
+        for label, count in self.rooms.items():
+            if label not in ROOM_LABELS:
+                raise WorldsError(f"kind {self.name!r} names an unknown room {label!r}; valid: {', '.join(ROOM_LABELS)}")
+            if not _is_count(count):
+                raise self._error(f"the count in {label!r}", count, _COUNT)
+
+    def _check_fields(self, declared: "Kind | Place") -> None:
+        for field in fields(declared):
+            if field.name in _RULES:
+                is_valid, valid = _RULES[field.name]
+                value = getattr(declared, field.name)
+                if not is_valid(value):
+                    raise self._error(field.name, value, valid)
+
+    def _error(self, where: str, value: object, valid: str) -> WorldsError:
+        return WorldsError(f"kind {self.name!r}: {where} is {repr(value)[:80]}; valid: {valid}")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float)
+
+
+def _is_length(value: Any) -> bool:
+    return _is_number(value) and 0.0 <= value <= MAX_LENGTH_M
+
+
+def _is_range(value: Any) -> bool:
+    return isinstance(value, tuple) and len(value) == 2 and all(map(_is_length, value)) and value[0] <= value[1]
+
+
+def _is_size(value: Any) -> bool:
+    return _is_range(value) and value[0] > 0.0
+
+
+def _is_count(value: Any) -> bool:
+    if isinstance(value, tuple):
+        whole = len(value) == 2 and all(isinstance(end, int) for end in value)
+        return whole and 0 <= value[0] <= value[1] and value[1] >= 1
+    number = value.per_clutter if isinstance(value, PerClutter) else value
+    return _is_number(number) and 0.0 < number < math.inf
+
+
+def _is_names(value: Any) -> bool:
+    return isinstance(value, tuple) and all(isinstance(name, str) for name in value)
+
+
+_Rule = tuple[Callable[[Any], bool], str]
+
+
+def _choice(choices: object) -> _Rule:
+    names = get_args(choices)
+    return names.__contains__, ", ".join(names)
+
+
+_COUNT = "a number above 0, whole numbers (least, greatest) with a greatest of at least 1, or PerClutter of a number above 0"
+_SIZE: _Rule = _is_size, f"a range (low, high) with 0 < low <= high <= {MAX_LENGTH_M:g} m"
+_LENGTH: _Rule = _is_length, f"0 to {MAX_LENGTH_M:g} m"
+_NAMES: _Rule = _is_names, 'a tuple of names of kinds, such as ("sofa",)'
+_RULES: Mapping[str, _Rule] = {
+    "width": _SIZE,
+    "depth": _SIZE,
+    "height": _SIZE,
+    "rooms": (lambda value: isinstance(value, Mapping), 'a dictionary of counts by label, such as {"kitchen": 0.5}'),
+    "place": (
+        lambda value: isinstance(value, Place),
+        "AgainstWall(), OnFloor(), Around(hosts), OnTop(hosts), OnWall() or OnCeiling()",
+    ),
+    "clearance": _LENGTH,
+    "hosts": (
+        lambda value: _is_names(value) and len(value) >= 1,
+        'a tuple of at least one name of a kind, such as ("sofa",)',
+    ),
+    "beside": _NAMES,
+    "above": _NAMES,
+    "gap_m": _LENGTH,
+    "height_m": (_is_range, f"a range (low, high) with 0 <= low <= high <= {MAX_LENGTH_M:g} m"),
+    "spot": _choice(Spot),
+    "side": _choice(Side),
+    "at": _choice(TopPosition),
+}
+"""For the fields of `Kind` and of its places: a check of the value, and what would be valid."""
