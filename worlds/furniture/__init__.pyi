@@ -1,4 +1,5 @@
 from .catalogue import CATALOGUE as CATALOGUE
+from .catalogue import furniture as furniture
 from .catalogue import kind_of as kind_of
 from .finishes import Finish as Finish
 from .finishes import finish_of as finish_of
@@ -37,7 +38,6 @@ from .palette import WHITE as WHITE
 from .palette import WHITES as WHITES
 from .palette import WOODS as WOODS
 from .palette import pick as pick
-from .registry import furniture as furniture
 from .shapes import about as about
 from .shapes import ball as ball
 from .shapes import box as box

@@ -1,4 +1,8 @@
-"""`CATALOGUE`: every kind of furniture by name. Importing this module imports all modules that declare kinds."""
+"""`CATALOGUE`: every kind of furniture by name. Importing this module imports all modules that declare kinds.
+
+Users get `furniture` from here, so that the shipped kinds come first: a user's kind with the name of a shipped kind is then
+refused at the user's declaration.
+"""
 
 from collections.abc import Mapping
 from importlib import import_module
@@ -7,6 +11,7 @@ from types import MappingProxyType
 from worlds.errors import WorldsError
 from worlds.furniture.kinds import Kind
 from worlds.furniture.registry import KINDS
+from worlds.furniture.registry import furniture as furniture
 
 _THEMES = (
     "kitchen", "dining", "living", "bedroom", "bathroom", "office",

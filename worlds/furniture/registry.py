@@ -27,7 +27,10 @@ def furniture(
 
     def declare(build: Build) -> Build:
         if name in KINDS:
-            raise WorldsError(f"furniture kind {name!r} is declared twice; valid: a name of its own for each kind")
+            raise WorldsError(
+                f"furniture kind {name!r} is declared in {KINDS[name].build.__module__} and again in {build.__module__}; "
+                "valid: a name that is not in worlds.furniture.CATALOGUE"
+            )
         on_floor = isinstance(place, AgainstWall | OnFloor | Around)
         KINDS[name] = Kind(name, width, depth, height, rooms, build, place, on_floor if solid is None else solid, clearance)
         return build
