@@ -1,4 +1,4 @@
-"""`Part`: the primitive shape from which furniture, door leaves, windows, stairs and fences are built."""
+"""`Part`: the primitive shape from which furniture, door leaves, windows and stairs are built."""
 
 from dataclasses import dataclass
 from typing import Literal

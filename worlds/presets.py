@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from worlds.errors import WorldsError
-from worlds.floor_plans.building_kinds import KINDS, BuildingKind
+from worlds.floor_plans.building_kinds import BUILDING_KINDS, BuildingKind
 from worlds.floor_plans.floor_plan import SLAB_M, PlanStyle, lay_out
 from worlds.floor_plans.programmes import LayoutShares, StoreyProgramme
 from worlds.floor_plans.room_lists import by_storey, draw_programmes, programmes_of
@@ -48,7 +48,7 @@ def sample_house(
     if preset not in PRESETS:
         raise WorldsError(f"unknown preset {preset!r}{did_you_mean(preset, PRESETS)}; valid: {', '.join(PRESETS)}")
     rngs = _generators(seed)
-    kind = _random_kind(rngs[0]) if preset == "random" else KINDS[preset]
+    kind = _random_kind(rngs[0]) if preset == "random" else BUILDING_KINDS[preset]
     programmes, style = draw_programmes(kind, *_counts(kind, rooms, storeys, rngs[0]), rngs[0])
     return _finished(f"{preset}-{seed}", seed, programmes, style, rngs, openness, clutter)
 
@@ -103,7 +103,11 @@ def _random_kind(rng: np.random.Generator) -> BuildingKind:
     name = names[int(rng.integers(len(names)))]
     indoors = [label for label in ROOM_LABELS if label not in (*OUTDOOR_LABELS, *CIRCULATION_LABELS, STAIRS)]
     order = [indoors[i] for i in rng.permutation(len(indoors))]
-    kind = KINDS[name] if name else replace(KINDS["office"], first=(), more=(*order, *OUTDOOR_LABELS), repeats=0.2)
+    kind = (
+        BUILDING_KINDS[name]
+        if name
+        else replace(BUILDING_KINDS["office"], first=(), more=(*order, *OUTDOOR_LABELS), repeats=0.2)
+    )
     most = 2 + round(38 * float(rng.random()) ** 3)
     storeys = (1, 1, 1, 2, 2, 2, 3, 4) if most >= 5 else (1,)
     return replace(kind, rooms=(most, most), storeys=storeys, halls=(*kind.halls, None))

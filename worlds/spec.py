@@ -205,7 +205,9 @@ class AppearanceSpec(_Data):
         default="rich", description="rich: nothing repeats; poor: few visual features; repeating: periodic walls and floors"
     )
     light: Literal["day", "evening", "dim"] = "day"
-    seed: Seed | None = Field(default=None, description="seed of materials and colours; absent: the house's")
+    seed: Seed | None = Field(
+        default=None, description="seed of the materials and colours of floors, walls and ceilings; absent: the house's"
+    )
 
 
 class HouseSpec(_Data):

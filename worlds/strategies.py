@@ -28,11 +28,11 @@ from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS, STAIRS
 from worlds.openings.openness import openness_of, with_openness
 from worlds.spec import HouseSpec, OpeningKind
 
-MAX_ROOMS, MAX_STOREYS = 40, 4
+MAX_DRAWN_ROOMS, MAX_DRAWN_STOREYS = 40, 4
 DRAWABLE = tuple(label for label in ROOM_LABELS if label != STAIRS)
 """Labels that callers can request; stairs are added to houses of several storeys."""
 INDOOR = tuple(label for label in DRAWABLE if label not in OUTDOOR_LABELS)
-KINDS: tuple[OpeningKind, ...] = ("door", "open", "cased", "arch", "half wall", "counter")
+OPENING_KINDS: tuple[OpeningKind, ...] = ("door", "open", "cased", "arch", "half wall", "counter")
 _MAX_SIZE_DM, _MAX_WIDTH_DM = 60, 40
 _HEIGHTS_M = (2.6, 2.4, 3.0)
 _CLUTTER = (1.0, 0.5, 2.0)
@@ -46,7 +46,7 @@ def houses(
     max_storeys: int = 2,
     furnished: bool = False,
     labels: Sequence[str] = INDOOR,
-    kinds: Sequence[str] = KINDS,
+    kinds: Sequence[str] = OPENING_KINDS,
     doors: Sequence[str] = ("no leaf", "open"),
     openness: tuple[float, float] | None = None,
 ) -> SearchStrategy[HouseSpec]:
@@ -66,7 +66,7 @@ def houses(
             openness is within 0.05 of the value drawn (see `worlds.openings.openness`). None: openings stay as drawn.
     """
     _check_rooms(min_rooms, max_rooms)
-    _check_int("max_storeys", max_storeys, 1, MAX_STOREYS)
+    _check_int("max_storeys", max_storeys, 1, MAX_DRAWN_STOREYS)
     _check_bool("furnished", furnished)
     starts: tuple[Start, ...] = ("beside", "row", "storey") if max_storeys > 1 else ("beside", "row")
     room = _rooms(_choices("labels", labels, DRAWABLE), _ways(kinds, doors), starts)
@@ -103,7 +103,7 @@ def open_plans(
 def room_pairs(
     *,
     labels: Sequence[str] = INDOOR,
-    kinds: Sequence[str] = KINDS,
+    kinds: Sequence[str] = OPENING_KINDS,
     doors: Sequence[str] = ("no leaf", "open"),
 ) -> SearchStrategy[HouseSpec]:
     """Draw unfurnished houses of exactly two neighbouring rooms; see `houses` for the arguments."""
@@ -153,7 +153,7 @@ def _rooms(
 def _ways(kinds: Sequence[str], doors: Sequence[str]) -> SearchStrategy[OpeningRequest]:
     return st.builds(
         OpeningRequest,
-        kind=_choices("kinds", kinds, KINDS),
+        kind=_choices("kinds", kinds, OPENING_KINDS),
         width_dm=st.integers(MIN_WIDTH_DM, _MAX_WIDTH_DM),
         offset_dm=st.integers(0, _MAX_SIZE_DM),
         leaf=_choices("doors", doors, get_args(DoorState)),
@@ -173,8 +173,8 @@ def _choices(name: str, given: Sequence[str], valid: Sequence[_T]) -> SearchStra
 
 
 def _check_rooms(min_rooms: int, max_rooms: int) -> None:
-    _check_int("min_rooms", min_rooms, 1, MAX_ROOMS)
-    _check_int("max_rooms", max_rooms, 1, MAX_ROOMS)
+    _check_int("min_rooms", min_rooms, 1, MAX_DRAWN_ROOMS)
+    _check_int("max_rooms", max_rooms, 1, MAX_DRAWN_ROOMS)
     if min_rooms > max_rooms:
         raise InvalidArgument(f"min_rooms={min_rooms} exceeds max_rooms={max_rooms}")
 

@@ -13,7 +13,7 @@ from worlds.house import build_house
 from worlds.labels import STAIRS
 from worlds.openings.openness import openness_of, with_openness
 from worlds.spec import HouseSpec
-from worlds.strategies import KINDS, _opened, houses, open_plans, room_pairs
+from worlds.strategies import OPENING_KINDS, _opened, houses, open_plans, room_pairs
 from worlds.validation import validate
 from worlds.walls import boundaries
 
@@ -152,7 +152,7 @@ def test_the_number_of_rooms_shrinks_to_exactly_what_fails():
         (houses, {"labels": []}, "labels="),
         (houses, {"labels": ["stairs"]}, "labels has 'stairs'; valid: kitchen"),
         (houses, {"labels": ["garden"]}, "labels has 'garden', which bears no storey; valid with max_storeys=1 only"),
-        (room_pairs, {"kinds": ["window"]}, f"kinds has 'window'; valid: {', '.join(KINDS)}"),
+        (room_pairs, {"kinds": ["window"]}, f"kinds has 'window'; valid: {', '.join(OPENING_KINDS)}"),
         (room_pairs, {"doors": ["locked"]}, "doors has 'locked'; valid: no leaf, open, ajar, closed"),
         (houses, {"openness": (0.6, 0.2)}, "openness=(0.6, 0.2) is not a range within 0 ... 1"),
         (open_plans, {"min_openness": 1.5}, "min_openness=1.5 is not in 0 ... 1"),

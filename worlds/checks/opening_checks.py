@@ -10,9 +10,9 @@ from worlds.openings.windows import Window
 from worlds.spec import PASSABLE, OpeningSpec
 from worlds.walls import opening_span, segment_span
 
-MIN_WIDTH_M = 0.6
+MIN_OPENING_WIDTH_M = 0.6
 """Least width of an opening that a body with a radius of 0.25 m can walk through [m]."""
-MIN_HEIGHT_M = 1.9
+MIN_OPENING_HEIGHT_M = 1.9
 MIN_SILL_M = 0.3
 """Least sill of a half wall or counter [m]. Nobody can step over it, so that it is not a way between two rooms."""
 _TOLERANCE_M = 1e-3
@@ -64,10 +64,10 @@ def _bad_opening(place: str, opening: OpeningSpec, in_wall_m: float, height_m: f
             span = f"{MIN_SILL_M} ... {height_m:.2f} m, up to the ceiling"
             yield f"{place}: open from {low:.2f} to {high:.2f} m; valid: a part of {span}"
         return
-    if opening.width_m < MIN_WIDTH_M - _TOLERANCE_M:
-        yield f"{place}: {opening.width_m:.2f} m wide; a body needs at least {MIN_WIDTH_M:.2f} m"
-    if opening.kind != "open" and not MIN_HEIGHT_M <= high <= height_m:
-        yield f"{place}: {high:.2f} m high; valid: {MIN_HEIGHT_M} ... {height_m:.2f} m"
+    if opening.width_m < MIN_OPENING_WIDTH_M - _TOLERANCE_M:
+        yield f"{place}: {opening.width_m:.2f} m wide; a body needs at least {MIN_OPENING_WIDTH_M:.2f} m"
+    if opening.kind != "open" and not MIN_OPENING_HEIGHT_M <= high <= height_m:
+        yield f"{place}: {high:.2f} m high; valid: {MIN_OPENING_HEIGHT_M} ... {height_m:.2f} m"
 
 
 def _bad_window(house: House, window: Window) -> Iterator[str]:

@@ -39,7 +39,7 @@ _HOME_STYLE = PlanStyle(spine_m=(1.5, 2.1), stairs=(None, None, "U", "L", "strai
 _OFFICE_STYLE = PlanStyle((1.6, 2.2), (3.8, 4.8), (2.6, 2.8, 3.0), one_sided_m=(8.0, 14.0))
 _CLINIC_STYLE = PlanStyle((2.2, 2.8), (4.0, 5.2), (2.8, 3.0, 3.2), ("U", "L"), (6.0, 10.0), 30.0, 0.8)
 
-KINDS: dict[str, BuildingKind] = {
+BUILDING_KINDS: dict[str, BuildingKind] = {
     "home": BuildingKind(
         (7, 8), (2,), ("living room", "kitchen", "dining room", "garden", "bedroom", "bathroom", "children's room"),
         ("toilet", "office", "bedroom", "pantry", "laundry room", "garage", "storage room", "balcony", "bathroom",

@@ -40,7 +40,7 @@ from worlds.stairs.cells import (
     is_same_cell,
     opening_that_leads,
 )
-from worlds.stairs.flights import INSET_M, MIN_WIDTH_M, Point, StairsKind, StairsLayout, cell_needed, fit_stairs
+from worlds.stairs.flights import INSET_M, MIN_FLIGHT_WIDTH_M, Point, StairsKind, StairsLayout, cell_needed, fit_stairs
 from worlds.stairs.geometry import SLAB_THICKNESS_M, floor_beside_flight, rail_parts, slab_parts
 from worlds.stairs.shafts import check_shafts, door, lift_line
 from worlds.stairs.spirals import MIN_FRONT_M, MIN_RADIUS_M, Spiral
@@ -206,7 +206,7 @@ class _Site:
         if steps.is_walkable:
             return
         kind, cell = self.frame.kind, self.frame
-        width_m = MIN_WIDTH_M if kind == "L" else max(MIN_WIDTH_M, steps.width_m)
+        width_m = MIN_FLIGHT_WIDTH_M if kind == "L" else max(MIN_FLIGHT_WIDTH_M, steps.width_m)
         length, _ = cell_needed(kind, self.rise_m, width_m=width_m)
         _, width = cell_needed(kind, self.rise_m)
         raise HouseError(

@@ -25,7 +25,7 @@ StairsKind = Literal["straight", "L", "U"]
 
 MAX_RISER_M = 0.19
 MIN_TREAD_M = 0.22
-MIN_WIDTH_M = 0.8
+MIN_FLIGHT_WIDTH_M = 0.8
 """Least width of a flight [m]. A landing is at least as long as its flight is wide."""
 MAX_FLIGHT_RISE_M = 3.7
 """Greatest rise of straight stairs without a landing half way [m]."""
@@ -36,7 +36,7 @@ INSET_M = WALL_THICKNESS_M / 2
 _USUAL_TREAD_M = 0.3
 """Greatest depth of a tread, however long the cell is [m]."""
 _USUAL_L_WIDTHS_M = (1.0, 0.9)
-"""Widths that are tried for the flights of an L-shape, in this order [m]; `MIN_WIDTH_M` is the last resort."""
+"""Widths that are tried for the flights of an L-shape, in this order [m]; `MIN_FLIGHT_WIDTH_M` is the last resort."""
 _USUAL_L_TREAD_M = 0.26
 """Least depth of the treads of an L-shape with one of these widths [m]. If the treads would be less deep, the next smaller
 width is tried."""
@@ -46,7 +46,7 @@ Point = tuple[float, float, float]
 
 
 def cell_needed(
-    kind: StairsKind, rise_m: float, tread_m: float = MIN_TREAD_M, width_m: float = MIN_WIDTH_M
+    kind: StairsKind, rise_m: float, tread_m: float = MIN_TREAD_M, width_m: float = MIN_FLIGHT_WIDTH_M
 ) -> tuple[float, float]:
     """Return the least length (along the first flight) and the least width of a cell (a room) for stairs [m].
 
@@ -117,7 +117,7 @@ class StairsLayout:
     @property
     def is_walkable(self) -> bool:
         """Whether treads are deep enough and flights wide enough to walk on. Risers and landings need no check."""
-        return self.tread_m >= MIN_TREAD_M - _TOLERANCE_M and self.width_m >= MIN_WIDTH_M - _TOLERANCE_M
+        return self.tread_m >= MIN_TREAD_M - _TOLERANCE_M and self.width_m >= MIN_FLIGHT_WIDTH_M - _TOLERANCE_M
 
 
 def fit_stairs(kind: StairsKind, length: float, width: float, rise: float, above_void: bool) -> StairsLayout:
@@ -215,7 +215,7 @@ def _u_shaped(length: float, width: float, rise: float) -> StairsLayout:
 
 def _l_shaped(length: float, width: float, rise: float, above_void: bool) -> StairsLayout:
     n = risers("L", rise)
-    for clear in (*_USUAL_L_WIDTHS_M, MIN_WIDTH_M):
+    for clear in (*_USUAL_L_WIDTHS_M, MIN_FLIGHT_WIDTH_M):
         first, tread = _split(length - INSET_M - clear, width - INSET_M - clear, n)
         if tread >= _USUAL_L_TREAD_M:
             break

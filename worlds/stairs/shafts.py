@@ -17,7 +17,7 @@ from worlds.stairs.cells import BODY_HALF_M, MIN_HEAD_ROOM_M, bounds, cell_on, i
 
 MIN_SHAFT_M = 1.0
 """Least length and width of the shaft of a lift, between the centre lines of its walls [m]."""
-MIN_DOOR_M = 2 * BODY_HALF_M
+MIN_SHAFT_DOOR_M = 2 * BODY_HALF_M
 """Least width of the door of a shaft [m]."""
 _INSIDE_M = 0.8
 """Distance from the lower door at which the walker stands during the ride, if the shaft is deep enough [m]."""
@@ -86,9 +86,9 @@ def door(spec: HouseSpec, level: int, cell: RoomSpec, floor_m: float) -> Door:
             f"{cell.climb} {cell.id!r} has {len(doors)} openings on storeys[{level}]; valid: one on every storey"
         )
     height = doors[0].gap_m(spec.storeys[level].height_m)[1]
-    if doors[0].width_m < MIN_DOOR_M - 1e-6 or height < MIN_HEAD_ROOM_M - 1e-6:
+    if doors[0].width_m < MIN_SHAFT_DOOR_M - 1e-6 or height < MIN_HEAD_ROOM_M - 1e-6:
         raise HouseError(
             f"{cell.climb} {cell.id!r}: its opening on storeys[{level}] is {doors[0].width_m:.2f} x {height:.2f} m; "
-            f"valid: at least {MIN_DOOR_M} x {MIN_HEAD_ROOM_M} m"
+            f"valid: at least {MIN_SHAFT_DOOR_M} x {MIN_HEAD_ROOM_M} m"
         )
     return Door(np.array([*middle(doors[0]), floor_m]), np.array([*inward(level, cell, doors[0]), 0.0]))

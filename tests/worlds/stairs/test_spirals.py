@@ -75,7 +75,7 @@ def test_the_walking_line_passes_over_every_step_with_head_room(house):
 def test_furniture_on_any_step_of_a_spiral_is_refused(house):
     flight = house.stairs[0]
     for step in steps_of(flight):
-        tip = max(footprint(step).exterior.coords, key=Point(flight.treads[-1].centre[:2]).distance)
+        tip = max(footprint(step).exterior.coords, key=lambda corner: math.dist(corner, flight.treads[-1].centre[:2]))
         x, y = np.average([tip, step.centre[:2]], axis=0, weights=[0.8, 0.2])
         size = (0.06, 0.06, 0.1)
         vase = Furniture("f", "vase", flight.room, flight.storey, (x, y, top(step) - 0.05), 0.0, size, solid=True)
