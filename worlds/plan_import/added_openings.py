@@ -2,6 +2,7 @@
 
 1. Stairs at which no passage (an opening that one walks through) is drawn get openings on every storey that they join: one
    opening to the foot of the flight that begins on the storey, and one opening to the head of the flight that ends there.
+   Spiral stairs and lifts get a single opening on every storey.
 2. Doors are added between rooms that neither drawn openings nor stairs connect, until every room can be reached on foot.
 """
 
@@ -17,7 +18,8 @@ from worlds.openings.opening_draft import OpeningDraft
 from worlds.openings.placement import MIN_DOOR_M, free_spans, place_openings
 from worlds.spec import PASSABLE, HouseSpec, OpeningSpec, RoomSpec, StoreySpec
 from worlds.stairs.build import build_stairs
-from worlds.stairs.cells import Bounds, Leads, bounds, flight_places, is_same_cell, opening_that_leads
+from worlds.stairs.cells import Bounds, Leads, bounds, flight_places, is_same_cell, opening_that_leads, openings_of
+from worlds.stairs.shafts import check_shafts
 from worlds.walls import Boundary, boundaries
 
 _HUBS = ("corridor", "entrance hall", "lobby", "open-plan office", "living room")
@@ -29,19 +31,21 @@ larger than the coordinate of the opposite side."""
 _SIDES: tuple[Side, ...] = ((0, False), (0, True), (1, False), (1, True))
 
 
-def added_openings(storeys: Sequence[StoreySpec], slab_m: float) -> list[tuple[OpeningSpec, ...]]:
+def added_openings(spec: HouseSpec) -> list[tuple[OpeningSpec, ...]]:
     """Return the openings to add on each storey, lowest first, so that every room can be reached on foot from all others.
 
     No opening is added between rooms that are already connected, or at stairs with a drawn passage (an opening that one
-    walks through). Raises `WorldsError` if a needed opening fits nowhere.
+    walks through). Raises `WorldsError` if a needed opening fits nowhere, or if lifts or spirals are in unsuitable rooms.
     """
+    check_shafts(spec)
+    storeys = spec.storeys
     stairs: list[list[OpeningSpec]] = [[] for _ in storeys]
     for level, storey in enumerate(storeys):
         for cell in storey.rooms:
             if cell.label == STAIRS and not (level and _cells(storeys[level - 1], cell)) and not _has_passage(storeys, cell):
-                for k, openings in enumerate(_stair_openings(storeys, level, cell, slab_m), start=level):
+                for k, openings in enumerate(_stair_openings(spec, level, cell), start=level):
                     stairs[k] += openings
-    group = _walked_groups(storeys)
+    group = _walked_groups(spec)
     rng = np.random.default_rng(0)
     added = []
     for storey, at_stairs in zip(storeys, stairs, strict=True):
@@ -62,24 +66,32 @@ def _has_passage(storeys: Sequence[StoreySpec], cell: RoomSpec) -> bool:
     return any(not cells.isdisjoint(opening.rooms) for opening in drawn)
 
 
-def _walked_groups(storeys: Sequence[StoreySpec]) -> dict[str, str]:
+def _walked_groups(spec: HouseSpec) -> dict[str, str]:
     """Return the group of each room except stairs, by the room's id. Drawn openings and stairs connect the rooms of a group.
 
     The name of a group is the id of one of its rooms.
     """
-    spec = HouseSpec(storeys=tuple(storeys))
-    group = {room.id: room.id for storey in storeys for room in storey.rooms if room.label != STAIRS}
-    for opening in (opening for storey in storeys for opening in storey.openings if opening.kind in PASSABLE):
+    group = {room.id: room.id for storey in spec.storeys for room in storey.rooms if room.label != STAIRS}
+    for opening in (opening for storey in spec.storeys for opening in storey.openings if opening.kind in PASSABLE):
         _merge(group, *opening.rooms)
     for level, place in flight_places(spec):
-        below = storeys[level].rooms[place]
-        above = _cells(storeys[level + 1], below)[0]
         try:
-            foot, head = opening_that_leads(spec, level, below, "up"), opening_that_leads(spec, level + 1, above, "down")
+            ends = _ends(spec, level, spec.storeys[level].rooms[place])
         except HouseError:
             continue  # the check of the finished house reports this error
-        _merge(group, *(room for opening in (foot, head) for room in opening.rooms if room in group))
+        _merge(group, *(room for opening in ends for room in opening.rooms if room in group))
     return group
+
+
+def _ends(spec: HouseSpec, level: int, below: RoomSpec) -> list[OpeningSpec]:
+    """Return the openings at the foot and at the head of the flight, spiral or lift up from a room on storeys[`level`].
+
+    `below` is this room. Raises `HouseError` if it is not clear which opening leads to a flight.
+    """
+    above = _cells(spec.storeys[level + 1], below)[0]
+    if below.climb == "flights":
+        return [opening_that_leads(spec, level, below, "up"), opening_that_leads(spec, level + 1, above, "down")]
+    return [opening for k, cell in enumerate((below, above), level) for _, opening in openings_of(spec.storeys[k], cell)]
 
 
 def _merge(group: dict[str, str], *rooms: str) -> bool:
@@ -122,30 +134,50 @@ def _cells(storey: StoreySpec, cell: RoomSpec) -> list[RoomSpec]:
     return [room for room in storey.rooms if is_same_cell(room, cell)]
 
 
-def _stair_openings(storeys: Sequence[StoreySpec], lowest: int, cell: RoomSpec, slab_m: float) -> list[list[OpeningSpec]]:
+def _stair_openings(spec: HouseSpec, lowest: int, cell: RoomSpec) -> list[list[OpeningSpec]]:
     """Return the openings of a staircase on each storey, from `lowest` on, in the first arrangement that can be built.
 
-    `cell` is the room of the stairs on the storey `lowest`. An arrangement is the side of this room at which every flight
-    begins, and the side at which every flight ends. Arrangements in which both are the same side (stairs that turn by 180
-    degrees) are tried first. Raises `SpecError` if no arrangement works.
+    `cell` is the room of the stairs on the storey `lowest`. Raises `SpecError` if no arrangement works.
     """
-    stack = [storeys[lowest]]
-    while lowest + len(stack) < len(storeys) and _cells(storeys[lowest + len(stack)], cell):
-        stack.append(storeys[lowest + len(stack)])
-    floors = np.cumsum([0.0, *(storey.height_m + slab_m for storey in stack[:-1])]).tolist()
+    stack = [spec.storeys[lowest]]
+    while lowest + len(stack) < len(spec.storeys) and _cells(spec.storeys[lowest + len(stack)], cell):
+        stack.append(spec.storeys[lowest + len(stack)])
+    floors = np.cumsum([0.0, *(storey.height_m + spec.slab_m for storey in stack[:-1])]).tolist()
+    if cell.climb == "flights":
+        needed, arrangements = 2 * len(stack) - 2, _flight_openings(stack, cell)
+    else:
+        needed, arrangements = len(stack), _shaft_openings(stack, cell)
+    for arrangement in arrangements:
+        if sum(map(len, arrangement)) == needed and _can_be_built(stack, cell, arrangement, spec.slab_m, floors):
+            return arrangement
+    raise SpecError(
+        f"no openings could be added to stairs {cell.id!r}; valid: stairs with drawn openings, or a larger room for them"
+    )
+
+
+def _flight_openings(stack: Sequence[StoreySpec], cell: RoomSpec) -> Iterator[list[list[OpeningSpec]]]:
+    """Yield the openings of flights on each storey, for every pair of sides at which the flights begin and end.
+
+    Pairs of equal sides (stairs that turn by 180 degrees) come first. Where an opening does not fit, it is left out.
+    """
     for foot, head in sorted(product(_SIDES, repeat=2), key=lambda sides: sides[0] != sides[1]):
-        arrangement = [
+        yield [
             [
                 *(_stair_opening(storey, cell, foot, _foot_span(cell, foot, head), "up") if k + 1 < len(stack) else ()),
                 *(_stair_opening(storey, cell, head, _head_span(cell, foot, head), "down") if k else ()),
             ]
             for k, storey in enumerate(stack)
         ]
-        if sum(map(len, arrangement)) == 2 * len(stack) - 2 and _can_be_built(stack, cell, arrangement, slab_m, floors):
-            return arrangement
-    raise SpecError(
-        f"no openings could be added to stairs {cell.id!r}; valid: stairs with drawn openings, or a larger room for them"
-    )
+
+
+def _shaft_openings(stack: Sequence[StoreySpec], cell: RoomSpec) -> Iterator[list[list[OpeningSpec]]]:
+    """Yield the openings of a spiral or a lift on each storey, for every side of its room.
+
+    All openings are in the same side. Where an opening does not fit, it is left out.
+    """
+    for side in _SIDES:
+        low, high = _extent(cell, side)
+        yield [[*_stair_opening(storey, cell, side, (low + _SIDE_M, high - _SIDE_M), None)] for storey in stack]
 
 
 def _foot_span(cell: RoomSpec, foot: Side, head: Side) -> tuple[float, float]:
@@ -179,7 +211,7 @@ def _extent(cell: RoomSpec, side: Side) -> tuple[float, float]:
 
 
 def _stair_opening(
-    storey: StoreySpec, cell: RoomSpec, side: Side, span: tuple[float, float], leads: Leads
+    storey: StoreySpec, cell: RoomSpec, side: Side, span: tuple[float, float], leads: Leads | None
 ) -> Iterator[OpeningSpec]:
     """Yield an opening in one side of the stairs' room, to the room behind this side, from `span[0]` to `span[1]` [m].
 

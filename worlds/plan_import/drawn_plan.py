@@ -46,6 +46,8 @@ class DrawnRoom:
     storey: int
     corners: tuple[Point, ...]
     """Corners [m], clockwise or counter-clockwise. The first corner is not repeated at the end."""
+    climb: object = "flights"
+    """Field `climb` of `RoomSpec` as given in the file, not yet validated."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,8 @@ class DrawnPlan:
     strokes: tuple[Stroke, ...]
     heights_m: tuple[tuple[int, float], ...] = ()
     """Pairs (storey, height [m]) for the storeys whose height is given."""
+    slab_m: object = None
+    """Thickness of the slab between storeys as given in the file, not yet validated [m]; None if the file gives none."""
     notes: tuple[str, ...] = ()
     """Notes for the user, such as which shapes were ignored."""
 

@@ -8,9 +8,10 @@ Rooms are Polygons with a `label`. Openings are LineStrings (both ends) or Point
       {"type": "Feature", "properties": {"kind": "door"},
        "geometry": {"type": "LineString", "coordinates": [[4, 1], [4, 1.9]]}}]}
 
-An opening can also have the fields `height_m`, `sill_m`, `leaf` and `leads` of `OpeningSpec`. A list `storey_heights_m`
-beside `features` gives the heights of the storeys. A feature without `storey` is on the ground floor. Features with neither
-`label` nor `kind` are ignored, and so are all other properties.
+An opening can also have the fields `height_m`, `sill_m`, `leaf` and `leads` of `OpeningSpec`. A room of stairs can also have
+the field `climb` of `RoomSpec`. Beside `features`, a list `storey_heights_m` gives the heights of the storeys, and a number
+`slab_m` gives the thickness of the slabs between them. A feature without `storey` is on the ground floor. Features with
+neither `label` nor `kind` are ignored, and so are all other properties.
 """
 
 import json
@@ -33,7 +34,7 @@ from worlds.spec import HouseSpec, OpeningSpec, Point
 
 _DETAILS = ("height_m", "sill_m", "leaf", "leads")
 _FARTHEST_M = 1e8
-_PROPERTIES = ("label", "name", "storey", "kind", *_DETAILS)
+_PROPERTIES = ("label", "name", "storey", "kind", "climb", *_DETAILS)
 
 
 def read_geojson(text: str, metres_per_unit: float) -> DrawnPlan:
@@ -62,7 +63,8 @@ def _drawing(data: object, metres_per_unit: float) -> DrawnPlan:
         storey = storey_of(where, properties.get("storey", 0))
         if "label" in properties:
             corners = _ring(where, geometry, metres_per_unit)
-            rooms.append(DrawnRoom(where, name, label_of(where, str(properties["label"])), storey, corners))
+            label, climb = label_of(where, str(properties["label"])), properties.get("climb", "flights")
+            rooms.append(DrawnRoom(where, name, label, storey, corners, climb))
         elif "kind" in properties:
             details = tuple((key, properties[key]) for key in _DETAILS if properties.get(key) is not None)
             points = _ends(where, geometry, metres_per_unit)
@@ -74,7 +76,8 @@ def _drawing(data: object, metres_per_unit: float) -> DrawnPlan:
             "seems to have coordinates in degrees: the whole plan is smaller than 0.5 m; valid: x and y in metres"
         )
     notes = (f"ignored, because they have neither a label nor a kind: {listed_some(ignored)}",) if ignored else ()
-    return checked(rooms, strokes, heights_m=_heights(data), notes=spelling_notes(spoken, _PROPERTIES) + notes)
+    notes = spelling_notes(spoken, _PROPERTIES) + notes
+    return checked(rooms, strokes, heights_m=_heights(data), slab_m=data.get("slab_m"), notes=notes)
 
 
 def _in_degrees(rooms: Sequence[DrawnRoom]) -> bool:
@@ -93,13 +96,14 @@ def to_geojson(spec: HouseSpec) -> str:
     for level, storey in enumerate(spec.storeys):
         for room in storey.rooms:
             ring = [*room.polygon_m, room.polygon_m[0]]
-            properties = {"name": room.id, "label": room.label, "storey": level}
+            climb = room.model_dump(include={"climb"}, exclude_defaults=True)
+            properties = {"name": room.id, "label": room.label, "storey": level, **climb}
             features.append(_feature(properties, {"type": "Polygon", "coordinates": [ring]}))
         for opening in storey.openings:
             line = {"type": "LineString", "coordinates": [opening.start_m, opening.end_m]}
             features.append(_feature({**_properties(opening), "storey": level}, line))
-    heights = [storey.height_m for storey in spec.storeys]
-    return json.dumps({"type": "FeatureCollection", "storey_heights_m": heights, "features": features}, indent=1) + "\n"
+    heights = {"storey_heights_m": [storey.height_m for storey in spec.storeys], "slab_m": spec.slab_m}
+    return json.dumps({"type": "FeatureCollection", **heights, "features": features}, indent=1) + "\n"
 
 
 def _properties(opening: OpeningSpec) -> dict[str, Any]:

@@ -59,7 +59,7 @@ def import_plan(
     """Return the house that a floor plan shows, without windows and furniture, which `build_house` adds later.
 
     Rooms that the drawn openings do not reach get doors. Stairs without drawn openings get one opening at the foot and one
-    at the head of each flight.
+    at the head of each flight; spiral stairs and lifts get one opening on every storey.
 
     Args:
         path: a file of at most 16 MB that ends in .svg, .geojson or .json.
@@ -162,30 +162,31 @@ def _house(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
     polygons = straighten([(room, _moved(corners, shift)) for room, corners in outlines], snap_m)
     ids = _ids(drawing.rooms)
     rooms = [
-        validated(room.where, RoomSpec, id=identifier, label=room.label, polygon_m=polygon)
+        validated(room.where, RoomSpec, id=identifier, label=room.label, polygon_m=polygon, climb=room.climb)
         for identifier, room, polygon in zip(ids, drawing.rooms, polygons, strict=True)
     ]
     storeys = _storeys(drawing, rooms)
     by_name = {room.name or identifier: identifier for room, identifier in zip(drawing.rooms, ids, strict=True)}
     drawn = _drawn_openings(drawing.strokes, storeys, by_name, angle, shift, notes)
     storeys = [s.model_copy(update={"openings": drawn.get(level, ())}) for level, s in enumerate(storeys)]
-    if not plan.only_drawn:
-        storeys = _with_added_openings(storeys, notes)
-    fields = {"name": plan.name, "seed": plan.seed, "slab_m": _SLAB_M, "storeys": tuple(storeys)}
-    return validated("the house", HouseSpec, **fields), notes
+    slab_m = _SLAB_M if drawing.slab_m is None else drawing.slab_m
+    fields = {"name": plan.name, "seed": plan.seed, "slab_m": slab_m, "storeys": tuple(storeys)}
+    spec = validated("the house", HouseSpec, **fields)
+    return (spec if plan.only_drawn else _with_added_openings(spec, notes)), notes
 
 
-def _with_added_openings(storeys: Sequence[StoreySpec], notes: list[str]) -> list[StoreySpec]:
-    """Add openings where the drawn openings do not connect all rooms, and return the storeys.
+def _with_added_openings(spec: HouseSpec, notes: list[str]) -> HouseSpec:
+    """Add openings where the drawn openings do not connect all rooms, and return the house.
 
     A note that lists the added openings is appended to `notes`.
     """
-    added = added_openings(storeys, _SLAB_M)
+    storeys, added = spec.storeys, added_openings(spec)
     listing = [f"{opening.rooms[0]} - {opening.rooms[1]} ({opening.kind})" for openings in added for opening in openings]
     if listing:
         drawn = "the drawn openings do not reach every room" if any(s.openings for s in storeys) else "no openings are drawn"
         notes.append(f"{drawn}; added, so that every room can be reached: {listed(listing)}")
-    return [s.model_copy(update={"openings": (*s.openings, *more)}) for s, more in zip(storeys, added, strict=True)]
+    whole = (s.model_copy(update={"openings": (*s.openings, *more)}) for s, more in zip(storeys, added, strict=True))
+    return spec.model_copy(update={"storeys": tuple(whole)})
 
 
 def _drawn_openings(

@@ -9,6 +9,7 @@ import pytest
 from worlds.errors import SpecError, WorldsError
 from worlds.plan_import.importer import import_plan, to_geojson
 from worlds.presets import sample_from_rooms, sample_house
+from worlds.variant import variant
 
 LEFT, RIGHT = [[0, 0], [4, 0], [4, 3], [0, 3]], [[4, 0], [8, 0], [8, 3], [4, 3]]
 DOOR = {"type": "Feature", "properties": {"kind": "door"}, "geometry": {"type": "Point", "coordinates": [4.1, 1.5]}}
@@ -23,9 +24,16 @@ def room(label, corners, **properties):
     }
 
 
-def written(tmp_path, *features):
+def tower(*climbs):
+    """Rooms for a plan with a corridor and a staircase; on each storey, the staircase has one of the given climbs."""
+    cell = [[-3, 0], [0, 0], [0, 3], [-3, 3]]
+    stairs = [room("stairs", cell, storey=level, climb=climb) for level, climb in enumerate(climbs)]
+    return [*stairs, *(room("corridor", LEFT, storey=level) for level in range(len(climbs)))]
+
+
+def written(tmp_path, *features, **beside):
     path = tmp_path / "plan.geojson"
-    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    path.write_text(json.dumps({"type": "FeatureCollection", **beside, "features": features}))
     return path
 
 
@@ -48,7 +56,7 @@ def rooms(spec):
 
 def gaps(spec):
     return {
-        (level, frozenset(o.rooms), o.kind, frozenset([o.start_m, o.end_m]), o.leaf, o.leads, o.height_m)
+        (level, frozenset(o.rooms), o.kind, frozenset([o.start_m, o.end_m]), o.leaf, o.leads, o.height_m, o.sill_m)
         for level, storey in enumerate(spec.storeys)
         for o in storey.openings
     }
@@ -59,16 +67,34 @@ def corners_of(spec):
     return {name: (level, label, frozenset(polygon)) for name, (level, label, polygon) in rooms(spec).items()}
 
 
-@pytest.mark.parametrize("preset", ["home", "ori", "uh2-apt", "random"])
+def climbs(spec):
+    return {r.id: r.climb for storey in spec.storeys for r in storey.rooms}
+
+
+def heights(spec):
+    return spec.slab_m, [storey.height_m for storey in spec.storeys]
+
+
+@pytest.mark.parametrize(
+    ("preset", "climb", "slab_m"),
+    [
+        *((preset, None, 0.3) for preset in ("home", "ori", "uh2-apt", "random")),
+        ("home", None, 0.5),
+        ("home", "lift", 0.5),
+        ("uh2-apt", "lift", 0.3),
+        ("uh2-apt", "spiral", 0.25),
+    ],
+)
 @pytest.mark.parametrize("seed", [1, 2])
-def test_exported_plans_are_imported_unchanged(tmp_path, preset, seed):
-    house = sample_house(preset, seed)
+def test_exported_plans_are_imported_unchanged(tmp_path, preset, climb, slab_m, seed):
+    house = variant(sample_house(preset, seed), climb=climb).model_copy(update={"slab_m": slab_m})
     path = tmp_path / "plan.geojson"
     path.write_text(to_geojson(house))
     back = import_plan(path).spec
     assert corners_of(back) == corners_of(house)
     assert gaps(back) == gaps(house)
-    assert [storey.height_m for storey in back.storeys] == [storey.height_m for storey in house.storeys]
+    assert climbs(back) == climbs(house)
+    assert heights(back) == heights(house)
 
 
 def test_a_turned_sloppy_plan_in_map_coordinates_is_put_right(tmp_path):
@@ -156,6 +182,44 @@ def test_stairs_get_their_openings_too(tmp_path):
     storeys = [room(label, c, storey=k) for k in (0, 1) for label, c in (("stairs", cell), ("corridor", LEFT))]
     spec = import_plan(written(tmp_path, *storeys)).spec
     assert [[o.leads for o in storey.openings] for storey in spec.storeys] == [["up"], ["down"]]
+
+
+@pytest.mark.parametrize("climb", ["lift", "spiral"])
+def test_lifts_and_spirals_get_one_opening_on_every_storey(tmp_path, climb):
+    spec = import_plan(written(tmp_path, *tower(climb, climb, climb))).spec
+    assert {r.climb for storey in spec.storeys for r in storey.rooms if r.label == "stairs"} == {climb}
+    assert [[o.leads for o in storey.openings] for storey in spec.storeys] == [[None]] * 3
+
+
+def test_rooms_that_lifts_connect_need_no_doors_between_them(tmp_path):
+    shafts = [[-2, 0], [0, 0], [0, 2], [-2, 2]], [[8, 0], [10, 0], [10, 2], [8, 2]]
+    lifts = [room("stairs", shaft, storey=k, climb="lift") for k in range(3) for shaft in shafts]
+    doors = [
+        {**DOOR, "properties": {"kind": "door", "storey": k}, "geometry": {"type": "Point", "coordinates": [x, 1]}}
+        for k in range(3)
+        for x in (0, 8)
+    ]
+    wings = [room("office", wing, storey=k) for k in (1, 2) for wing in (LEFT, RIGHT)]
+    hall = room("corridor", [[0, 0], [8, 0], [8, 3], [0, 3]])
+    plan = import_plan(written(tmp_path, hall, *wings, *lifts, *doors))
+    assert plan.notes == () and [len(storey.openings) for storey in plan.spec.storeys] == [2, 2, 2]
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "message"),
+    [
+        ("lift", "flights", "'stairs' has the climb 'lift', and 'stairs 2' above it 'flights'; valid: the same"),
+        ("elevator", "lift", "features[0]: climb: is 'elevator'; valid: flights, spiral, lift"),
+    ],
+)
+def test_staircases_with_an_invalid_climb_are_refused(tmp_path, lower, upper, message):
+    assert message in refusal(written(tmp_path, *tower(lower, upper)))
+
+
+@pytest.mark.parametrize("slab_m", ["0.5", 5, -1, math.nan, True, [0.3]])
+def test_an_invalid_slab_is_refused(tmp_path, slab_m):
+    assert "slab_m: is" in (message := refusal(written(tmp_path, *tower("lift", "lift"), slab_m=slab_m)))
+    assert message.endswith("valid: a number from 0.1 to 1 [m]")
 
 
 def test_rooms_drawn_at_the_inner_faces_of_their_walls_meet_in_the_middle(tmp_path):
