@@ -1,7 +1,7 @@
 """A kind of furniture of your own, and a house that contains it.
 
-`@furniture` declares sizes, rooms and place; the function returns the solid shapes of one piece. Declare every kind before
-the first house is built. Run it: `python tests/examples/own_furniture.py`
+`@furniture` declares sizes, rooms and place; the function returns the solid shapes of one piece. Only houses that are built
+after the declaration have such pieces. Run it: `python tests/examples/own_furniture.py`
 """
 
 from numpy.random import Generator

@@ -144,9 +144,9 @@ Place = AgainstWall | OnFloor | Around | OnTop | OnWall | OnCeiling
 Build = Callable[[Size, Generator], Parts]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Kind:
-    """A kind of furniture, as declared in the catalogue."""
+    """A kind of furniture, as declared in the catalogue. Two declarations are two kinds, even if they are alike."""
 
     name: str
     """Name of the kind, of up to `MAX_NAME_LENGTH` characters. It is a part of ids, and may have the same characters."""

@@ -21,7 +21,8 @@ def furniture(
 ) -> Callable[[Build], Build]:
     """Register the decorated build function as a kind of furniture; see `Kind` for the arguments.
 
-    By default (`solid=None`) a piece is solid if it stands on the floor. The decorator raises `WorldsError` if the name is
+    Houses that are built after the declaration have pieces of the kind; houses that are built already do not change. By
+    default (`solid=None`) a piece is solid if it stands on the floor. The decorator raises `WorldsError` if the name is
     already registered, or if `Kind` refuses an argument.
     """
 

@@ -3,7 +3,6 @@
 import pytest
 
 from worlds.furniture.catalogue import CATALOGUE
-from worlds.furniture.placing.furnish import kinds_for
 from worlds.furniture.registry import KINDS
 
 
@@ -14,4 +13,3 @@ def kinds():
     yield KINDS
     KINDS.clear()
     KINDS.update(before)
-    kinds_for.cache_clear()

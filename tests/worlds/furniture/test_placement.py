@@ -12,7 +12,7 @@ from shapely.ops import unary_union
 
 from worlds.errors import HouseError, WorldsError
 from worlds.furniture.catalogue import CATALOGUE
-from worlds.furniture.placing.furnish import furnish, is_solid, kinds_for
+from worlds.furniture.placing.furnish import furnish, is_solid
 from worlds.furniture.placing.kept_free import PASSAGE_M
 from worlds.furniture.placing.room_plan import FLAT_M
 from worlds.furniture.registry import furniture
@@ -274,7 +274,6 @@ def test_another_kind_leaves_the_draws_of_the_rest_alone(kinds):
     names = [f"{label} 4.2 x 4.0" for label in ("living room", "bedroom", "office", "gym")]
 
     def all_pieces():
-        kinds_for.cache_clear()
         rooms = [(name, seed) for name in names for seed in range(4)]
         pieces = [(room, piece) for room in rooms for piece in furnish(STOREYS[room[0]], _seeded(room[1]))]
         return {(room, p.kind, p.position_m, p.yaw_rad, p.size_m, p.seed) for room, p in pieces}
@@ -285,6 +284,20 @@ def test_another_kind_leaves_the_draws_of_the_rest_alone(kinds):
     after = all_pieces()
     assert sum(kind == "gong" for _, kind, *_ in after) > 5
     assert len(before & after) > 0.9 * len(before)
+
+
+def test_a_declared_kind_stands_in_every_room_that_is_furnished_later(kinds):
+    known, new = (STOREYS[f"{label} 4.2 x 4.0"] for label in ("gym", "library"))
+    furnish(known, _seeded(0))
+    declare = furniture(
+        "gong", width=(0.3, 0.3), depth=(0.3, 0.3), height=(0.3, 0.3), rooms={"gym": (1, 1), "library": (1, 1)}
+    )
+    declare(lambda size, rng: ())
+    for storey in (known, new):
+        assert [piece.kind for piece in furnish(storey, _seeded(0))].count("gong") == 1
+    del kinds["gong"]
+    for storey in (known, new):
+        assert "gong" not in [piece.kind for piece in furnish(storey, _seeded(0))]
 
 
 @pytest.mark.parametrize("name", ["", "café table", "tv/stand", " gong", "-", "gong\n", "g" * 41])

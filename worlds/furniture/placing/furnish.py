@@ -80,7 +80,7 @@ class _Furnisher:
 
     def __init__(self, plan: RoomPlan, numbers: Sequence[float], clutter: float) -> None:
         self._plan, self._numbers, self._clutter = plan, numbers, clutter
-        self._kinds = kinds_for(plan.label)
+        self._kinds = _room_kinds(plan.label, tuple(CATALOGUE.values()))
         self._pieces: list[Piece] = []
         self._by_kind: dict[str, list[Piece]] = defaultdict(list)
         self._more: list[_Queued] = []
@@ -194,12 +194,9 @@ class RoomKinds:
 
 
 @cache
-def kinds_for(label: str) -> RoomKinds:
-    """Return the kinds of the catalogue that belong in rooms with `label`.
-
-    The result is cached: call `kinds_for.cache_clear()` after the catalogue has changed.
-    """
-    here = sorted((kind for kind in CATALOGUE.values() if label in kind.rooms), key=lambda kind: _rank(kind, label))
+def _room_kinds(label: str, catalogue: tuple[Kind, ...]) -> RoomKinds:
+    """Return the kinds of the catalogue that belong in rooms with `label`."""
+    here = sorted((kind for kind in catalogue if label in kind.rooms), key=lambda kind: _rank(kind, label))
     seats = [kind for kind in here if isinstance(kind.place, Around) and _is_required(kind, label)]
     standing = tuple(kind for kind in here if _stage(kind) == 1)
     details = tuple(kind for kind in here if _stage(kind) > 1 and kind not in seats)
