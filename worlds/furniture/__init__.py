@@ -13,8 +13,8 @@ To add a kind, write one function in the module of its theme, or in a new module
         )
 
 `rooms` says how many pieces a room has, by its label: 0.2 is an expected number, (1, 2) is the least and the greatest
-number, and `PerClutter(0.5)` is for pieces that only cluttered rooms have. Placement, truth, rendering and tests use the
-catalogue.
+number, and `PerClutter(0.5)` is for pieces that only cluttered rooms have. For pieces at, on or above another piece (the
+host), these numbers count pieces per host. Placement, truth, rendering and tests use the catalogue.
 """
 
 import lazy_loader

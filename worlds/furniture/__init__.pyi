@@ -43,3 +43,10 @@ from .shapes import ball as ball
 from .shapes import box as box
 from .shapes import cone as cone
 from .shapes import cylinder as cylinder
+from .shapes import fronts as fronts
+from .shapes import inset as inset
+from .shapes import legs as legs
+from .shapes import moved as moved
+from .shapes import shelf_unit as shelf_unit
+from .shapes import split as split
+from .shapes import stocked as stocked
