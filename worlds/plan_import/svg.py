@@ -9,7 +9,10 @@
 - `data-name`, or else the Inkscape label, is the name of a room.
 - `data-storey` on an element or on a group around it gives the storey. So does the name of a group or layer such as
   "storey-1" or "Floor 1".
-- Hidden layers are ignored.
+- Layers and shapes that `display` or `visibility` hides are ignored. These properties are read from attributes and from
+  `style`, but not from style sheets.
+- Rooms and openings inside an `<svg>` or `<symbol>` with `x`, `y` or `viewBox` are refused; only the outermost `<svg>` can
+  have these attributes.
 """
 
 import re

@@ -6,7 +6,7 @@ expand without bound or read other files.
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
@@ -23,7 +23,10 @@ key never clashes."""
 _NAMES = ("id", "class", LABEL, "data-label", "data-kind", "data-name", "data-storey")
 _HIDDEN = ("defs", "symbol", "clipPath", "mask", "pattern", "marker")
 _STOREY = re.compile(r"(?:storey|story|floor|level)[ _-]*(\d)", re.IGNORECASE)
-_NOT_SHOWN = re.compile(r"(?:^|;)\s*display\s*:\s*none")
+_IS_VISIBLE = {"visible": True, "hidden": False, "collapse": False}
+_WITH_COORDINATES = ("svg", "symbol")
+"""Elements that have coordinates of their own if they have one of the attributes `_PLACEMENT`."""
+_PLACEMENT = ("x", "y", "viewBox")
 _MAX_DEPTH, _MAX_ELEMENTS = 100, 100_000
 _TOO_MUCH = f"has elements nested deeper than {_MAX_DEPTH} or more than {_MAX_ELEMENTS}"
 
@@ -61,7 +64,16 @@ class SvgShape(Named):
 
 
 def outline_of(shape: SvgShape) -> Outline:
-    """Return the corners of a shape in the units of the drawing. Raises `SpecError` as `svg_shapes.outline` does."""
+    """Return the corners of a shape in the units of the drawing.
+
+    Raises `SpecError` as `svg_shapes.outline` does, and for a shape inside an element with coordinates of its own.
+    """
+    for group in shape.groups:
+        if group.tag in _WITH_COORDINATES and any(name in group.attributes for name in _PLACEMENT):
+            raise SpecError(
+                f"{shape.where}: lies in {group.where}, which has x, y or viewBox; "
+                "valid: a group (<g>) with a transform instead"
+            )
     return outline(shape.where, shape.tag, shape.attributes, shape.T_svg_shape)
 
 
@@ -99,9 +111,8 @@ def _refuse(*_: object) -> None:
 
 def shown_shapes(root: Element) -> Iterator[SvgShape]:
     """List the visible shapes in their order in the file. Raises `SpecError` for invalid transforms or too many elements."""
-    return _Walk({identifier: element for element in root.iter() if (identifier := element.get("id"))}).below(
-        root, _Inherited()
-    )
+    by_id = {identifier: element for element in root.iter() if (identifier := element.get("id"))}
+    return _Walk(by_id).below(root, _Inherited(visible=_is_visible(root.attrib, inherited=True)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +122,8 @@ class _Inherited:
     T_svg_here: Float64[np.ndarray, "3 3"] = field(default_factory=lambda: np.eye(3))
     storey: object = 0
     groups: tuple[Named, ...] = ()
+    visible: bool = True
+    """Whether the property `visibility` shows the elements inside. They can set this property again themselves."""
 
 
 @dataclass
@@ -132,24 +145,44 @@ class _Walk:
         self.visited += 1
         if len(around.groups) > _MAX_DEPTH or self.visited > _MAX_ELEMENTS:
             raise SpecError(_TOO_MUCH)
-        if attributes.get("display") == "none" or _NOT_SHOWN.search(attributes.get("style", "")):
+        if _property(attributes, "display") == "none":
             return
+        visible = _is_visible(attributes, around.visible)
         this = Named(str(element.tag), attributes)
         matrix = around.T_svg_here @ transform(this.where, attributes.get("transform", ""))
         storey = attributes.get("data-storey", _storey_of_group(this) or around.storey)
         if element.tag in TAGS:
-            yield SvgShape(this.tag, attributes, matrix, storey, around.groups)
+            if visible:
+                yield SvgShape(this.tag, attributes, matrix, storey, around.groups)
             return
-        inside = _Inherited(matrix, storey, (this, *around.groups))
+        inside = _Inherited(matrix, storey, (this, *around.groups), visible)
         if element.tag != "use":
             yield from self.below(element, inside)
         elif (
             used := self.by_id.get(attributes.get("href", attributes.get("xlink:href", "")).removeprefix("#"))
         ) is not None:
             x, y = (length_px(this.where, name, attributes.get(name, "0")) for name in ("x", "y"))
-            moved = _Inherited(matrix @ np.array([[1, 0, x], [0, 1, y], [0, 0, 1]]), storey, inside.groups)
+            moved = replace(inside, T_svg_here=matrix @ np.array([[1, 0, x], [0, 1, y], [0, 0, 1]]))
             names = {key: value for key, value in attributes.items() if key in (*_NAMES, _LINE)}
             yield from self.at(used, {**used.attrib, **names}, moved)
+
+
+def _property(attributes: Mapping[str, str], name: str) -> str:
+    """Return the value of a CSS property of an element, in lower case; "" if it is not set.
+
+    A declaration in `style` takes precedence over the attribute with the name of the property.
+    """
+    value = attributes.get(name, "")
+    for declaration in attributes.get("style", "").split(";"):
+        key, _, text = declaration.partition(":")
+        if key.strip().lower() == name:
+            value = text
+    return value.partition("!")[0].strip().lower()  # without "!important"
+
+
+def _is_visible(attributes: Mapping[str, str], inherited: bool) -> bool:
+    """Return whether the property `visibility` shows an element; an element that does not set it inherits the value."""
+    return _IS_VISIBLE.get(_property(attributes, "visibility"), inherited)
 
 
 def _storey_of_group(element: Named) -> str | None:

@@ -295,6 +295,69 @@ def test_a_group_with_several_shapes_does_not_say_which_is_the_room(tmp_path):
     )
 
 
+KITCHEN_SVG, GYM_SVG = (
+    f'<rect class="{name}" x="{x}" width="400" height="300"/>' for name, x in (("kitchen", 0), ("gym", 400))
+)
+
+
+@pytest.mark.parametrize(
+    "hidden",
+    [
+        '<g visibility="hidden">{}</g>',
+        '<g visibility="collapse"><g>{}</g></g>',
+        '<g style="fill:none; visibility: Hidden !important;">{}</g>',
+        '<g visibility="visible" style="visibility:hidden">{}</g>',
+        '<g display="inline" style="display:none">{}</g>',
+        '<g display="none"><g visibility="visible" display="inline">{}</g></g>',
+        '<defs><g id="a">{}</g></defs><use href="#a" visibility="hidden"/>',
+    ],
+)
+def test_hidden_shapes_are_ignored(tmp_path, hidden):
+    assert import_plan(svg(tmp_path, KITCHEN_SVG + hidden.format(GYM_SVG))) == import_plan(svg(tmp_path, KITCHEN_SVG))
+
+
+@pytest.mark.parametrize(
+    "shown",
+    [
+        '<g visibility="hidden"><g visibility="visible">{}</g></g>',
+        '<g visibility="hidden"><g visibility="inherit" style="visibility:visible">{}</g></g>',
+        '<g visibility="hidden" style="fill:none;visibility:visible">{}</g>',
+        '<g display="none" style="display:inline">{}</g>',
+        '<defs><g id="a" visibility="visible">{}</g></defs><use href="#a" visibility="hidden"/>',
+    ],
+)
+def test_shapes_can_be_visible_again_in_a_hidden_layer(tmp_path, shown):
+    both = import_plan(svg(tmp_path, KITCHEN_SVG + GYM_SVG))
+    assert import_plan(svg(tmp_path, KITCHEN_SVG + shown.format(GYM_SVG))) == both
+
+
+def test_the_visibility_of_the_whole_drawing_is_inherited(tmp_path):
+    shown = f'{KITCHEN_SVG}<g visibility="visible">{GYM_SVG}</g>'
+    plan = import_plan(svg(tmp_path, shown, 'data-metres-per-unit="0.01" visibility="hidden"'))
+    assert [r.id for r in plan.spec.storeys[0].rooms] == ["gym"]
+
+
+@pytest.mark.parametrize("moved", ['x="9"', 'y="9"', 'viewBox="0 0 40 30"'])
+def test_rooms_in_a_nested_svg_that_moves_them_are_refused_with_its_place(tmp_path, moved):
+    path = svg(tmp_path, f'{KITCHEN_SVG}\n<svg id="wing" {moved}><g>{GYM_SVG}</g></svg>')
+    assert "<rect> 'gym' on line 2: lies in <svg> 'wing' on line 2" in (message := refusal(path))
+    assert message.endswith("valid: a group (<g>) with a transform instead")
+
+
+def test_a_symbol_with_a_view_box_is_refused_where_it_shows_a_room(tmp_path):
+    symbol = f'<symbol id="a" viewBox="0 0 40 30">{GYM_SVG}</symbol>'
+    assert import_plan(svg(tmp_path, KITCHEN_SVG + symbol)) == import_plan(svg(tmp_path, KITCHEN_SVG))
+    shown = svg(tmp_path, KITCHEN_SVG + symbol + '<use href="#a" id="wing" width="9"/>')
+    assert "lies in <symbol> 'wing' on line 1" in refusal(shown)
+
+
+def test_a_nested_svg_without_rooms_or_openings_does_no_harm(tmp_path):
+    logo = '<svg x="9" viewBox="0 0 40 30"><path id="logo" d="M0 0h9"/></svg>'
+    plan = import_plan(svg(tmp_path, KITCHEN_SVG + f"<svg>{GYM_SVG}</svg>" + logo))
+    assert plan.spec == import_plan(svg(tmp_path, KITCHEN_SVG + GYM_SVG)).spec
+    assert "ignored, because they name neither a label nor a kind: <path> 'logo' on line 1" in plan.notes
+
+
 def test_layers_are_storeys(tmp_path):
     layers = "".join(
         f"""<g inkscape:label="Floor {k}"><rect class="stairs" x="-340" width="340" height="200"/>
