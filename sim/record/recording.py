@@ -139,4 +139,6 @@ def _reported(
         if note is not None:
             note(frame)
         if progress is not None:
-            progress(done / total)
+            progress(min(done / total, 1.0))  # faults may duplicate frames
+    if progress is not None:
+        progress(1.0)  # faults may drop frames

@@ -6,7 +6,7 @@ change LEXIS's map, since LEXIS adds no keyframe while the odometry does not mov
 
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from types import MappingProxyType
 from zlib import crc32
@@ -17,6 +17,8 @@ from jaxtyping import Float32, Float64, Int64
 from lexis.inputs import pixels
 from lexis.types import Camera, Image, Observation
 from sim.errors import SimError
+from sim.faults.fault import Fault
+from sim.faults.poses import Kidnap, OdometryNaN
 from sim.harness.scenario import Scenario
 from sim.harness.walk import Walk, walk
 from sim.odometry.imu import GRAVITY_M_S2, Imu, ImuConfig, corrupted, ideal_imu
@@ -63,6 +65,8 @@ class Take:
     """Distortion of the lens of every camera."""
     imu: Imu
     """IMU data. Stamps count from the start of the walk [s]; they are negative during the rest before the walk."""
+    walk_s: Float64[np.ndarray, "n"]
+    """Time in the walk at which the IMU measured [s]. It differs from the stamps where a kidnapping cuts a part out."""
     with_truth: bool = True
     """Whether recordings contain the ground truth: true poses, rooms and the house."""
 
@@ -84,7 +88,7 @@ class Take:
     @property
     def frame_s(self) -> float:
         """Time between consecutive frames [s]."""
-        return float(self.walk.tour.stamps[1] - self.walk.tour.stamps[0])
+        return 1.0 / self.config.frame_rate_hz
 
     def __len__(self) -> int:
         return self.rest_frames + len(self.walk.tour.stamps)
@@ -97,13 +101,13 @@ class Take:
     @property
     def T_W_B(self) -> Float64[np.ndarray, "n 4 4"]:
         """True poses of the body at the stamps of the IMU."""
-        return self.walk.tour.motion.poses_at(self.imu.stamps, self.walk.tour.eye_height_m)
+        return self.walk.tour.motion.poses_at(self.walk_s, self.walk.tour.eye_height_m)
 
     @property
     def velocity(self) -> Float64[np.ndarray, "n 3"]:
         """True velocities in W at the stamps of the IMU [m/s]."""
-        moving = (self.imu.stamps > 0.0) & (self.imu.stamps < self.walk.tour.motion.duration_s)
-        return np.where(moving[:, None], self.walk.tour.motion.velocity(self.imu.stamps), 0.0)
+        moving = (self.walk_s > 0.0) & (self.walk_s < self.walk.tour.motion.duration_s)
+        return np.where(moving[:, None], self.walk.tour.motion.velocity(self.walk_s), 0.0)
 
     def frames(self, cameras: tuple[str, ...] = (), depth: bool = False) -> Generator[RecordedFrame, None, None]:
         """Render and yield the frames in order, beginning with the frames at rest before the walk.
@@ -157,8 +161,11 @@ def prepare(
     The cameras are the pinhole cameras of the config's rig. If there is only one, a second camera is added on its right.
     All cameras have the same `distortion`; by default, there is none.
 
-    Raises the errors of `sim.harness.run` and `Lens`, and `SimError` for a camera that is too far from the IMU.
+    Raises the errors of `sim.harness.run` and `Lens`, and `SimError` for a camera that is too far from the IMU and for
+    faults that make poses NaN, which no format of recordings can hold.
     """
+    if any(isinstance(fault, OdometryNaN) for fault in config.faults):
+        raise SimError(f"fault {OdometryNaN.name}: recordings hold finite poses only; valid: other faults")
     imu_config, distortion = imu_config or ImuConfig(), distortion or Distortion()
     rig = build_rig(config.rig)
     pinholes = tuple(rig.cameras.values())
@@ -170,8 +177,32 @@ def prepare(
     # The IMU has its own random stream, so that recording does not change the random numbers of the run.
     rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(crc32(b"imu"),)))
     imu = corrupted(_with_rest(ideal_imu(walked.tour.motion, imu_config.rate_hz), imu_config.rate_hz), imu_config, rng)
+    imu, walk_s = _without_cuts(imu, walked.tour.stamps, config.faults)
     named = {f"cam{k}": camera for k, camera in enumerate(cameras)}
-    return Take(config, walked, rig.front, named, imu_config, distortion, imu, with_truth)
+    return Take(config, walked, rig.front, named, imu_config, distortion, imu, walk_s, with_truth)
+
+
+def _without_cuts(
+    imu: Imu, frames_s: Float64[np.ndarray, "k"], faults: Sequence[Fault]
+) -> tuple[Imu, Float64[np.ndarray, "n"]]:
+    """Cut the same parts out of IMU data that kidnappings cut out of the walk.
+
+    Return the rest of the data, whose stamps continue without a gap, and the time in the walk of every measurement [s].
+    """
+    walk_s = imu.stamps
+    for fault in faults:
+        if isinstance(fault, Kidnap):
+            start, end = fault.cut(frames_s)
+            frames_s = _closed(frames_s[(frames_s <= start) | (frames_s > end)], start, end)
+            kept = (imu.stamps <= start) | (imu.stamps > end)
+            walk_s, imu = walk_s[kept], Imu(*(getattr(imu, each.name)[kept] for each in fields(imu)))
+            imu = replace(imu, stamps=_closed(imu.stamps, start, end))
+    return imu, walk_s
+
+
+def _closed(stamps: Float64[np.ndarray, "n"], start: float, end: float) -> Float64[np.ndarray, "n"]:
+    """Return stamps without the gap between `start` and `end` [s]."""
+    return np.where(stamps > start, stamps - (end - start), stamps)
 
 
 def _check_places(cameras: Sequence[Camera]) -> None:

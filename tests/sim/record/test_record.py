@@ -26,6 +26,7 @@ from sim.cli import main
 from sim.errors import SimError
 from sim.faults.delivery import Dropped
 from sim.faults.images import Noise
+from sim.faults.poses import Kidnap, OdometryNaN
 from sim.harness import Lexis, Scenario, run
 from sim.odometry.imu import ImuConfig
 from sim.record import record
@@ -428,6 +429,23 @@ def test_faults_are_recorded(tmp_path, unlit):
     frames = json.loads((tmp_path / "out" / "rooms.json").read_text())["frames"]
     assert len(open_dataset(tmp_path / "out")) == len(frames["stamp_ns"]) < 0.85 * len(prepare(CONFIG))
     assert ["dropped"] in frames["faults"].values()
+
+
+@pytest.mark.parametrize("kidnap", [Kidnap(5.0, 4.0), Kidnap(0.0, 3.0), Kidnap(8.0, 99.0), Kidnap(99.0)], ids=str)
+def test_after_a_kidnapping_the_imu_and_the_truth_go_on_with_the_frames(kidnap, unlit):
+    take = prepare(replace(CONFIG, faults=(kidnap,)))
+    frames = list(take.frames())
+    assert np.array_equal(np.unique(take.imu_ns), take.imu_ns)
+    assert np.diff(take.imu_ns).max() < 1.5e9 / take.imu_config.rate_hz + 1e9 * take.frame_s
+    at = np.searchsorted(take.imu_ns, [frame.stamp_ns for frame in frames])
+    assert frames[-1].stamp_ns < take.imu_ns[-1] < frames[-1].stamp_ns + 0.3e9
+    off = np.linalg.norm(take.T_W_B[at, :3, 3] - [frame.truth.T_W_B[:3, 3] for frame in frames], axis=1)
+    assert off.max() < 0.01
+
+
+def test_a_fault_that_no_recording_can_hold_is_refused_before_the_walk():
+    with pytest.raises(SimError, match=r"fault odometry-nan: recordings hold finite poses only; valid: other faults"):
+        prepare(replace(CONFIG, faults=(OdometryNaN(),)))
 
 
 def fails_at_the_tenth(monkeypatch, error):
