@@ -1,13 +1,13 @@
 """Faults of delivery: frames that are lost, frozen, duplicated, late, or in the wrong order."""
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lexis.maths.se3 import between, compose_covariance
-from lexis.types import Observation
+from lexis.types import Image, Observation, Percept
 from sim.faults.fault import StreamFault, setting
 from sim.truth import Stream, Truth
 
@@ -56,10 +56,13 @@ def _bursts(share: float, burst: int, rng: np.random.Generator) -> Iterator[bool
 
 def _bridging(lost: list[Observation], after: Observation) -> Observation:
     """Return the observation `after` a gap, with the covariance of the motion since the last observation before the gap."""
-    covariance = lost[0].increment_covariance
-    for previous, current in zip(lost, [*lost[1:], after], strict=True):
-        increment = between(previous.T_O_B, current.T_O_B)
+    covariance, known = lost[0].increment_covariance, lost[0].T_O_B
+    for current in (*lost[1:], after):
+        # Another fault may have made poses NaN. A step without a known pose counts as one without motion.
+        is_known = np.isfinite(current.T_O_B).all() and np.isfinite(known).all()
+        increment = between(known, current.T_O_B) if is_known else np.eye(4)
         covariance = compose_covariance(covariance, increment, current.increment_covariance)
+        known = current.T_O_B if np.isfinite(current.T_O_B).all() else known
     return replace(after, increment_covariance=covariance)
 
 
@@ -75,13 +78,18 @@ class Frozen(StreamFault):
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
         """Yield the stream. Frames of a burst show the image of the last frame before the burst."""
-        shown: Observation | None = None
+        shown: tuple[Image | Percept, ...] = ()
         for (observation, truth), is_stuck in zip(stream, _bursts(self.share, self.burst, rng), strict=False):
-            if is_stuck and shown is not None:
-                yield observation.with_images(shown.images), self.mark(truth)
+            if is_stuck and shown:
+                yield observation.with_images(_copies(shown)), self.mark(truth)
             else:
-                shown = observation
+                shown = _copies(observation.images)
                 yield observation, truth
+
+
+def _copies(images: Sequence[Image | Percept]) -> tuple[Image | Percept, ...]:
+    """Return copies of images, because the SLAM may write into the images that it gets. Percepts cannot be changed."""
+    return tuple(image.copy() if isinstance(image, np.ndarray) else image for image in images)
 
 
 @dataclass(frozen=True)
@@ -95,9 +103,11 @@ class Duplicated(StreamFault):
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
         """Yield the stream, with a copy after each frame that is drawn at random."""
         for observation, truth in stream:
+            is_twice = rng.random() < self.share
+            images = _copies(observation.images) if is_twice else ()
             yield observation, truth
-            if rng.random() < self.share:
-                yield observation, self.mark(truth)
+            if is_twice:
+                yield observation.with_images(images), self.mark(truth)
 
 
 @dataclass(frozen=True)

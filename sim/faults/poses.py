@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Float64
 
 from lexis.maths.se3 import between, exp, inverse
 from lexis.types import Observation
@@ -35,6 +36,9 @@ class OdometryJump(StreamFault):
                 yield observation, truth
                 continue
             T_O_B = observation.T_O_B
+            if jump is None and not _is_known(observation):
+                yield observation, truth
+                continue
             if jump is None:
                 jump = T_O_B @ move @ inverse(T_O_B)
             yield replace(observation, T_O_B=jump @ T_O_B), self.mark(truth)
@@ -61,14 +65,18 @@ class OdometryFreeze(SpanFault):
         frozen = False
         for observation, truth in stream:
             frozen = frozen or (before is not None and self.active(truth))
+            known = _is_known(observation)
             if before is None or not frozen:
-                reported = observation.T_O_B
+                reported = observation.T_O_B if known else reported
                 yield observation, truth
-            else:
-                if not self.active(truth):
-                    reported = reported @ between(before.T_O_B, observation.T_O_B)
+            elif self.active(truth):
                 yield replace(observation, T_O_B=reported), self.mark(truth)
-            before = observation
+            elif not known:
+                yield observation, self.mark(truth)
+            else:
+                reported = reported @ between(before.T_O_B, observation.T_O_B)
+                yield replace(observation, T_O_B=reported), self.mark(truth)
+            before = observation if known else before
 
 
 @dataclass(frozen=True)
@@ -106,16 +114,36 @@ class Kidnap(StreamFault):
         """Yield the stream without the part that is cut out. Stamps and estimated poses continue without a gap."""
         last: Observation | None = None
         unseen: Observation | None = None
+        before, within = np.eye(4), np.eye(4)  # the last known poses before the cut and in it
         for observation, truth in stream:
             if last is None or truth.stamp < self.at_s:
                 last = observation
+                before = observation.T_O_B if _is_known(observation) else before
+                within = before
                 yield observation, truth
             elif truth.stamp < self.at_s + self.skip_s:
                 unseen = observation
+                within = observation.T_O_B if _is_known(observation) else within
             elif unseen is None:
                 yield observation, truth
             else:
                 cut_s = unseen.stamp - last.stamp
-                T_O_B = last.T_O_B @ between(unseen.T_O_B, observation.T_O_B)
-                moved = replace(observation, stamp=observation.stamp - cut_s, T_O_B=T_O_B)
+                moved = replace(
+                    observation, stamp=observation.stamp - cut_s, T_O_B=before @ between(within, observation.T_O_B)
+                )
                 yield moved, replace(self.mark(truth), stamp=truth.stamp - cut_s)
+
+    def cut(self, stamps: Float64[np.ndarray, "n"]) -> tuple[float, float]:
+        """Return the part that is cut out of a walk: its start (excluded) and its end (included) [s].
+
+        `stamps` are those of the frames before the cut [s]. Data of other sensors are cut in the same way. Both times are
+        equal if no frame is cut out.
+        """
+        last = stamps[stamps < self.at_s][-1:] if (stamps < self.at_s).any() else stamps[:1]
+        unseen = stamps[(stamps < self.at_s + self.skip_s) & (stamps > last)]
+        return float(last[0]), float(unseen[-1]) if unseen.size else float(last[0])
+
+
+def _is_known(observation: Observation) -> bool:
+    """Return whether the pose of an observation is finite: another fault may have made it NaN."""
+    return bool(np.isfinite(observation.T_O_B).all())

@@ -256,6 +256,23 @@ def test_nan_for_single_frames(clean):
     assert lost.mean() == pytest.approx(0.1, abs=0.06) and is_rigid(T[~lost]).all()
 
 
+@pytest.mark.parametrize("fault", CHANGING + REORDERING, ids=ids(CHANGING + REORDERING))
+def test_poses_that_are_nan_stay_single_under_any_other_fault(clean, fault):
+    lost, found = ([o for o, _ in run(clean, OdometryNaN(0.2), *more)] for more in ((), (fault,)))
+    frames = [{o.index for o in each if np.isnan(o.T_O_B).any()} for each in (lost, found)]
+    assert 20 < len(frames[0]) and (len(frames[1]) <= len(frames[0]) or isinstance(fault, OdometryNaN))
+    assert all(np.isfinite(o.increment_covariance).all() and np.isfinite(o.stamp) for o in found)
+
+
+@pytest.mark.parametrize("fault", [Frozen(0.2, burst=5), Duplicated(0.2)], ids=["frozen", "duplicated"])
+def test_repeated_images_are_copies_that_the_slam_cannot_have_changed(clean, fault):
+    untouched = [o.image.copy() for o, _ in run(clean, fault)]
+    given = ((replace(o, image=o.image.copy()), truth) for o, truth in clean)
+    for (observation, _), before in zip(corrupted(given, (fault,), 3), untouched, strict=True):
+        assert np.array_equal(observation.image, before)
+        observation.image[:] = 0
+
+
 def test_a_kidnapped_body_is_elsewhere_and_the_odometry_does_not_show_it(clean):
     pairs = run(clean, Kidnap(10.0, skip_s=5.0))
     np.testing.assert_array_equal(indices(pairs), [*range(100), *range(150, FRAMES)])
