@@ -132,8 +132,8 @@ class OnWall:
 
     height_m: Range = (1.25, 1.6)
     above: tuple[str, ...] = ()
-    """Kinds of furniture (the hosts) that the piece hangs above; if empty, the piece hangs on a free stretch of wall. If there
-    are hosts, `Kind.rooms` counts pieces per host."""
+    """Kinds of furniture (the hosts) that the piece hangs above; if empty, the piece hangs on a free stretch of wall.
+    `Kind.rooms` counts pieces per host if there are hosts."""
 
 
 @dataclass(frozen=True)

@@ -21,13 +21,15 @@ def furniture(
 ) -> Callable[[Build], Build]:
     """Register the decorated build function as a kind of furniture; see `Kind` for the arguments.
 
-    Houses that are built after the declaration have pieces of the kind; houses that are built already do not change. By
-    default (`solid=None`) a piece is solid if it stands on the floor. The decorator raises `WorldsError` if the name is
-    already registered, or if `Kind` refuses an argument.
+    Houses that are built after the declaration have pieces of the kind; houses that were built before have none. By default
+    (`solid=None`) a piece is solid if it stands on the floor.
+
+    If a function is declared again, as in a cell of a notebook that is run again, the new kind replaces the old one. The
+    decorator raises `WorldsError` if another function has declared the name, or if `Kind` refuses an argument.
     """
 
     def declare(build: Build) -> Build:
-        if name in KINDS:
+        if name in KINDS and _origin(build) != _origin(KINDS[name].build):
             raise WorldsError(
                 f"furniture kind {name!r} is declared in {KINDS[name].build.__module__} and again in {build.__module__}; "
                 "valid: a name that is not in worlds.furniture.CATALOGUE"
@@ -37,3 +39,8 @@ def furniture(
         return build
 
     return declare
+
+
+def _origin(build: Build) -> tuple[str, object]:
+    """Return the module and the name of a build function."""
+    return build.__module__, getattr(build, "__qualname__", build)

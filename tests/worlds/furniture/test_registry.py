@@ -37,3 +37,16 @@ def test_a_program_that_takes_the_name_of_a_shipped_kind_is_refused_at_its_decla
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     assert len(lines) == 2 and all("declared in worlds.furniture.living and again in __main__" in line for line in lines)
+
+
+def test_the_same_function_replaces_its_kind(kinds):
+    """A cell of a notebook is run again after a change."""
+    for width in (0.5, 0.7):
+
+        @furniture("gong", width=(width, width), depth=(1.0, 1.0), height=(1.0, 1.0), rooms={"office": 1.0})
+        def gong(size, rng):
+            return ()
+
+        assert kinds["gong"].width == (width, width)
+    with pytest.raises(WorldsError, match=f"kind 'gong' is declared in {__name__} and again in {__name__}"):
+        furniture("gong", width=(1.0, 1.0), depth=(1.0, 1.0), height=(1.0, 1.0), rooms={"office": 1.0})(lambda size, rng: ())
