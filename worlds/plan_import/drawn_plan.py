@@ -70,8 +70,8 @@ class DrawnPlan:
 
     rooms: tuple[DrawnRoom, ...]
     strokes: tuple[Stroke, ...]
-    heights_m: tuple[tuple[int, float], ...] = ()
-    """Pairs (storey, height [m]) for the storeys whose height is given."""
+    heights_m: tuple[tuple[int, object], ...] = ()
+    """Pairs (storey, height as given in the file, not yet validated [m]) for the storeys whose height is given."""
     slab_m: object = None
     """Thickness of the slab between storeys as given in the file, not yet validated [m]; None if the file gives none."""
     notes: tuple[str, ...] = ()

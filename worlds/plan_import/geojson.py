@@ -11,7 +11,8 @@ Rooms are Polygons with a `label`. Openings are LineStrings (both ends) or Point
 An opening can also have the fields `height_m`, `sill_m`, `leaf` and `leads` of `OpeningSpec`. A room of stairs can also have
 the field `climb` of `RoomSpec`. Beside `features`, a list `storey_heights_m` gives the heights of the storeys, and a number
 `slab_m` gives the thickness of the slabs between them. A feature without `storey` is on the ground floor. Features with
-neither `label` nor `kind` are ignored, and so are all other properties.
+neither `label` nor `kind` are ignored, and so are all other properties. A field that is `null` counts as absent, because
+many programs write every property on every feature.
 """
 
 import json
@@ -34,6 +35,7 @@ from worlds.spec import HouseSpec, OpeningSpec, Point
 
 _DETAILS = ("height_m", "sill_m", "leaf", "leads")
 _FARTHEST_M = 1e8
+_BESIDE_FEATURES = ("storey_heights_m", "slab_m")
 _PROPERTIES = ("label", "name", "storey", "kind", "climb", *_DETAILS)
 
 
@@ -52,6 +54,7 @@ def read_geojson(text: str, metres_per_unit: float) -> DrawnPlan:
 def _drawing(data: object, metres_per_unit: float) -> DrawnPlan:
     if not isinstance(data, dict) or not isinstance(data.get("features"), list):
         raise SpecError('is not GeoJSON; valid: a "FeatureCollection" with "features"')
+    beside = _present(data)
     rooms: list[DrawnRoom] = []
     strokes: list[Stroke] = []
     spoken: list[tuple[str, str]] = []
@@ -66,7 +69,7 @@ def _drawing(data: object, metres_per_unit: float) -> DrawnPlan:
             label, climb = label_of(where, str(properties["label"])), properties.get("climb", "flights")
             rooms.append(DrawnRoom(where, name, label, storey, corners, climb))
         elif "kind" in properties:
-            details = tuple((key, properties[key]) for key in _DETAILS if properties.get(key) is not None)
+            details = tuple((key, properties[key]) for key in _DETAILS if key in properties)
             points = _ends(where, geometry, metres_per_unit)
             strokes.append(Stroke(where, kind_of(where, str(properties["kind"])), storey, points, details))
         else:
@@ -75,9 +78,11 @@ def _drawing(data: object, metres_per_unit: float) -> DrawnPlan:
         raise SpecError(
             "seems to have coordinates in degrees: the whole plan is smaller than 0.5 m; valid: x and y in metres"
         )
-    notes = (f"ignored, because they have neither a label nor a kind: {listed_some(ignored)}",) if ignored else ()
-    notes = spelling_notes(spoken, _PROPERTIES) + notes
-    return checked(rooms, strokes, heights_m=_heights(data), slab_m=data.get("slab_m"), notes=notes)
+    unknown = [("the FeatureCollection", key) for key in beside if key not in _BESIDE_FEATURES]
+    notes = [*spelling_notes(unknown, _BESIDE_FEATURES), *spelling_notes(spoken, _PROPERTIES)]
+    if ignored:
+        notes.append(f"ignored, because they have neither a label nor a kind: {listed_some(ignored)}")
+    return checked(rooms, strokes, heights_m=_heights(beside), slab_m=beside.get("slab_m"), notes=tuple(notes))
 
 
 def _in_degrees(rooms: Sequence[DrawnRoom]) -> bool:
@@ -115,11 +120,22 @@ def _feature(properties: dict[str, Any], geometry: dict[str, Any]) -> dict[str, 
 
 
 def _parts(feature: object) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the properties of a feature that are not null, and its geometry."""
     if not isinstance(feature, dict):
         return {}, {}
     parts = feature.get("properties"), feature.get("geometry")
     properties, geometry = (part if isinstance(part, dict) else {} for part in parts)
-    return properties, geometry
+    return _present(properties), geometry
+
+
+def _present(fields: dict[str, Any]) -> dict[str, Any]:
+    """Return the fields of an object that are not null."""
+    return {key: value for key, value in fields.items() if value is not None}
+
+
+def _shown(value: object) -> str:
+    """Return a value as JSON for a message; a long text is cut."""
+    return json.dumps(value)[:40]
 
 
 def _text(properties: dict[str, Any], key: str) -> str:
@@ -127,17 +143,17 @@ def _text(properties: dict[str, Any], key: str) -> str:
     return value if isinstance(value, str) else ""
 
 
-def _heights(data: dict[str, Any]) -> tuple[tuple[int, float], ...]:
-    heights = data.get("storey_heights_m")
+def _heights(beside: dict[str, Any]) -> tuple[tuple[int, object], ...]:
+    heights = beside.get("storey_heights_m", [])
     if not isinstance(heights, list):
-        return ()
-    return tuple((level, height) for level, height in enumerate(heights[:8]) if isinstance(height, int | float))
+        raise SpecError(f"storey_heights_m is {_shown(heights)}; valid: a list with the height of every storey [m]")
+    return tuple((level, height) for level, height in enumerate(heights) if height is not None)
 
 
 def _ring(where: str, geometry: dict[str, Any], scale: float) -> tuple[Point, ...]:
     rings = geometry.get("coordinates")
     if geometry.get("type") != "Polygon" or not isinstance(rings, list) or not rings:
-        raise SpecError(f"{where}: a room is a {str(geometry.get('type'))[:40]!r}; valid: Polygon")
+        raise SpecError(f"{where}: a room has a geometry of type {_shown(geometry.get('type'))}; valid: Polygon")
     if len(rings) > 1:
         raise SpecError(f"{where}: a room has a hole; valid: an outline without holes (split the room)")
     points = _points(where, rings[0], scale)
@@ -151,7 +167,7 @@ def _ends(where: str, geometry: dict[str, Any], scale: float) -> tuple[Point, ..
         case "LineString":
             points = _points(where, geometry.get("coordinates"), scale)
             return points[0], points[-1]
-    raise SpecError(f"{where}: an opening is a {str(geometry.get('type'))[:40]!r}; valid: LineString, Point")
+    raise SpecError(f"{where}: an opening has a geometry of type {_shown(geometry.get('type'))}; valid: LineString, Point")
 
 
 def _points(where: str, data: object, scale: float) -> tuple[Point, ...]:

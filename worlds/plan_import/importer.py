@@ -211,13 +211,19 @@ def _drawn_openings(
 
 def _storeys(drawing: DrawnPlan, rooms: Sequence[RoomSpec]) -> list[StoreySpec]:
     heights, storeys = dict(drawing.heights_m), []
-    for level in range(1 + max(room.storey for room in drawing.rooms)):
+    count = 1 + max(room.storey for room in drawing.rooms)
+    if surplus := [level for level in heights if level >= count]:
+        raise SpecError(
+            f"storey_heights_m[{surplus[0]}] is given, but storey {surplus[0]} has no rooms; valid: at most {count} heights"
+        )
+    for level in range(count):
         here = tuple(room for room, drawn in zip(rooms, drawing.rooms, strict=True) if drawn.storey == level)
         if not here:
             raise SpecError(
                 f"has no rooms on storey {level}, but on one above; valid: storeys numbered from 0 without a gap"
             )
-        storeys.append(validated(f"storey {level}", StoreySpec, rooms=here, height_m=heights.get(level, 2.6)))
+        height_m = heights.get(level, 2.6)
+        storeys.append(validated(f"storey_heights_m[{level}]", StoreySpec, rooms=here, height_m=height_m))
     return storeys
 
 

@@ -434,6 +434,57 @@ def test_misspelt_properties_of_geojson_are_named(tmp_path):
     )
 
 
+def test_misspelt_fields_beside_the_features_are_named(tmp_path):
+    beside = {"storey_height_m": [3.5], "slab": 0.5, "name": "plan", "crs": {}, "bbox": [0, 0, 4, 3]}
+    assert import_plan(written(tmp_path, room("gym", LEFT), **beside)).notes == (
+        "the FeatureCollection: 'storey_height_m' is unknown (did you mean 'storey_heights_m'?); ignored",
+        "the FeatureCollection: 'slab' is unknown (did you mean 'slab_m'?); ignored",
+    )
+
+
+PROPERTIES = ("label", "name", "storey", "kind", "climb", "height_m", "sill_m", "leaf", "leads", "colour")
+
+
+@pytest.mark.parametrize("preset", ["home", "uh2-apt"])
+def test_properties_that_are_null_are_absent(tmp_path, preset):
+    """Geographic information systems write every property on every feature, with null where a feature has no value."""
+    drawing = json.loads(to_geojson(sample_house(preset, 1)))
+    del drawing["slab_m"], drawing["storey_heights_m"]
+    path = tmp_path / "plan.geojson"
+    path.write_text(json.dumps(drawing))
+    plain = import_plan(path)
+    for feature in drawing["features"]:
+        feature["properties"] = dict.fromkeys(PROPERTIES) | feature["properties"]
+        if feature["properties"]["storey"] == 0:
+            feature["properties"]["storey"] = None
+    drawing["features"].append({"type": "Feature", "properties": {"lable": None, "kind": None}, "geometry": None})
+    path.write_text(json.dumps({**drawing, "slab_m": None, "storey_heights_m": None, "storey_height_m": None}))
+    nulls = import_plan(path)
+    last = len(drawing["features"]) - 1
+    assert nulls.spec == plain.spec
+    assert nulls.notes == (f"ignored, because they have neither a label nor a kind: features[{last}]", *plain.notes)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (3.5, "storey_heights_m is 3.5; valid: a list with the height of every storey [m]"),
+        ({"0": 3.5}, "valid: a list with the height of every storey [m]"),
+        (["3.5"], "storey_heights_m[0]: height_m: is '3.5'; valid: a number above 2 and at most 6 [m]"),
+        ([None, 1.5], "storey_heights_m[1]: height_m: is 1.5; valid: a number above 2 and at most 6 [m]"),
+        ([True], "storey_heights_m[0]: height_m: is true; valid: a number above 2 and at most 6 [m]"),
+        ([3, 3, 3.0], "storey_heights_m[2] is given, but storey 2 has no rooms; valid: at most 2 heights"),
+    ],
+)
+def test_invalid_heights_are_refused(tmp_path, given, message):
+    assert message in refusal(written(tmp_path, *tower("lift", "lift"), storey_heights_m=given))
+
+
+def test_storeys_without_a_given_height_have_the_usual_one(tmp_path):
+    spec = import_plan(written(tmp_path, *tower("lift", "lift"), storey_heights_m=[None, 3])).spec
+    assert heights(spec) == (0.3, [2.6, 3.0])
+
+
 def test_ignored_shapes_are_named_where_the_plan_is_invalid(tmp_path):
     lost = refusal(svg(tmp_path, '<rect class="kitchn" width="400" height="300"/>'))
     assert "has 0 rooms with a label" in lost and "<rect> 'kitchn' on line 1: 'kitchn' is unknown (did you mean" in lost
@@ -464,6 +515,12 @@ def test_guesses_are_few_however_many_words_are_wrong(tmp_path):
         ([room("gym", LEFT), room("office", [[9, 0], [12, 0], [12, 3], [9, 3]])], "not reachable"),
         ([room("gym", LEFT, storey=9)], "features[0]: storey '9'; valid: 0 (the lowest) to 7"),
         ([room("gym", LEFT, storey=1)], "no rooms on storey 0"),
+        ([{**room("gym", LEFT), "geometry": None}], "features[0]: a room has a geometry of type null; valid: Polygon"),
+        ([{**DOOR, "geometry": None}], "features[0]: an opening has a geometry of type null; valid: LineString, Point"),
+        (
+            [room("gym", LEFT), {**DOOR, "properties": {"label": "gym"}}],
+            'a room has a geometry of type "Point"; valid: Polygon',
+        ),
         ([room("gym", [[0, 0], [4, "x"], [4, 3]])], "features[0]: [4, 'x'] is not a pair of coordinates"),
         ([DOOR], "has 0 rooms with a label; valid: 1 to 200"),
         ([room("gym", LEFT), room("office", RIGHT), {**DOOR, "properties": {"kind": "portal"}}], "unknown kind of opening"),
