@@ -24,6 +24,7 @@ from .palette import GREEN as GREEN
 from .palette import GREY as GREY
 from .palette import LAMP as LAMP
 from .palette import LINEN as LINEN
+from .palette import MATERIALS as MATERIALS
 from .palette import METALS as METALS
 from .palette import OAK as OAK
 from .palette import PAPER as PAPER

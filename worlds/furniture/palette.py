@@ -1,4 +1,4 @@
-"""The colours of furniture. There are only few colours, because pieces with the same material and colour share a texture."""
+"""The colours and materials of furniture. Colours are few, because pieces of one material and colour share a texture."""
 
 from collections.abc import Sequence
 
@@ -53,6 +53,13 @@ BRIGHT: tuple[Colour, ...] = (
     (0.95, 0.55, 0.15),
 )
 STONES: tuple[Colour, ...] = ((0.3, 0.3, 0.32), (0.68, 0.66, 0.63), (0.88, 0.87, 0.85), (0.5, 0.44, 0.38))
+
+MATERIALS = (
+    "bare", "plain", "plaster", "concrete", "wood", "parquet", "tile", "brick", "paving", "carpet", "marble", "wallpaper",
+    "grass", "fabric", "metal", "ceramic", "glass", "leaves", "books", "picture", "screen", "keyboard", "food", "scribble",
+    "label",
+)  # fmt: skip
+"""The materials that a part can have. `worlds.visuals.materials` paints each of them."""
 
 
 def pick(rng: Generator, colours: Sequence[Colour]) -> Colour:

@@ -21,6 +21,7 @@ from typing import NamedTuple
 from numpy.random import Generator
 
 from worlds.furniture.catalogue import CATALOGUE, kind_of
+from worlds.furniture.kind_checks import check_kinds
 from worlds.furniture.kinds import Around, Kind, OnCeiling, OnFloor, OnTop, OnWall, Range, Size
 from worlds.furniture.placing.candidates import candidates
 from worlds.furniture.placing.counts import USUAL, appearances
@@ -55,6 +56,8 @@ def furnish(
             present at some clutter is present at any higher clutter, under the same id.
         prefix: start of the ids of the furniture.
         windows: the windows of the storey.
+
+    Raises `WorldsError` if a kind of the catalogue is invalid (`check_kinds`).
     """
     specs: list[FurnitureSpec] = []
     for index, room in enumerate(storey.rooms):
@@ -195,7 +198,8 @@ class RoomKinds:
 
 @cache
 def _room_kinds(label: str, catalogue: tuple[Kind, ...]) -> RoomKinds:
-    """Return the kinds of the catalogue that belong in rooms with `label`."""
+    """Return the kinds of the catalogue that belong in rooms with `label`. Raises `WorldsError` for an invalid kind."""
+    check_kinds(catalogue)
     here = sorted((kind for kind in catalogue if label in kind.rooms), key=lambda kind: _rank(kind, label))
     seats = [kind for kind in here if isinstance(kind.place, Around) and _is_required(kind, label)]
     standing = tuple(kind for kind in here if _stage(kind) == 1)
