@@ -5,6 +5,7 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from threading import Thread
+from types import TracebackType
 from typing import Any
 
 from threadpoolctl import threadpool_limits
@@ -18,10 +19,15 @@ def process_pool(
     """Return a pool of new processes. In each process, BLAS and OpenMP use one thread, so that every process needs one core.
 
     Each process calls `start(*arguments)` first. `start` and `arguments` have to be picklable. The processes end with this
-    process, even if it is killed.
+    process, even if it is killed. A `with` block that ends early, by an exception for example, drops the calls that wait.
     """
     context = multiprocessing.get_context("spawn")  # a forked torch or OpenCV may hang
-    return ProcessPoolExecutor(workers, context, initializer=_begin, initargs=(start, arguments))
+    return _Pool(workers, context, initializer=_begin, initargs=(start, arguments))
+
+
+class _Pool(ProcessPoolExecutor):
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.shutdown(cancel_futures=kind is not None)
 
 
 def _begin(start: Callable[..., Any] | None, arguments: tuple[Any, ...]) -> None:

@@ -1,7 +1,6 @@
 """Training frames: images along tours through houses, with ground truth of what is visible in each image and patch."""
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, fields
 from functools import cached_property, partial
 from pathlib import Path
@@ -11,6 +10,7 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int, UInt8
 
 from sim.errors import SimError
+from sim.processes import process_pool
 from sim.render.camera import fovy_deg, wide_camera
 from sim.render.raster import NO_GEOM, Raster
 from sim.render.scene import LIGHTS, Scene, build_scene
@@ -85,7 +85,7 @@ def rendered(houses: Sequence[HouseDraw], folder: Path, workers: int = 1) -> Ite
     if workers == 1:
         yield from map(partial(_kept, folder), houses)
         return
-    with ProcessPoolExecutor(workers) as pool:
+    with process_pool(workers) as pool:
         yield from pool.map(partial(_kept, folder), houses)
 
 

@@ -31,6 +31,26 @@ def test_workers_use_one_thread_and_call_the_given_function_first(monkeypatch):
         assert pool.submit(threads).result() == ({1}, "1", ["ready"])
 
 
+def noted(path):
+    path.touch()
+    time.sleep(0.2)
+
+
+def test_a_block_that_ends_early_drops_the_calls_that_wait(tmp_path):
+    def interrupted():
+        with process_pool(1) as pool:
+            for call in [pool.submit(noted, tmp_path / str(k)) for k in range(40)]:
+                call.result()
+                raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert 1 <= len(list(tmp_path.iterdir())) < 20
+    with process_pool(1) as pool:
+        pool.submit(noted, tmp_path / "last")
+    assert (tmp_path / "last").exists()
+
+
 KILLED = """
 import os, time
 from sim.processes import process_pool
