@@ -63,7 +63,7 @@ def _run(arguments: argparse.Namespace) -> int:
 def _run_and_report(scenario: "Scenario", slam: "SlamUnderTest | None", out: Path) -> int:
     from sim.harness import evaluate, run, try_plans, write_run
     from sim.harness.outputs import MARKERS
-    from sim.report.findings import coverage_gap
+    from sim.report.findings import coverage_gap, idle_faults
 
     warn_of_replacement(out, *MARKERS)
     with progress_bar("walking and mapping") as progress:
@@ -72,8 +72,9 @@ def _run_and_report(scenario: "Scenario", slam: "SlamUnderTest | None", out: Pat
     result = evaluate(finished, trials)
     write_run(finished, result, trials, out)
     print_result(finished, result)
-    if text := coverage_gap(result.data(), finished.unseen_rooms):
-        print(f"warning: {text}")
+    for text in (coverage_gap(result.data(), finished.unseen_rooms), idle_faults(result.data())):
+        if text is not None:
+            print(f"warning: {text}")
     if result.planning.success not in (None, 1.0):
         print("Not every plan reached its room: the report lists and draws those that failed.")
     print(f"report: {out / 'report.html'}")

@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
+from lexis.maths.stretches import stretches_of
 from sim.report.drawing import Mark
 from sim.report.house_plan import floor_plans
 from sim.report.palette import label_colours
@@ -33,9 +34,10 @@ def drive_png(
     pictures = []
     for plan in plans:
         marks = [
-            Mark("line", style, line[levels[style] == plan.level, :2])
+            Mark("line", style, line[stretch.slice, :2])
             for style, line in lines.items()
-            if (levels[style] == plan.level).sum() > 1
+            for stretch in stretches_of(levels[style])
+            if levels[style][stretch.start] == plan.level and stretch.stop - stretch.start > 1
         ]
         if levels["path"][-1] == plan.level:
             end = path[-1:, :2]

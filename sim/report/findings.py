@@ -29,7 +29,7 @@ class Finding:
 
 def findings(data: ReportData) -> list[Finding]:
     """Return the findings about a run: first bad news, then good news, both in the order of the SLAM's stages."""
-    stages = (_coverage, _confusions, _refinement, _rooms, _floors, _loops, _trajectory, _plans)
+    stages = (_coverage, _faults, _confusions, _refinement, _rooms, _floors, _loops, _trajectory, _plans)
     return sorted((finding for stage in stages for finding in stage(data)), key=lambda finding: finding.good)
 
 
@@ -56,6 +56,15 @@ def _extent(result: Mapping[str, Any]) -> str | None:
     return f"The map covers {rooms} and {coverage['path_covered']:.0%} of the walk."
 
 
+def idle_faults(result: Mapping[str, Any]) -> str | None:
+    """Return a sentence on the faults that changed no frame, from the contents of result.json; None if there are none."""
+    frames = (result.get("faults") or {}).get("frames") or {}
+    if idle := [name for name, count in frames.items() if not count]:
+        which = f"fault {idle[0]}" if len(idle) == 1 else f"faults {', '.join(idle)}"
+        return f"The {which} changed no frame; a fault that begins after the end of the walk has no effect."
+    return None
+
+
 def rooms_without_keyframe(rooms: Sequence[str]) -> str | None:
     """Return a sentence that names the rooms without a keyframe, which no figure covers; None if `rooms` is empty."""
     if not rooms:
@@ -70,6 +79,11 @@ def _coverage(data: ReportData) -> Iterator[Finding]:
         yield Finding(False, text)
     elif text := _extent(data.result):
         yield Finding(True, text)
+
+
+def _faults(data: ReportData) -> Iterator[Finding]:
+    if text := idle_faults(data.result):
+        yield Finding(False, text)
 
 
 def _confusions(data: ReportData, most: int = 3) -> Iterator[Finding]:
@@ -161,7 +175,9 @@ def _trajectory(data: ReportData) -> Iterator[Finding]:
     worst = int(np.argmax(table.estimated_errors))
     off, drift = table.estimated_errors[worst], table.odometry_errors[worst]
     place = f"keyframe {worst} in {table.true_rooms[worst]}"
-    yield Finding(True, f"The largest position error is {off:.2f} m, at {place} (odometry there: {drift:.2f} m).", worst)
+    yield Finding(
+        bool(off <= drift), f"The largest position error is {off:.2f} m, at {place} (odometry there: {drift:.2f} m).", worst
+    )
     if data.loops:
         yield from _drift(table)
 

@@ -3,7 +3,7 @@ import numpy as np
 
 from sim.report.drive_picture import drive_png
 from worlds.house import build_house
-from worlds.presets import sample_from_rooms
+from worlds.presets import sample_from_rooms, sample_house
 
 
 def test_the_picture_shows_the_drive_and_rings_its_end():
@@ -17,3 +17,20 @@ def test_the_picture_shows_the_drive_and_rings_its_end():
     blue, green, red = np.moveaxis(drawn.astype(int), -1, 0)
     assert ((red > 180) & (green < 90) & (blue < 90)).sum() > 20  # the ring
     assert drawn.shape == plain.shape and (drawn != plain).any()
+
+
+def test_two_visits_to_a_storey_are_not_joined_through_the_walls():
+    house = build_house(sample_house("home", 3, clutter=0.0))
+    z = house.storeys[1].floor_m
+    above = np.array([[2.0, 2.0, z], [2.5, 2.0, z]])
+
+    def drawn(apart_m):
+        """Number of pixels that a path with two visits to the ground floor changes."""
+        visits = [np.array([[x, 2.0, 0.0], [x + 0.5, 2.0, 0.0]]) for x in (1.0, 1.0 + apart_m)]
+        path = np.concatenate([visits[0], above, visits[1], above])
+        pictures = [
+            cv2.imdecode(np.frombuffer(drive_png(house, above, p), np.uint8), cv2.IMREAD_COLOR) for p in (path, above)
+        ]
+        return (pictures[0] != pictures[1]).any(axis=2).sum()
+
+    assert 0 < drawn(6.0) < 1.3 * drawn(2.0)

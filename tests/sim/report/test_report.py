@@ -209,6 +209,24 @@ def test_a_map_of_next_to_nothing_says_so_first(rng):
     assert all(finding.good for finding in findings(replace(data, result=whole)))
 
 
+def test_faults_that_changed_no_frame_are_told(rng):
+    data = example(rng, wrong=0)
+    for frames, told in (({"kidnap": 0, "late": 9}, "The fault kidnap changed no frame"), ({"kidnap": 3, "late": 9}, None)):
+        faulty = replace(data, result={**data.result, "faults": {"frames": frames}})
+        texts = [finding.text for finding in findings(faulty) if not finding.good]
+        assert [text.partition(";")[0] for text in texts] == ([told] if told else [])
+
+
+def test_a_position_error_above_that_of_the_odometry_is_no_good_news(rng):
+    data = example(rng, wrong=0)
+    table = data.keyframes
+    far = table.odometry_poses.copy()
+    far[5, 0, 3] += 30.0
+    for estimated, good in ((far, False), (table.true_poses, True)):
+        seen = replace(data, keyframes=replace(table, estimated_poses=estimated))
+        assert [f.good for f in findings(seen) if "largest position error" in f.text] == [good]
+
+
 def test_findings_name_the_planted_faults_and_nothing_on_a_perfect_run(rng):
     data = example(rng, wrong=0)
     assert all(finding.good for finding in findings(data))
