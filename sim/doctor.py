@@ -16,7 +16,7 @@ _GIB = 1 << 30
 NEEDED_BYTES = 2 * _GIB
 """Memory that a run with rendered images needs [bytes]: at most 1.2 GB without torch, plus torch itself."""
 _MEMINFO = Path("/proc/meminfo")
-_CGROUP_MAX, _CGROUP_USED = Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory.current")
+_CGROUP_MAX, _CGROUP_USED, _CGROUP_STAT = (Path("/sys/fs/cgroup", f"memory.{name}") for name in ("max", "current", "stat"))
 PACKAGES = (
     *("mujoco", "torch", "torchvision", "open-clip-torch", "timm", "opencv-python-headless", "gtsam", "poselib"),
     *("numpy", "scipy", "shapely"),
@@ -117,8 +117,14 @@ def available_bytes() -> int | None:
         all(path.is_file() for path in (_CGROUP_MAX, _CGROUP_USED))
         and (limit := _CGROUP_MAX.read_text().strip()).isdecimal()
     ):
-        found.append(int(limit) - int(_CGROUP_USED.read_text()))
+        found.append(int(limit) - int(_CGROUP_USED.read_text()) + _file_cache_bytes())
     return min(found, default=None)
+
+
+def _file_cache_bytes() -> int:
+    """Return how much of the container's memory holds files that were read, and is freed when it is needed [bytes]."""
+    rows = (line.split() for line in _CGROUP_STAT.read_text().splitlines()) if _CGROUP_STAT.is_file() else ()
+    return sum(int(row[1]) for row in rows if row[0] == "inactive_file")
 
 
 def _memory(available: int | None) -> Diagnosis:

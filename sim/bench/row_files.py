@@ -27,7 +27,12 @@ def grouped(rows: Iterable[_Row], *names: str) -> dict[tuple[Any, ...], list[_Ro
 
 
 def write_rows(rows: Sequence[Any], path: Path) -> None:
-    """Write dataclasses of one type to a CSV file: a line with the names of the fields, then a line for each dataclass."""
+    """Write dataclasses of one type to a CSV file: a line with the names of the fields, then a line for each dataclass.
+
+    Raises `SimError` without a row, because the names are then unknown.
+    """
+    if not rows:
+        raise SimError(f"{path}: there are no rows to write; valid: a benchmark of one house or more")
     records = [asdict(row) for row in rows]
     with replaced_file(path) as beside, beside.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(records[0]), lineterminator="\n")

@@ -9,6 +9,7 @@ from rich.progress import Progress
 from lexis.command_line import Commands, add_command, positive
 from sim.commands.arguments import ENCODER_HELP
 from sim.errors import SimError
+from sim.output_files import check_output_file
 
 
 def add_to(commands: Commands) -> None:
@@ -36,8 +37,7 @@ def _fit(arguments: argparse.Namespace) -> int:
     if arguments.out is None and arguments.encoder != MINI:
         raise SimError(f"--out is missing: only the model of {MINI!r} has a default file; valid: --out FILE.npz")
     out: Path = arguments.out or MINI_FEATURES
-    if out.is_dir() or not out.parent.is_dir():  # checked here, before an hour of rendering
-        raise SimError(f"{out}: cannot be written; valid: a file in a folder that exists")
+    check_output_file(out)  # before an hour of rendering
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("rendering and fitting", total=1.0)

@@ -7,7 +7,7 @@ from rich.console import Console
 
 from lexis.command_line import Commands, add_command, positive
 from sim.commands.arguments import SEED, folder
-from sim.output_files import make_output_folder
+from sim.output_files import check_output_file, make_output_folder
 
 
 def add_to(commands: Commands) -> None:
@@ -46,6 +46,7 @@ def _train(arguments: argparse.Namespace) -> int:
     out: Path = arguments.out or MINI_WEIGHTS
     make_output_folder(arguments.work)
     make_output_folder(out.parent)
+    check_output_file(out)
     run = TrainingRun(
         houses=arguments.houses,
         epochs=(arguments.epochs, arguments.align_epochs),

@@ -39,12 +39,21 @@ def test_too_little_memory_is_found(monkeypatch):
 
 
 def test_the_memory_limit_of_a_container_counts(monkeypatch, tmp_path):
-    for name, text in (("meminfo", "MemTotal: 9 kB\nMemAvailable: 4000 kB\n"), ("max", "3000000\n"), ("used", "1000000\n")):
+    texts = {
+        "meminfo": "MemTotal: 9 kB\nMemAvailable: 4000 kB\n",
+        "max": "3000000\n",
+        "used": "1000000\n",
+        "stat": "anon 9\n",
+    }
+    for name, text in texts.items():
         (tmp_path / name).write_text(text)
     monkeypatch.setattr(doctor, "_MEMINFO", tmp_path / "meminfo")
     monkeypatch.setattr(doctor, "_CGROUP_MAX", tmp_path / "max")
     monkeypatch.setattr(doctor, "_CGROUP_USED", tmp_path / "used")
+    monkeypatch.setattr(doctor, "_CGROUP_STAT", tmp_path / "stat")
     assert doctor.available_bytes() == 2_000_000
+    (tmp_path / "stat").write_text("anon 900\ninactive_file 600000\nactive_file 50\n")
+    assert doctor.available_bytes() == 2_600_000
     (tmp_path / "max").write_text("max\n")
     assert doctor.available_bytes() == 4_096_000
 

@@ -149,7 +149,12 @@ def write_grade(grade: Grade, file: Path) -> None:
 def read_grades(file: Path) -> list[Grade]:
     """Return the grades in a file, or none if the file does not exist. Raises `SimError` for a line that is no grade."""
     grades = []
-    for number, line in enumerate(file.read_text().splitlines() if file.exists() else (), 1):
+    try:
+        lines = file.read_text().splitlines() if file.exists() else []
+    except (OSError, UnicodeDecodeError) as error:
+        why = one_line(error, 160)
+        raise SimError(f"{file}: cannot be read: {why}; valid: a file that this benchmark has written") from None
+    for number, line in enumerate(lines, 1):
         try:
             data = json.loads(line)
             grades.append(Grade(**data | {"also": tuple(data.get("also", ()))}))

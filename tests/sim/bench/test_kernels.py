@@ -124,6 +124,8 @@ def test_walks_without_a_pair_that_fits_get_no_false_loops(house, rng):
 
 def test_rows_become_a_csv_file_and_pictures(runs, tmp_path):
     rows = list(summarised(runs))
+    with pytest.raises(SimError, match="there are no rows to write"):
+        write_rows([], tmp_path / "rows.csv")
     write_rows(rows, tmp_path / "rows.csv")
     with (tmp_path / "rows.csv").open() as file:
         read = list(csv.DictReader(file))

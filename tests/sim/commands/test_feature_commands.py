@@ -23,9 +23,11 @@ def status_of(argv):
         (["fit-features", "--encoder", "RN50"], "--out is missing"),
         (
             ["fit-features", "--out", "no/such/f.npz"],
-            "no/such/f.npz: cannot be written; valid: a file in a folder that exists",
+            "no/such/f.npz: its folder does not exist; valid: a file in a folder that exists",
         ),
-        (["fit-features", "--out", "."], "valid: a file in a folder that exists"),
+        (["fit-features", "--out", "."], ".: is a folder; valid: the name of a file"),
+        (["fit-features", "--out", "/proc/f.npz"], "/proc/f.npz: cannot be written"),
+        (["train-encoder", "--out", "."], ".: is a folder; valid: the name of a file"),
     ],
 )
 def test_bad_input(argv, hint, tmp_path, monkeypatch, capsys):
