@@ -122,7 +122,7 @@ def revisit_log_odds(
 
     The log odds rise with the similarity of the images and fall with the squares of the estimated distance and angle. This
     fall is limited: a robot that is lost can be anywhere, so a very similar image far from the estimate counts too.
-    `lexis-sim bench places --fit` fits the settings to runs of which the truth is known.
+    `lexis-sim bench place-recognition --fit` fits the settings to runs of which the truth is known.
 
     Args:
         similarities: cosine similarities of the images.

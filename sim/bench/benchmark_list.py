@@ -82,7 +82,11 @@ _LIST = (
     ("spacing", "sweep spacing --houses {houses} --seed 500 --out {out}/spacing.csv {out}/spacing.png", 20),
     ("light", f"sweep light {_RENDERED_SWEEP} --out {{out}}/light.csv {{out}}/light.png", 80),
     ("texture", f"sweep texture {_RENDERED_SWEEP} --out {{out}}/texture.csv {{out}}/texture.png", 85),
-    ("places", "places --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 80),
+    (
+        "place-recognition",
+        "place-recognition --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500",
+        80,
+    ),
     ("kernels", "kernels --houses {houses} --seed 500 --csv {out}/kernels.csv --plot {out}/kernels.png", 15),
     ("sessions", "sessions --houses {houses} --seed 500", 25),
     ("planning", "planning --houses {houses} --fidelity {fidelity} --drivers {drivers} --seed 500", 40),

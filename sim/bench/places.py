@@ -1,4 +1,4 @@
-"""`lexis-sim bench places`: methods of place recognition on the same walks, and a fit of the probability of a revisit.
+"""`lexis-sim bench place-recognition`: methods of place recognition on the same walks, and a fit of the revisit probability.
 
 In each run, all methods propose candidates on the same pose graph, whose loops come from the default method. Each house is
 walked three times, so that the methods are also tested on bad pose estimates: with usual odometry, with degraded odometry,

@@ -102,8 +102,10 @@ class MatchFigures:
 class CoverageFigures:
     """How much of the tour the frames of the estimate cover: numbers of rooms, and share of the path."""
 
-    rooms_with_keyframe: int
-    rooms_walked: int
+    rooms_visited: int
+    """Number of rooms that contain a frame of the estimate."""
+    rooms: int
+    """Number of rooms that the tour passes through."""
     path_covered: float | None
 
 

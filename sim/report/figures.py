@@ -36,10 +36,8 @@ matches are right."""
 
 SECTIONS: dict[str, dict[str, Definition]] = {
     "coverage": {
-        "rooms_with_keyframe": Definition(
-            "rooms in the map", _COUNT, "rooms on the walk that contain at least one keyframe"
-        ),
-        "rooms_walked": Definition("rooms on the walk", _COUNT, "rooms that the walk passes through"),
+        "rooms_visited": Definition("rooms in the map", _COUNT, "rooms on the walk that contain at least one keyframe"),
+        "rooms": Definition("rooms on the walk", _COUNT, "rooms that the walk passes through"),
         "path_covered": Definition(
             "share of the walk",
             _SHARE,

@@ -52,7 +52,7 @@ def _extent(result: Mapping[str, Any]) -> str | None:
     coverage: Mapping[str, Any] = result.get("coverage") or {}
     if coverage.get("path_covered") is None:
         return None
-    rooms = f"{coverage['rooms_with_keyframe']} of {coverage['rooms_walked']} rooms"
+    rooms = f"{coverage['rooms_visited']} of {coverage['rooms']} rooms"
     return f"The map covers {rooms} and {coverage['path_covered']:.0%} of the walk."
 
 

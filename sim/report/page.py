@@ -35,7 +35,7 @@ _LEAST_PAGE_M, _MOST_PAGE_M = 17.0, 36.0
 side by side only if their total width is at most the second length [m], since smaller plans could not be read."""
 
 _HEADLINES = (
-    ("walk covered", "coverage", "path_covered", "{rooms_with_keyframe} of {rooms_walked} rooms"),
+    ("walk covered", "coverage", "path_covered", "{rooms_visited} of {rooms} rooms"),
     ("label accuracy", "labels", "accuracy", "{accuracy_baseline} before refinement"),
     ("room quality (PQ)", "rooms", "pq", "splits: {splits}, merges: {merges}"),
     ("floor accuracy", "floors", "accuracy", "error in their number: {count_error}"),

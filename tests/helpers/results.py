@@ -16,7 +16,7 @@ RESULT = results.RunResult(
     floors=results.FloorFigures(accuracy=1.0, count_error=0),
     loops=results.LoopFigures(),
     place_recognition={},
-    coverage=results.CoverageFigures(rooms_with_keyframe=5, rooms_walked=5, path_covered=1.0),
+    coverage=results.CoverageFigures(rooms_visited=5, rooms=5, path_covered=1.0),
     trajectory=results.TrajectoryFigures(ate_odometry_m=0.4, ate_m=0.2),
     planning=results.PlanningFigures(),
     time=results.TimeFigures(0.1, 0.1, 1.0, 1.0, {}, 60.0),

@@ -276,10 +276,10 @@ BENCHMARKS = (
         ),
     ),
     Action(
-        "places",
+        "place-recognition",
         printing(_places),
         "loop candidates by the method of the paper, by similarity alone and by the probability of a revisit",
-        "lexis-sim bench places --presets home ori --houses 5 --seed 900",
+        "lexis-sim bench place-recognition --presets home ori --houses 5 --seed 900",
         (
             SEVERAL_PRESETS,
             HOUSES,

@@ -23,7 +23,7 @@ def whole():
 
 def test_a_run_without_faults_covers_its_walk(whole):
     coverage = whole["coverage"]
-    assert coverage["rooms_with_keyframe"] == coverage["rooms_walked"] == whole["house"]["rooms"]
+    assert coverage["rooms_visited"] == coverage["rooms"] == whole["house"]["rooms"]
     assert 0.97 < coverage["path_covered"] <= 1.0
 
 
@@ -36,8 +36,8 @@ def test_a_run_of_one_keyframe_has_no_perfect_figures_of_nothing(fault, whole):
     result = evaluate(run(replace(CONFIG, faults=(fault,)))).data()
     assert result["run"]["keyframes"] == 1
     assert result["coverage"] == {
-        "rooms_with_keyframe": 1,
-        "rooms_walked": whole["coverage"]["rooms_walked"],
+        "rooms_visited": 1,
+        "rooms": whole["coverage"]["rooms"],
         "path_covered": 0.0,
     }
     for section in ("rooms", "trajectory"):

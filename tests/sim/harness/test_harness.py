@@ -36,7 +36,7 @@ CONTRACT = {
     "floors": {"accuracy", "count_error"},
     "loops": {"proposed", "verified", "true", "false", "precision", "recall", "error_m", "error_rad"},
     "place_recognition": {"1", "3", "5"},
-    "coverage": {"rooms_with_keyframe", "rooms_walked", "path_covered"},
+    "coverage": {"rooms_visited", "rooms", "path_covered"},
     "planning": {"queries", "success", "spl", "collisions"},
     "time": {"house_s", "scene_s", "render_s", "slam_s", "stages_s", "realtime_factor"},
 }  # fmt: skip

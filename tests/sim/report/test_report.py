@@ -201,10 +201,10 @@ def test_stretches_that_loop_closing_bent_are_told_of_though_the_whole_is_better
 
 def test_a_map_of_next_to_nothing_says_so_first(rng):
     data = example(rng, wrong=0)
-    lost = {**data.result, "coverage": {"rooms_with_keyframe": 1, "rooms_walked": 9, "path_covered": 0.0}}
+    lost = {**data.result, "coverage": {"rooms_visited": 1, "rooms": 9, "path_covered": 0.0}}
     first = findings(replace(data, result=lost))[0]
     assert not first.good and first.text.startswith("The map covers 1 of 9 rooms and 0% of the walk.")
-    whole = {**data.result, "coverage": {"rooms_with_keyframe": 9, "rooms_walked": 9, "path_covered": 0.99}}
+    whole = {**data.result, "coverage": {"rooms_visited": 9, "rooms": 9, "path_covered": 0.99}}
     assert coverage_gap(whole, ()) is None
     assert all(finding.good for finding in findings(replace(data, result=whole)))
 

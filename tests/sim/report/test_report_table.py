@@ -10,7 +10,7 @@ from sim.report.figures import MISSING, SECTIONS, figures, shown
 from sim.report.table import result_table, result_title
 
 CONTRACT = {
-    "coverage": ["rooms_with_keyframe", "rooms_walked", "path_covered"],
+    "coverage": ["rooms_visited", "rooms", "path_covered"],
     "labels": ["accuracy", "accuracy_baseline", "accuracy_graded"],
     "rooms": [
         "pq",
