@@ -70,9 +70,15 @@ class Tour:
 def plan_tour(house: House, walkable: Walkable, rng: np.random.Generator, config: TourConfig | None = None) -> Tour:
     """Plan a tour that a body of the radius `walkable.radius_m` can walk without collision.
 
-    Raises `SimError` if no tour is possible in the house, or no tour of the requested length.
+    Raises `SimError` if no tour is possible in the house, or no tour of the requested length, and for a camera that would be
+    above a ceiling.
     """
     config = config or TourConfig()
+    ceiling_m = min(storey.ceiling_m - storey.floor_m for storey in house.storeys)
+    if config.eye_height_m >= ceiling_m:
+        raise SimError(
+            f"eye_height_m is {config.eye_height_m:g}; valid: below {ceiling_m:g}, the lowest ceiling of the house"
+        )
     planner, sway_rng = Planner.of(house, walkable, config, rng), rng.spawn(1)[0]
     path = _path(planner, config)
     if config.reverse:
