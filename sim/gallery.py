@@ -58,7 +58,7 @@ def rooms_page(views: Sequence[RoomView], *, labelled: bool = True) -> Picture:
     return _page([_captioned(v.image, v.label if labelled else str(i)) for i, v in enumerate(views, 1)])
 
 
-def sample_page(presets: Sequence[str], seed: int, count: int = 25) -> list[HouseSpec]:
+def sampled_specs(presets: Sequence[str], seed: int, count: int = 25) -> list[HouseSpec]:
     """Sample `count` houses for a page: one house of each of the `presets` with `seed`, then with `seed + 1`, and so on.
 
     Raises `SimError` if `count` is below 1 or `presets` is empty.

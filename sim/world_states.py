@@ -64,11 +64,11 @@ class WorldStates:
         self._sets: dict[tuple[int, ...], RenderableWorld] = {}
         houses: dict[int, CompiledHouse] = {}
         for active in dict.fromkeys(self.active):
-            stage = WorldState(house)
+            state = WorldState(house)
             for place, fault in (world[k] for k in active):
-                stage = fault.change(stage, tour, fault_rng(seed, place))
-            compiled = houses.setdefault(id(stage.house), CompiledHouse(stage.house, camera))
-            self._sets[active] = RenderableWorld(compiled, stage.actors)
+                state = fault.change(state, tour, fault_rng(seed, place))
+            compiled = houses.setdefault(id(state.house), CompiledHouse(state.house, camera))
+            self._sets[active] = RenderableWorld(compiled, state.actors)
 
     @property
     def houses(self) -> list[House]:
@@ -100,11 +100,11 @@ class WorldStates:
 class FrameRenderer:
     """Renders the frames of a tour, each in its own world. Use it in one thread only, which owns the GL context.
 
-    With a distortion, `staging` has to be built for the larger pinhole camera from `sim.render.lens.rendered_camera`.
+    With a distortion, `world_states` has to be built for the larger pinhole camera from `sim.render.lens.rendered_camera`.
     """
 
-    def __init__(self, staging: WorldStates, camera: Camera, distortion: Distortion | None = None) -> None:
-        self._world_states = staging
+    def __init__(self, world_states: WorldStates, camera: Camera, distortion: Distortion | None = None) -> None:
+        self._world_states = world_states
         self._lenses = [Lens(each.intrinsics, distortion) for each in camera.rig] if distortion else []
         self._camera = rendered_camera(camera, distortion) if distortion else camera
         self._renderer: CameraRenderer | None = None

@@ -17,7 +17,7 @@ _VIEWS = replace(LEXIS_VIEWS, most=30)
 _FILE = "orb-words.npz"
 
 
-def orb_vocabulary(work: Path | None = None) -> OrbWords:
+def flat_orb_words(work: Path | None = None) -> OrbWords:
     """Load the vocabulary from the work folder; if it is missing, learn it (less than a minute) and save it there.
 
     Without a work folder, the vocabulary is learned and not saved. Raises `SimError` if the file in the folder cannot be

@@ -46,7 +46,7 @@ def _write(arguments: argparse.Namespace, writers: Mapping[str, Writer], checked
 
 
 def _gallery(arguments: argparse.Namespace) -> int:
-    from sim.gallery import plans_page, png, room_views, rooms_page, sample_page
+    from sim.gallery import plans_page, png, room_views, rooms_page, sampled_specs
 
     if arguments.houses > _MOST_TILES:
         raise SimError(
@@ -54,7 +54,7 @@ def _gallery(arguments: argparse.Namespace) -> int:
         )
     check_ending(arguments.out, [".png"])
     presets = [name.strip() for name in arguments.preset.split(",")]
-    houses = sample_page(presets, arguments.seed, arguments.houses)
+    houses = sampled_specs(presets, arguments.seed, arguments.houses)
     page = plans_page(houses) if arguments.view == "plans" else rooms_page(list(room_views(houses)))
     with replaced_file(arguments.out) as file:
         file.write_bytes(png(page))

@@ -38,8 +38,8 @@ class WorldFault(Fault):
         return start, start + self.for_s
 
     @abstractmethod
-    def change(self, stage: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
-        """Return the state of the world while the fault lasts; `stage` is the state without this fault."""
+    def change(self, state: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
+        """Return the state of the world while the fault lasts; `state` is the state without this fault."""
 
 
 @dataclass(frozen=True)
@@ -54,11 +54,11 @@ class MovedFurniture(WorldFault):
     turn_rad: float = setting(0.5, 0.0, np.pi)
     """Largest rotation of a piece [rad]."""
 
-    def change(self, stage: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
+    def change(self, state: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
         """Return the world with moved furniture."""
         later = tour.T_W_B[tour.stamps >= self.span_s(tour)[0], :3, 3]
-        pieces = with_furniture_moved(stage.house, later, self.share, self.within_m, self.turn_rad, rng)
-        return replace(stage, house=replace(stage.house, furniture=pieces))
+        pieces = with_furniture_moved(state.house, later, self.share, self.within_m, self.turn_rad, rng)
+        return replace(state, house=replace(state.house, furniture=pieces))
 
 
 @dataclass(frozen=True)
@@ -69,12 +69,12 @@ class ClosedDoors(WorldFault):
     share: float = setting(1.0, 0.0, 1.0)
     """Share of the house's doorways whose doors are closed in this way."""
 
-    def change(self, stage: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
+    def change(self, state: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
         """Return the world with a share of its doors replaced by doors that are open only near the body."""
-        leaves = tuple(leaf for leaf in all_leaves(stage.house) if rng.random() < self.share)
+        leaves = tuple(leaf for leaf in all_leaves(state.house) if rng.random() < self.share)
         closing = {leaf.id for leaf in leaves}
-        standing = tuple(leaf for leaf in stage.house.leaves if leaf.id not in closing)
-        return WorldState(replace(stage.house, leaves=standing), (*stage.actors, ClosingDoors(leaves)))
+        standing = tuple(leaf for leaf in state.house.leaves if leaf.id not in closing)
+        return WorldState(replace(state.house, leaves=standing), (*state.actors, ClosingDoors(leaves)))
 
 
 @dataclass(frozen=True)
@@ -89,8 +89,8 @@ class Pedestrian(WorldFault):
     for_s: float = setting(20.0, 0.0, kw_only=True)
     """Duration for which the person is present [s]."""
 
-    def change(self, stage: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
+    def change(self, state: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
         """Return the world with a person who walks in it."""
         start, _ = self.span_s(tour)
         person = Person(tour, start, self.ahead_s, self.pace, draw_person(rng))
-        return replace(stage, actors=(*stage.actors, person))
+        return replace(state, actors=(*state.actors, person))

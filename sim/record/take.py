@@ -123,16 +123,16 @@ class Take:
         bent = self.distortion
         # The session renders in another thread, so the other cameras need world states of their own.
         rendered = rendered_camera(camera, bent) if bent else camera
-        staging = WorldStates(walked.house, walked.tour, rendered, faults, seed)
+        states = WorldStates(walked.house, walked.tour, rendered, faults, seed)
         rig = self.rig if cameras else camera
         session, of_rig = self.session if cameras else self._session(camera), [f"cam{k}" for k in range(len(rig.rig))]
         with ExitStack() as stack:
             painters = {
-                name: stack.enter_context(closing(FrameRenderer(staging, self.cameras[name], bent)))
+                name: stack.enter_context(closing(FrameRenderer(states, self.cameras[name], bent)))
                 for name in cameras
                 if name not in of_rig
             }
-            ranging = stack.enter_context(closing(FrameRenderer(staging, camera, bent))) if depth else None
+            ranging = stack.enter_context(closing(FrameRenderer(states, camera, bent))) if depth else None
             pairs = stack.enter_context(closing(iter(session)))
             for k, (observation, truth) in enumerate(pairs):
                 images = {name: painter.rgb(truth.index, truth.T_W_B) for name, painter in painters.items()}

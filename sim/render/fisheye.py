@@ -29,6 +29,8 @@ _FACES = np.array(
     float,
 )
 """Rotation from the fisheye's frame to each face's frame. The third row of a matrix is the optical axis of the face."""
+_NO_FACE = -1
+"""Index of the face for pixels outside of the field of view, which no face shows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +80,7 @@ class FisheyeRenderer:
         self._raster, self._fisheye, self._face = raster, fisheye, fisheye.face
         rays, valid = fisheye.rays()
         along = np.einsum("fij,hwj->fhwi", _FACES, rays)
-        face = np.where(valid, np.argmax(along[..., 2], axis=0), NO_GEOM)
+        face = np.where(valid, np.argmax(along[..., 2], axis=0), _NO_FACE)
         self._maps = [_Map.of(along[i], face == i, self._face) for i in range(len(_FACES)) if (face == i).any()]
         self._turns = [_FACES[i] for i in range(len(_FACES)) if (face == i).any()]
 

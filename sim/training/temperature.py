@@ -1,4 +1,4 @@
-"""Fits the softmax temperature that converts similarities to probabilities, and computes calibration errors."""
+"""Fits the softmax temperature that converts similarities to probabilities."""
 
 import numpy as np
 from jaxtyping import Float, Int

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from sim.errors import SimError
-from sim.gallery import COLUMNS, best_view, plans_page, room_views, rooms_page, sample_page
+from sim.gallery import COLUMNS, best_view, plans_page, room_views, rooms_page, sampled_specs
 from worlds.house import build_house
 from worlds.labels import ROOM_LABELS
 from worlds.presets import sample_from_rooms
 
 
 def test_a_page_has_a_tile_for_every_house():
-    specs = sample_page(["uh2-apt", "home"], 4, 7)
+    specs = sampled_specs(["uh2-apt", "home"], 4, 7)
     assert [spec.name for spec in specs] == [f"{p}-{4 + i // 2}" for i, p in enumerate(["uh2-apt", "home"] * 4)][:7]
     one, seven = plans_page(specs[:1]), plans_page(specs)
     assert seven.shape == (2 * one.shape[0], COLUMNS * one.shape[1], 3)
@@ -22,7 +22,7 @@ def test_a_page_has_a_tile_for_every_house():
 def test_every_label_has_a_room_even_where_no_house_does():
     (balcony,) = room_views([], ["balcony"])
     assert balcony.label == "balcony" and balcony.house == "balcony"
-    views = list(room_views(sample_page(["uh2-apt"], 1, 1), ["bathroom", "garage"]))
+    views = list(room_views(sampled_specs(["uh2-apt"], 1, 1), ["bathroom", "garage"]))
     assert [(view.label, view.house) for view in views] == [("bathroom", "uh2-apt-1"), ("garage", "garage")]
     assert np.mean(rooms_page(views) != rooms_page(views, labelled=False)) < 0.05
 
@@ -38,4 +38,4 @@ def test_a_view_is_a_picture_and_always_the_same(label):
 
 def test_empty_pages_are_refused():
     with pytest.raises(SimError, match="at least 1"):
-        sample_page([], 0)
+        sampled_specs([], 0)

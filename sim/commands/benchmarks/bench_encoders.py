@@ -70,7 +70,7 @@ ARGUMENTS = (
 def tables(arguments: argparse.Namespace) -> Iterator[Table]:
     """Yield tables for every preset and encoder, then one of accuracy and times like Table I of the LEXIS paper."""
     from lexis.encoder.open_clip_encoder import load_encoder
-    from sim.baselines.orb_vocabulary import orb_vocabulary
+    from sim.baselines.orb_vocabulary import flat_orb_words
     from sim.bench.encoders.ceiling import ceiling_of
     from sim.bench.encoders.measure import References, measure
     from sim.bench.encoders.runs import encoder_runs
@@ -81,7 +81,7 @@ def tables(arguments: argparse.Namespace) -> Iterator[Table]:
     work: Path | None = arguments.work
     models: list[str] = arguments.encoders
     encoders = [load_encoder(model) for model in models]
-    references = References(ceiling_of(work) if work and (work / "frames").is_dir() else None, orb_vocabulary(work))
+    references = References(ceiling_of(work) if work and (work / "frames").is_dir() else None, flat_orb_words(work))
     seeds = TEST_SEEDS[arguments.seed : arguments.seed + arguments.houses]
     accuracy: dict[str, dict[str, Accuracy]] = {model: {} for model in models}
     for preset in arguments.presets:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sim.baselines import orb_vocabulary as module
-from sim.baselines.orb_vocabulary import orb_vocabulary
+from sim.baselines.orb_vocabulary import flat_orb_words
 from sim.baselines.orb_words import OrbWords, nearest, orb_descriptors
 from sim.errors import SimError
 
@@ -61,14 +61,14 @@ def test_too_few_descriptors_are_an_error():
 def test_the_vocabulary_is_cached_and_a_damaged_one_is_reported(tmp_path, monkeypatch):
     images = np.array([textured(seed) for seed in range(12)])
     monkeypatch.setattr(module, "frames_of_house", lambda draw, views: SimpleNamespace(images=images))
-    learned = orb_vocabulary(tmp_path)
+    learned = flat_orb_words(tmp_path)
     monkeypatch.delattr(module, "frames_of_house")
-    np.testing.assert_array_equal(orb_vocabulary(tmp_path).words, learned.words)
+    np.testing.assert_array_equal(flat_orb_words(tmp_path).words, learned.words)
     (path,) = tmp_path.iterdir()
     with monkeypatch.context() as other:
         other.setattr(module, "_SEED", 9)
         with pytest.raises(SimError, match="delete its folder"):
-            orb_vocabulary(tmp_path)
+            flat_orb_words(tmp_path)
     path.write_bytes(b"PK")
     with pytest.raises(SimError, match="delete it"):
-        orb_vocabulary(tmp_path)
+        flat_orb_words(tmp_path)

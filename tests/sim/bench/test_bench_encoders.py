@@ -176,7 +176,7 @@ def test_an_architecture_that_cannot_be_made_costs_its_own_row_alone(tmp_path, c
     monkeypatch.setattr("open_clip.create_model", unreachable)
     monkeypatch.setattr("lexis.encoder.open_clip_encoder.load_encoder", lambda model: Knowing(0.1))
     monkeypatch.setattr("sim.bench.encoders.runs.encoder_runs", lambda *_: RUNS)
-    monkeypatch.setattr("sim.baselines.orb_vocabulary.orb_vocabulary", lambda work: None)
+    monkeypatch.setattr("sim.baselines.orb_vocabulary.flat_orb_words", lambda work: None)
     monkeypatch.setattr(encoder_times, "timed", lambda model, way, image: Timing(1.0, 2.0, 3.0))
     csv_file, plot = tmp_path / "table.csv", tmp_path / "plot.png"
     asked = ["--presets", "uh2-apt", "--architectures", "roberta-ViT-B-32", "--csv", str(csv_file), "--plot", str(plot)]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from sim import house_proof as worlds
+from sim import house_proof
 from sim.cli import main
 from sim.house_proof import cases, prove
 from worlds.openings.openness import openness_of
@@ -210,9 +210,9 @@ def test_cases_cover_every_family_plain_and_as_open_and_cluttered_as_can_be():
     [({"seconds": 9.0}, None), ({"digest": "other"}, "is another house when generated again"), ({"failure": "x"}, "x")],
 )
 def test_a_failure_and_a_difference_are_reported(changed, why, monkeypatch):
-    made = worlds._Made(0.1, "digest", None)
-    monkeypatch.setattr(worlds, "ProcessPoolExecutor", InTurn)
-    monkeypatch.setattr(worlds, "_make", lambda case, first: replace(made, **changed) if first else made)
+    made = house_proof._Made(0.1, "digest", None)
+    monkeypatch.setattr(house_proof, "ProcessPoolExecutor", InTurn)
+    monkeypatch.setattr(house_proof, "_make", lambda case, first: replace(made, **changed) if first else made)
     assert [proof.failure for proof in prove(cases(["home"], 0, 2), 2)] == [why, why]
 
 
