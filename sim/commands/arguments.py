@@ -129,6 +129,7 @@ def add_walk(parser: argparse.ArgumentParser, scenario: bool = False) -> None:
     """Add options for house, walk, odometry and faults; with `scenario` also `--scenario`, a file that replaces them."""
     house = parser.add_mutually_exclusive_group()
     if scenario:
+        parser.register("action", None, _NotedStore)
         house.add_argument("--scenario", type=Path, metavar="FILE", help=SCENARIO_HELP)
     house.add_argument("--preset", default="home", help=PRESET_HELP)
     house.add_argument("--house", type=Path, metavar="FILE.json", help="a house of your own")
@@ -159,14 +160,29 @@ def add_scenario(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(defaults_of_a_run={name: parser.get_default(name) for name in _DESCRIBES_A_RUN})
 
 
+class _NotedStore(argparse.Action):
+    """Stores the value of an option, and notes that the option was given, even if the value is that of the default."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, option_string: str | None = None
+    ) -> None:
+        setattr(namespace, self.dest, values)
+        namespace.noted = {*getattr(namespace, "noted", ()), self.dest}
+
+
+def given_options_of_a_run(arguments: argparse.Namespace) -> list[str]:
+    """Return the names of the options of `add_scenario` that the user gave, except `--scenario`."""
+    noted, defaults = getattr(arguments, "noted", ()), arguments.defaults_of_a_run
+    return [name for name, value in defaults.items() if name in noted or getattr(arguments, name) != value]
+
+
 def scenario_of_arguments(arguments: argparse.Namespace) -> "Scenario":
     """Build the scenario from the options of `add_scenario`. Raises `WorldsError`, `SimError` or `LexisError` if invalid."""
     from sim.harness import Scenario
     from sim.render.rig import RigConfig
 
     if arguments.scenario is not None:
-        given = [name for name, value in arguments.defaults_of_a_run.items() if getattr(arguments, name) != value]
-        if given:
+        if given := given_options_of_a_run(arguments):
             option = f"--{given[0].replace('_', '-')}"
             raise SimError(f"{option} is given beside --scenario; valid: one of the two, since the file says all of a run")
         return Scenario.load(arguments.scenario)

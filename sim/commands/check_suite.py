@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lexis.files.replace import replaced_file
+from sim.commands.arguments import given_options_of_a_run
 from sim.commands.earlier_run import EarlierRun
 from sim.commands.run import progress_bar
 from sim.commands.slams import is_lexis, program_of, refuse_program_options, replay_of, runner_of, slam_factory
@@ -220,7 +221,7 @@ def _new_slam(arguments: argparse.Namespace) -> "NewSlam":
 
 def _refuse_scenario_options(arguments: argparse.Namespace) -> None:
     """Raise SimError for an option that describes a single run, except the seed."""
-    given = [n for n, value in arguments.defaults_of_a_run.items() if n != "seed" and getattr(arguments, n) != value]
+    given = [name for name in given_options_of_a_run(arguments) if name != "seed"]
     given += ["scenario"] if arguments.scenario is not None else []
     given += ["fails"] if arguments.fails else []
     if given:

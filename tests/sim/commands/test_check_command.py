@@ -223,6 +223,8 @@ def test_a_program_that_fails_is_told_once(folder, capsys):
         (["--scenario", "missing.json"], "missing.json"),
         (["--scenario", "own_slam_here.py"], "is not JSON"),
         (["--scenario", "scenario.json", "--seed", "3"], "--seed is given beside --scenario"),
+        (["--scenario", "scenario.json", "--seed", "7"], "--seed is given beside --scenario"),
+        (["--odometry", "multicam", "--scenario", "scenario.json"], "--odometry is given beside --scenario"),
         (["--scenario", "scenario.json", "--feature-model", "x"], "--feature-model is given beside --scenario"),
         (["--scenario", "scenario.json", "--preset", "ori"], "not allowed with argument"),
         (["--out", "scenario.json"], "is a file; valid: the name of a folder"),

@@ -45,6 +45,7 @@ def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):
     [
         (["--suite", "flats"], "unknown suite 'flats'"),
         (["--suite", "homes", "--preset", "ori"], "--preset is given beside --suite"),
+        (["--suite", "homes", "--preset", "home"], "--preset is given beside --suite"),
         (["--suite", "homes", "--fidelity", "render"], "--fidelity is given beside --suite"),
         (["--suite", "homes", "--fails", "rooms.pq < 1"], "--fails is given beside --suite"),
         (["--suite", "homes", "--command", "x {dataset}"], "has no {out}; valid: such as"),
