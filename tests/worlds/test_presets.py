@@ -3,6 +3,7 @@
 from collections import Counter
 
 import pytest
+from helpers.unchecked import untyped
 
 from worlds.errors import WorldsError
 from worlds.labels import STAIRS
@@ -121,6 +122,13 @@ def test_impossible_room_lists_are_refused(asked, message):
 def test_impossible_options_are_refused(options, message):
     with pytest.raises(WorldsError, match=message):
         sample_house("home", 0, **options)
+
+
+@pytest.mark.parametrize("options", [{"seed": 1.5}, {"seed": "7"}, {"rooms": 4.5}, {"storeys": True}])
+def test_numbers_that_are_not_whole_are_refused(options):
+    (name,) = options
+    with pytest.raises(WorldsError, match=rf"{name} is .*; valid: a whole number"):
+        untyped(sample_house)(**{"preset": "home", "seed": 0} | options)
 
 
 def test_an_unknown_preset_lists_the_known_ones():
