@@ -125,7 +125,7 @@ class Planner:
         base = first_lap(self.house, self.stops, rng)[1]
         home, circuit = base[0], base[:1]
         length_m = (self.config.circuit_m or _CIRCUIT_M) / SMOOTHED
-        for stop in map(int, np.argsort(self.stops.between[home])):
+        for stop in map(int, np.argsort(self.stops.between[home], kind="stable")):
             wider: list[int] = [home, *short_cycle(self.stops.between, home, [*circuit[1:], stop])]
             if stop != home and self.stops.length([*wider, home]) <= length_m:
                 circuit = wider

@@ -61,6 +61,6 @@ def _runs(points: Float64[np.ndarray, "n 2"], lane_m: float, step_m: float) -> l
 def _stretches(
     points: Float64[np.ndarray, "n 2"], own: Int[np.ndarray, "k"], along: int, step_m: float
 ) -> list[tuple[int, int]]:
-    own = own[np.argsort(points[own, along])]
+    own = own[np.argsort(points[own, along], kind="stable")]
     pieces = np.split(own, np.flatnonzero(np.diff(points[own, along]) > 1.5 * step_m) + 1)
     return [(int(p[0]), int(p[-1])) for p in pieces if points[p[-1], along] - points[p[0], along] >= _SHORTEST_M]
