@@ -132,9 +132,7 @@ class OpeningSpec(_Data):
     )
 
     @model_validator(mode="after")
-    def _possible(self) -> "OpeningSpec":
-        if self.rooms[0] == self.rooms[1]:
-            raise ValueError(f"both rooms are {self.rooms[0]!r}; valid: two different rooms")
+    def _leaf_of_a_door(self) -> "OpeningSpec":
         if self.leaf is not None and self.kind != "door":
             raise ValueError(f"a leaf belongs to a door, not to {self.kind!r}")
         if self.leaf is not None and self.leaf.into not in self.rooms:

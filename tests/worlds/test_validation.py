@@ -241,6 +241,13 @@ def test_openings_fit_under_the_ceiling(kind, sizes, message):
     assert len(found) == 1 and message in found[0] and "storeys[0].openings[1] (a - b)" in found[0]
 
 
+def test_an_opening_is_between_two_rooms():
+    inside = {"rooms": ["a", "a"], "kind": "open", "start_m": [2, 1], "end_m": [2, 2]}
+    assert told(two_rooms(openings=[DOOR, inside])) == [
+        "storeys[0].openings[1] (a - a): both rooms are 'a'; valid: two different rooms"
+    ]
+
+
 def test_only_openings_of_stairs_lead_up_or_down():
     assert told(two_rooms(openings=[DOOR | {"leads": "up"}])) == [
         """storeys[0].openings[0] (a - b): "leads" says 'up', but neither room is stairs; leave it out"""

@@ -56,7 +56,9 @@ def _overlapping(level: int, spans: list[tuple[str, Span]]) -> Iterator[str]:
 
 
 def _bad_opening(place: str, opening: OpeningSpec, in_wall_m: float, height_m: float) -> Iterator[str]:
-    if in_wall_m < opening.width_m - _TOLERANCE_M:
+    if opening.rooms[0] == opening.rooms[1]:
+        yield f"{place}: both rooms are {opening.rooms[0]!r}; valid: two different rooms"
+    elif in_wall_m < opening.width_m - _TOLERANCE_M:
         yield f"{place}: only {in_wall_m:.2f} of its {opening.width_m:.2f} m lie in the wall between the two rooms"
     low, high = opening.gap_m(height_m)
     if opening.kind not in PASSABLE:
