@@ -197,7 +197,7 @@ class Walkable:
         `start` is a point in W [m] or the number of a node. The length is infinite for nodes to which there is no path, and
         for nodes farther away than `limit_m` [m].
         """
-        node = int(start) if np.ndim(start) == 0 else self.snap(np.asarray(start))
+        node = self._node(start)
         return np.ravel(dijkstra(self.graph, indices=[node], limit=limit_m))
 
     def distance(self, start: Float64[np.ndarray, "3"], goal: Float64[np.ndarray, "3"]) -> float:
@@ -213,7 +213,7 @@ class Walkable:
         obstacles [m] if there is enough space. The path from `goal` to `start` is the same path reversed. Raises
         `UnreachableError` if there is no path, or a point is not walkable.
         """
-        a, b = (int(place) if np.ndim(place) == 0 else self.snap(np.asarray(place)) for place in (start, goal))
+        a, b = self._node(start), self._node(goal)
         if a > b:  # straightening depends on the end from which it starts, so it always starts from the smaller number
             return self.path(b, a, prefer_clearance_m)[::-1].copy()
         nodes = self._route(a, b, prefer_clearance_m)
@@ -221,6 +221,10 @@ class Walkable:
             rooms = (self.house.rooms[self.node_room[k]].id for k in (a, b))
             raise UnreachableError("no path between {!r} and {!r} for a body of radius {:g} m".format(*rooms, self.radius_m))
         return self._shorten(np.array(nodes), prefer_clearance_m)
+
+    def _node(self, place: Float64[np.ndarray, "3"] | Node) -> int:
+        """Return the number of a node that is given by its number or by a point in W [m]."""
+        return int(place) if np.ndim(place) == 0 else self.snap(np.asarray(place))
 
     def _route(self, a: int, b: int, prefer_clearance_m: float) -> list[int]:
         """Return the nodes of the cheapest path from node `a` to node `b`; an empty list if there is no path.

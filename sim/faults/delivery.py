@@ -8,7 +8,7 @@ import numpy as np
 
 from lexis.maths.se3 import between, compose_covariance
 from lexis.types import Image, Observation, Percept
-from sim.faults.fault import StreamFault, setting
+from sim.faults.fault import StreamFault, has_pose, setting
 from sim.truth import Stream, Truth
 
 
@@ -56,13 +56,12 @@ def _bursts(share: float, burst: int, rng: np.random.Generator) -> Iterator[bool
 
 def _bridging(lost: list[Observation], after: Observation) -> Observation:
     """Return the observation `after` a gap, with the covariance of the motion since the last observation before the gap."""
-    covariance, known = lost[0].increment_covariance, lost[0].T_O_B
+    covariance, known = lost[0].increment_covariance, lost[0]
     for current in (*lost[1:], after):
-        # Another fault may have made poses NaN. A step without a known pose counts as one without motion.
-        is_known = np.isfinite(current.T_O_B).all() and np.isfinite(known).all()
-        increment = between(known, current.T_O_B) if is_known else np.eye(4)
+        # A step without a known pose counts as one without motion.
+        increment = between(known.T_O_B, current.T_O_B) if has_pose(known) and has_pose(current) else np.eye(4)
         covariance = compose_covariance(covariance, increment, current.increment_covariance)
-        known = current.T_O_B if np.isfinite(current.T_O_B).all() else known
+        known = current if has_pose(current) else known
     return replace(after, increment_covariance=covariance)
 
 

@@ -20,6 +20,11 @@ def setting(default: int | float | None, low: int | float, high: int | float = m
     return field(default=default, kw_only=kw_only, metadata={"range": (low, high)})
 
 
+def has_pose(observation: Observation) -> bool:
+    """Return whether the pose of an observation is finite: another fault may have made it NaN."""
+    return bool(np.isfinite(observation.T_O_B).all())
+
+
 @dataclass(frozen=True)
 class Fault(ABC):
     """A disturbance that is injected into a run. Raises `SimError` for a field that is out of its range."""

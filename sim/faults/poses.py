@@ -8,7 +8,7 @@ from jaxtyping import Float64
 
 from lexis.maths.se3 import between, exp, inverse
 from lexis.types import Observation
-from sim.faults.fault import SpanFault, StreamFault, setting
+from sim.faults.fault import SpanFault, StreamFault, has_pose, setting
 from sim.truth import Stream
 
 
@@ -32,13 +32,10 @@ class OdometryJump(StreamFault):
         move[:2, 3] = self.distance_m * np.array([np.cos(direction), np.sin(direction)])
         jump = None
         for observation, truth in stream:
-            if truth.stamp < self.at_s:
+            if truth.stamp < self.at_s or (jump is None and not has_pose(observation)):
                 yield observation, truth
                 continue
             T_O_B = observation.T_O_B
-            if jump is None and not _is_known(observation):
-                yield observation, truth
-                continue
             if jump is None:
                 jump = T_O_B @ move @ inverse(T_O_B)
             yield replace(observation, T_O_B=jump @ T_O_B), self.mark(truth)
@@ -65,7 +62,7 @@ class OdometryFreeze(SpanFault):
         frozen = False
         for observation, truth in stream:
             frozen = frozen or (before is not None and self.active(truth))
-            known = _is_known(observation)
+            known = has_pose(observation)
             if before is None or not frozen:
                 reported = observation.T_O_B if known else reported
                 yield observation, truth
@@ -118,12 +115,12 @@ class Kidnap(StreamFault):
         for observation, truth in stream:
             if last is None or truth.stamp < self.at_s:
                 last = observation
-                before = observation.T_O_B if _is_known(observation) else before
+                before = observation.T_O_B if has_pose(observation) else before
                 within = before
                 yield observation, truth
             elif truth.stamp < self.at_s + self.skip_s:
                 unseen = observation
-                within = observation.T_O_B if _is_known(observation) else within
+                within = observation.T_O_B if has_pose(observation) else within
             elif unseen is None:
                 yield observation, truth
             else:
@@ -142,8 +139,3 @@ class Kidnap(StreamFault):
         last = stamps[stamps < self.at_s][-1:] if (stamps < self.at_s).any() else stamps[:1]
         unseen = stamps[(stamps < self.at_s + self.skip_s) & (stamps > last)]
         return float(last[0]), float(unseen[-1]) if unseen.size else float(last[0])
-
-
-def _is_known(observation: Observation) -> bool:
-    """Return whether the pose of an observation is finite: another fault may have made it NaN."""
-    return bool(np.isfinite(observation.T_O_B).all())

@@ -110,8 +110,9 @@ def _on_the_stairs(house: House, boxes: Obstacles) -> Iterator[str]:
     for i, stairs in hits:
         piece = house.furniture[i]
         yield f"{piece_name(piece)} in {piece.room!r} stands on the stairs {stairs!r}"
+    on_steps = {i for i, _ in hits}
     for i, piece in enumerate(house.furniture):
-        if piece.solid and house.room_by_id[piece.room].label == STAIRS and not any(hit == i for hit, _ in hits):
+        if piece.solid and house.room_by_id[piece.room].label == STAIRS and i not in on_steps:
             yield f"{piece_name(piece)} stands in the stairs {piece.room!r}; stairs hold no furniture that blocks a body"
 
 
