@@ -16,7 +16,11 @@ def overlap(predicted: Int[np.ndarray, "n"], truth: Int[np.ndarray, "n"]) -> Int
     return table
 
 
-def iou(table: Int[np.ndarray, "p t"]) -> Float64[np.ndarray, "p t"]:
-    """Intersection over union of every predicted instance with every true instance, from the table of `overlap`."""
-    union = table.sum(axis=1, keepdims=True) + table.sum(axis=0, keepdims=True) - table
+def iou(table: Int[np.ndarray, "p t"], sizes: Int[np.ndarray, "1 t"]) -> Float64[np.ndarray, "p t"]:
+    """Intersection over union of every predicted instance with every true instance.
+
+    `table` is that of `overlap`, with or without its rows of keyframes in no predicted instance. `sizes` holds the number of
+    keyframes of every true instance.
+    """
+    union = table.sum(axis=1, keepdims=True) + sizes - table
     return np.asarray(table / np.maximum(union, 1))

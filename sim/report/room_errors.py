@@ -38,12 +38,16 @@ class RoomErrors:
 
 
 def room_errors(true: Sequence[str], predicted: Sequence[str]) -> RoomErrors:
-    """Find the errors of room segmentation. `true` and `predicted` name the true and the predicted room of each keyframe."""
+    """Find the errors of room segmentation.
+
+    `true` and `predicted` name the true and the predicted room of each keyframe; "" stands for no predicted room.
+    """
     true_names, true_ids = _numbered(true)
     predicted_names, predicted_ids = _numbered(predicted)
-    table = overlap(predicted_ids, true_ids)
-    of_predicted = table / table.sum(axis=1, keepdims=True)
-    of_true = table / table.sum(axis=0, keepdims=True)
+    whole = overlap(predicted_ids, true_ids)
+    of_predicted, of_true = whole / whole.sum(axis=1, keepdims=True), whole / whole.sum(axis=0, keepdims=True)
+    rooms = [k for k, name in enumerate(predicted_names) if name]
+    predicted_names, of_predicted, of_true = [predicted_names[k] for k in rooms], of_predicted[rooms], of_true[rooms]
     merges = _groups(of_true > SHARE, predicted_names, true_names, least=2)
     merged = {name for names in merges.values() for name in names}
     partial_losses = _groups(((of_true >= SUBSTANTIAL) & (of_predicted <= SHARE)).T, true_names, predicted_names, least=1)

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float64, Int
 
 from lexis.evaluation.partitions import overlap
-from lexis.evaluation.rooms import adjusted_rand_index
+from lexis.evaluation.rooms import adjusted_rand_index, each_alone
 from lexis.evaluation.trajectory import aligned
 from lexis.maths.se3 import between, rotation_angle
 from sim.harness.estimate import Estimate
@@ -21,7 +21,8 @@ class ClaimAgreement:
     labels: float | None
     """Share of the common frames that have the same label in both estimates."""
     rooms: float | None
-    """Adjusted Rand index of the two partitions of the common frames into rooms: 1 if equal, about 0 if unrelated."""
+    """Adjusted Rand index of the two partitions of the common frames into rooms: 1 if equal, about 0 if unrelated. A frame
+    in no room counts as a room of its own."""
     floors: float | None
     """Share of the common frames that have the same floor in both estimates."""
     loops: float | None
@@ -64,7 +65,7 @@ def _rand_index(
 ) -> float | None:  # fmt: skip
     if first is None or second is None or not len(rows_a):
         return None
-    return adjusted_rand_index(overlap(first[rows_a], second[rows_b]))
+    return adjusted_rand_index(overlap(each_alone(first[rows_a]), each_alone(second[rows_b])))
 
 
 def _common_loops(first: Estimate, second: Estimate) -> float | None:

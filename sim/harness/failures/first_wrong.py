@@ -181,7 +181,8 @@ def _instance(run: Run) -> Iterator[_Wrong]:
                 lies = f"which lies mostly in {_room(run, main_room[claim])}"
                 yield _Wrong(row, f"in the claimed room {claim}, {lies}")
             elif main_claim[room] != claim:
-                mostly = f"though most of this room is the claimed room {main_claim[room]}"
+                main = main_claim[room]
+                mostly = f"though most of this room is {'in no claimed room' if main < 0 else f'the claimed room {main}'}"
                 yield _Wrong(row, f"in the claimed room {claim}, {mostly}")
 
 

@@ -98,6 +98,25 @@ def test_two_rooms_in_one_cluster_are_one_merge():
     assert (scores.splits, scores.merges, scores.count_error, scores.pq) == (0, 1, -1, 0.0)
 
 
+@given(partition_pairs)
+def test_keyframes_in_no_room_are_wrong_and_make_no_room(pair):
+    """With truth given for some keyframes only, every found room is right, and what is missing costs recall."""
+    chosen, truth = pair
+    scores = score_rooms(np.where(chosen > 2, truth, -1), truth)
+    found, rooms = len(np.unique(truth[chosen > 2])), len(np.unique(truth))
+    assert scores.count_error == found - rooms and scores.splits == scores.merges == 0
+    assert scores.precision is None if found == 0 else scores.hydra_precision == 1.0
+    assert scores.recall <= found / rooms and scores.pq <= 2 * found / (found + rooms)
+    one_each = np.where(chosen > 2, truth, 100 + np.arange(len(truth)))
+    alone = score_rooms(one_each, truth)
+    assert (scores.ari, scores.v_measure) == (pytest.approx(alone.ari), pytest.approx(alone.v_measure))
+
+
+def test_a_walk_in_no_room_finds_no_room():
+    scores = score_rooms(np.full(9, -1), np.zeros(9, int))
+    assert (scores.pq, scores.recall, scores.precision, scores.hydra_recall, scores.count_error) == (0.0, 0.0, None, 0.0, -1)
+
+
 def test_floors_are_judged_off_the_stairs():
     predicted, truth = np.array([0, 0, -1, -1, 1, 1]), np.array([0, 0, 0, 1, 1, 0])
     stairs = np.array([False, False, False, True, False, False])

@@ -33,7 +33,8 @@ def rectangles(*sides: Sequence[float], door_m: float = 0.9):
 
 def same_cells(a, b, free):
     """Mean IoU of each segment of `a` with the most similar segment of `b`, over free cells."""
-    return iou(overlap(a[free], b[free])).max(axis=1).mean() if a[free].max() else 1.0
+    table = overlap(a[free], b[free])
+    return iou(table, table.sum(axis=0, keepdims=True)).max(axis=1).mean() if a[free].max() else 1.0
 
 
 @every
