@@ -11,6 +11,7 @@ from numbers import Integral, Real
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, SupportsFloat, TypeVar, Union, get_args, get_origin, get_type_hints
 
+import numpy as np
 from annotated_types import Ge, Gt, Interval, Le, Lt, MinLen
 
 _UNITS = {
@@ -49,8 +50,13 @@ class Settings:
             cls.place, cls.error = place, error
 
     def __post_init__(self) -> None:
-        """Raise the class's error if a field has a value that the field's annotation excludes."""
+        """Raise the class's error if a field has a value that the field's annotation excludes.
+
+        Numbers of numpy become numbers of Python, which JSON can hold.
+        """
         for name, annotation in _annotations(type(self)).items():  # type: ignore[arg-type]
+            if isinstance(value := getattr(self, name), np.generic):
+                object.__setattr__(self, name, value.item())
             if valid := _what_is_valid(getattr(self, name), annotation, _unit(name)):
                 self.refuse(name, valid)
 

@@ -35,6 +35,8 @@ class Fault(ABC):
         for each in fields(self):
             low, high = each.metadata["range"]
             value = getattr(self, each.name)
+            if isinstance(value, np.generic):  # JSON, in which scenarios are stored, has no numbers of numpy
+                object.__setattr__(self, each.name, value := value.item())
             if value is not None and not low <= value <= high:
                 raise SimError(f"fault {self.name}: {each.name} is {value}; valid: {low:g} to {high:g}")
 

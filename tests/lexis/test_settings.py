@@ -62,7 +62,9 @@ def test_what_an_annotation_excludes_is_refused_by_name(kind, name, value, valid
     [(Inner, "speed_m_s", 1), (Inner, "laps", np.int64(2)), (Outer, "share", np.float64(1.0)), (Outer, "length_m", 3)],
 )
 def test_numbers_of_every_type_are_numbers(kind, name, value):
-    assert getattr(kind(**{name: value}), name) == value
+    settings = kind(**{name: value})
+    assert getattr(settings, name) == value
+    assert settings_of(kind, json.loads(json.dumps(settings_data(settings)))) == settings
 
 
 def test_data_and_back():
