@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from numbers import Real
 from operator import index
 from types import MappingProxyType
 
@@ -68,9 +69,9 @@ class VerdictClaim:
 class Estimate:
     """The claims of a SLAM about a run. Arrays have one row for each frame in `frames`: a SLAM's keyframes, or all frames.
 
-    Raises `ClaimError` for claims that are not arrays of finite numbers, that differ in their number of rows, or that refer
-    to rows that do not exist; for poses that are no rigid motions; for labels, rooms and floors below -1; and for loops
-    whose query is not later than its match.
+    Raises `ClaimError` for claims of another type than the fields state; for arrays that differ in their number of rows, or
+    have numbers that are not finite; for rows that do not exist; for poses that are no rigid motions; for labels, rooms and
+    floors below -1; and for loops whose query is not later than its match.
     """
 
     frames: Int[np.ndarray, "n"]
@@ -115,8 +116,11 @@ class Estimate:
         if self.loops is not None:
             _check_loops(self.loops)
         rows = [] if self.loops is None else [*self.loops.query.tolist(), *self.loops.match.tolist()]
-        rows += _candidate_rows(self.candidates or ()) + _verdict_rows(self.verdicts or ())
-        _check_stages(self.stage_seconds)
+        rows += [] if self.candidates is None else _candidate_rows(self.candidates)
+        rows += [] if self.verdicts is None else _verdict_rows(self.verdicts)
+        object.__setattr__(self, "stage_seconds", _checked_stages(self.stage_seconds))
+        if self.encoder is not None and not isinstance(self.encoder, str):
+            raise ClaimError(f"estimate: encoder is {_form_of(self.encoder)}; valid: a text")
         if rows and not 0 <= min(rows) <= max(rows) < n:
             found = f"rows {min(rows)} to {max(rows)}"
             raise ClaimError(f"estimate: loops, candidates and verdicts refer to {found}; valid: 0 to {n - 1}")
@@ -161,13 +165,19 @@ def _verdict_rows(verdicts: object) -> list[int]:
     """Return all rows that verdicts refer to. Raises `ClaimError` for anything but a sequence of `VerdictClaim`."""
     if not isinstance(verdicts, Sequence) or not all(isinstance(each, VerdictClaim) for each in verdicts):
         raise ClaimError(f"estimate: verdicts is {verdicts!r:.60}; valid: a tuple of VerdictClaim")
+    for verdict in verdicts:
+        for name, value in verdict.figures.items():
+            if not isinstance(value, Real):
+                given = f"figures[{name!r:.40}] of a verdict is {value!r:.40}"
+                raise ClaimError(f"estimate: {given}; valid: a number; leave unknown figures out")
     return [row for verdict in verdicts for row in (verdict.query, verdict.match)]
 
 
-def _check_stages(seconds: object) -> None:
-    """Raise `ClaimError` for anything but a mapping."""
-    if not isinstance(seconds, Mapping):
-        raise ClaimError(f"estimate: stage_seconds is {_form_of(seconds)}; valid: a mapping of the stage's name to seconds")
+def _checked_stages(seconds: object) -> Mapping[str, float]:
+    """Return the times of the stages as numbers of Python. Raises `ClaimError` for anything but a mapping to numbers."""
+    if not isinstance(seconds, Mapping) or not all(isinstance(each, Real) for each in seconds.values()):
+        raise ClaimError(f"estimate: stage_seconds is {seconds!r:.60}; valid: a mapping of the stage's name to seconds")
+    return MappingProxyType({str(name): float(value) for name, value in seconds.items()})
 
 
 def _check_loops(loops: object) -> None:

@@ -13,6 +13,7 @@ from sim.errors import SimError
 from sim.faults.delivery import Dropped
 from sim.harness import Estimate, LoopClaims, Scenario, check, run, try_plans, write_run
 from sim.harness.crash import attempt
+from sim.harness.estimate import VerdictClaim
 from sim.harness.failures.first_wrong import crash_frame, first_wrong
 from sim.harness.figures import evaluate
 from sim.harness.report_data import report_data
@@ -142,11 +143,26 @@ def test_claims_of_another_size_are_named():
         ({"T_W_B": np.zeros((5, 3, 4))}, "T_W_B has shape (5, 3, 4); valid: (5, 4, 4)"),
         ({"T_W_B": np.zeros((5, 4, 4))}, "T_W_B is no rigid motion in row 0; valid: rotation and translation"),
         ({"similarities": np.zeros(5)}, "similarities is float64 (5,); valid: an array of numbers of shape (n, any)"),
+        ({"candidates": np.zeros((2, 2))}, "candidates is array([[0., 0.],"),
+        (
+            {"stage_seconds": {"loops": None}},
+            "stage_seconds is {'loops': None}; valid: a mapping of the stage's name to seconds",
+        ),
+        ({"encoder": 5}, "encoder is a int; valid: a text"),
+        (
+            {"verdicts": (VerdictClaim(1, 0, True, "", {"inliers": None}),)},
+            "figures['inliers'] of a verdict is None; valid: a number",
+        ),
     ],
 )
 def test_claims_of_another_form_are_named(claims, message):
     with pytest.raises(SimError, match=re.escape(message)):
         unchecked(Estimate, **{"frames": np.arange(5)} | claims)
+
+
+def test_times_of_any_number_type_can_be_stored():
+    estimate = Estimate(np.arange(5), stage_seconds={"loops": np.float32(0.5)})
+    assert json.loads(json.dumps(dict(estimate.stage_seconds))) == {"loops": 0.5}
 
 
 def test_transposed_poses_are_recognised():
@@ -222,7 +238,7 @@ def one_loop(**changes):
         ({"candidates": {2: (0,)}}, "candidates is {2: .*; valid: a tuple of pairs of a row and other rows"),
         ({"candidates": ((2, (0.5,)),)}, "candidates is .*; valid: a tuple of pairs of a row and other rows"),
         ({"verdicts": (True,)}, r"verdicts is \(True,\); valid: a tuple of VerdictClaim"),
-        ({"stage_seconds": None}, "stage_seconds is a NoneType; valid: a mapping"),
+        ({"stage_seconds": None}, "stage_seconds is None; valid: a mapping"),
         ({"candidates": ((0, (-1,)),)}, "loops, candidates and verdicts refer to rows -1 to 0; valid"),
         ({"labels": every(-2)}, "labels has -2 in row 0; valid: numbers from 0, or -1 for none"),
         ({"baseline_labels": every(3)}, "baseline_labels has 3 in row 0; valid: -1 to 2, since there are 3 room names"),
