@@ -4,6 +4,7 @@ A claim compares a figure with a number, such as "rooms.pq >= 0.6", or with a mu
 such as "trajectory.ate_m <= 0.5 * trajectory.ate_odometry_m".
 """
 
+import math
 import operator
 import re
 from collections.abc import Callable, Mapping
@@ -36,6 +37,13 @@ class Claim:
     of: str | None = None
     """Another figure, of which `limit` is a multiple. None: the claim compares with `limit` itself."""
 
+    def __post_init__(self) -> None:
+        """Raise `SimError` for an unknown comparison or a limit that is no finite number."""
+        if self.comparison not in _OPERATORS:
+            raise SimError(f"claim {str(self)!r:.80}: unknown comparison; valid: {' '.join(_OPERATORS)}")
+        if not math.isfinite(self.limit):
+            raise SimError(f"claim {str(self)!r:.80}: the limit is {self.limit}; valid: a finite number")
+
     @staticmethod
     def parse(text: str) -> "Claim":
         """Read a claim such as "labels.accuracy < 0.7" or "labels.accuracy > 1.1 * labels.accuracy_baseline".
@@ -50,9 +58,10 @@ class Claim:
         figure, comparison, limit, factor, of = match.groups()
         number = limit or factor or "1"
         try:
-            claim = Claim(figure, comparison, float(number), of)
+            value = float(number)
         except ValueError:
             raise SimError(f"claim {text!r:.80}: {number!r} is no number; valid: a number such as 0.7") from None
+        claim = Claim(figure, comparison, value, of)
         claim._check_names()
         return claim
 

@@ -83,6 +83,7 @@ def test_a_claim_about_one_room():
         ("labels.accuracy < labels.accuracy * 2", "is not understood"),
         ("labels.accuracy < 2 * labels", "labels is no number"),
         ("labels.accuracy < 1.2.3", "'1.2.3' is no number"),
+        ("labels.accuracy < 1e999", "the limit is inf; valid: a finite number"),
         ("labels.acc < 0.7", "no figure 'acc' (did you mean 'accuracy'?); valid: accuracy, accuracy_baseline"),
         ("rooms.pg < 0.5", "no figure 'pg' (did you mean 'pq'?); valid: pq, precision"),
         ("ate_m > 0.1", "no figure 'ate_m' (did you mean 'trajectory.ate_m'?); valid: seed, preset"),
@@ -106,3 +107,8 @@ def test_bad_claims_are_named(text, message):
     with pytest.raises(SimError) as caught:
         Claim.parse(text).outcome(result(0.5))
     assert message in str(caught.value)
+
+
+def test_an_unknown_comparison_is_named():
+    with pytest.raises(SimError, match=r"'rooms.pq => 0.6': unknown comparison; valid: <= >= == != < >"):
+        Claim("rooms.pq", "=>", 0.6)
