@@ -7,7 +7,8 @@
 
 `scenario` describes a run; `parts` and `walk` build its house, tour and odometry. `slam_under_test` is the interface of a
 SLAM, `estimate` holds the SLAM's claims, and `adapters` contains LEXIS and others. `runner` gives the observations to the
-SLAM, and `planning` lets a robot drive the SLAM's plans. `figures` (with `loops`) computes the figures that `results` holds.
+SLAM, and `planning` lets a robot drive the SLAM's plans; `upright` turns claimed poses so that z points up. `figures` (with
+`loops`) computes the figures that `results` holds.
 `claims` reads statements about figures, such as "rooms.pq >= 0.6". `outputs` writes the folder of a run with its report, for
 which `report_data` prepares the data.
 

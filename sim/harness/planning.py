@@ -13,11 +13,12 @@ from lexis.errors import PlanError
 from lexis.maths.se3 import inverse
 from lexis.maths.ties import rounded
 from lexis.types import Pose
-from sim.errors import ClaimError
+from sim.errors import ClaimError, SimError
 from sim.harness.last_run import last_run
 from sim.harness.parts import odometry_config
 from sim.harness.runner import Run
 from sim.harness.slam_under_test import PlansPaths
+from sim.harness.upright import upright
 from sim.odometry.simulation import OdometryConfig
 from sim.robot import DeadReckoning, Robot
 from worlds.labels import STAIRS
@@ -35,6 +36,10 @@ _STREAM = 3
 the faults."""
 
 
+_NOWHERE = np.zeros((0, 3))
+"""A path without points."""
+
+
 @dataclass(frozen=True, eq=False)
 class Trial:
     """The result of one plan that a robot has driven."""
@@ -45,7 +50,7 @@ class Trial:
     """Whether the robot ended in a room of the goal's label without touching anything."""
     shortest_m: float
     """Length of the shortest walkable path from the start into a room of the goal's label (see `shortest_into`) [m]; 0
-    without a plan."""
+    without a plan, or if there is no such path."""
     travelled_m: float
     touched: tuple[str, ...]
     """Names of the objects that the robot collided with."""
@@ -76,7 +81,7 @@ class _Belief:
         if steering == "truth":
             return _Belief(truth, np.eye(4), OdometryConfig())
         claimed = run.estimate.T_W_B
-        keyframes = run.odometry_poses if steering == "odometry" or claimed is None else claimed
+        keyframes = run.odometry_poses if steering == "odometry" or claimed is None else upright(run, claimed)
         # The correction T_W_B[-1] @ inverse(T_O_B[-1]) turns the last odometry pose T_O_B[-1] into the claimed T_W_B[-1].
         return _Belief(keyframes, keyframes[-1] @ inverse(truth[-1]), odometry_config(run.scenario))
 
@@ -86,7 +91,8 @@ def try_plans(run: Run, steering: Steering = "estimate", blind: bool = False) ->
 
     Stairs are neither start nor goal. The robot starts at the first frame of the plan. Its odometry has the error that it
     had at the end of the run, and drifts on from there. If `blind`, the robot uses no range scan to avoid obstacles. If the
-    SLAM claims no labelled rooms or cannot plan paths, there are no trials.
+    SLAM claims no labelled rooms or cannot plan paths, there are no trials. A plan that cannot be driven fails: the robot
+    cannot stand at its first frame, or no way leads from there into a room of the goal's label.
 
     Raises `ClaimError` for a plan that does not consist of rows of the estimate.
     """
@@ -129,9 +135,14 @@ def _trials(run: Run, slam: PlansPaths, pairs: list[tuple[str, str]], robot: Rob
     for query, (start, goal) in enumerate(pairs):
         rng = np.random.default_rng(np.random.SeedSequence(run.scenario.seed, spawn_key=(_STREAM, query)))
         if (keyframes := ask_plan(run, slam, start, goal)) is None:
-            yield Trial(start, goal, False, 0.0, 0.0, (), np.zeros((0, 3)), np.zeros((0, 3)))
+            yield _failed(start, goal)
             continue
         yield _try(run, robot, belief, start, goal, keyframes, rng)
+
+
+def _failed(start: str, goal: str, planned: Float64[np.ndarray, "j 3"] = _NOWHERE) -> Trial:
+    """Return the result of a plan that was not driven."""
+    return Trial(start, goal, False, 0.0, 0.0, (), _NOWHERE, planned)
 
 
 def _try(
@@ -140,10 +151,13 @@ def _try(
     T_W_B = run.true_poses[keyframes[0]]
     planned = run.true_poses[keyframes][:, :3, 3] - [0.0, 0.0, run.session.tour.eye_height_m]
     pose = DeadReckoning(*_in_plan(belief.T_believed_true @ T_W_B), belief.drift, rng)
-    driven = robot.drive(planned[0], _in_plan(T_W_B)[2], pose, belief.keyframes[keyframes][:, :3, 3])
+    try:
+        driven = robot.drive(planned[0], _in_plan(T_W_B)[2], pose, belief.keyframes[keyframes][:, :3, 3])
+        shortest = shortest_into(run.walkable, planned[0], goal)
+    except (SimError, UnreachableError):  # no ground below the first frame, as in a moving lift; or no way to the goal
+        return _failed(start, goal, planned)
     arrived = driven.room is not None and run.house.room_by_id[driven.room].label == goal
     success = arrived and not driven.touched
-    shortest = shortest_into(run.walkable, planned[0], goal)
     return Trial(start, goal, success, shortest, driven.length_m, driven.touched, driven.path, planned)
 
 

@@ -13,7 +13,7 @@ from sim.harness.estimate import LoopClaims
 from sim.harness.runner import Run
 from sim.suites.agreement import apart
 from sim.suites.checks import CheckFinding, EvaluatedRun, NewSlam
-from sim.suites.staircases import CLIMB_M, NEAR_M, staircases_are_rooms, stairs_are_climbed, upright
+from sim.suites.staircases import CLIMB_M, NEAR_M, staircases_are_rooms, stairs_are_climbed
 
 _STEP_M, _STEP_RAD = 0.25, 0.1
 """Largest allowed difference between the estimated motion and the odometry's motion from one frame of the estimate to the
@@ -188,7 +188,7 @@ def floors_are_level(run: Run) -> CheckFinding:
     poses, floors = run.estimate.T_W_B, run.estimate.floors
     if poses is None or floors is None or not (floors >= 0).any():
         return CheckFinding(None, "the SLAM does not claim both poses and floors")
-    height = upright(run, poses)[:, 2]
+    height = upright(run, poses)[:, 2, 3]
     heights = [height[floors == floor] for floor in np.unique(floors[floors >= 0])]
     span = max(float(np.ptp(own)) for own in heights)
     ascend = bool((np.diff([own.mean() for own in heights]) > 0.0).all())

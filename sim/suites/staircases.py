@@ -5,9 +5,8 @@ from jaxtyping import Float64
 from scipy.spatial import cKDTree
 
 from lexis.maths.paths import arc_length
-from lexis.maths.se3 import between
-from lexis.types import Poses
 from sim.harness.runner import Run
+from sim.harness.upright import upright
 from sim.suites.checks import CheckFinding
 from worlds.labels import STAIRS
 
@@ -56,19 +55,11 @@ def staircases_are_rooms(run: Run) -> CheckFinding:
     on_stairs = np.flatnonzero((labels == run.room_names.index(STAIRS)) & (rooms >= 0))
     if not len(on_stairs):
         return CheckFinding(None, "no frame on stairs belongs to a room")
-    first, second = on_stairs[cKDTree(upright(run, poses)[on_stairs, :2]).query_pairs(NEAR_M, output_type="ndarray")].T
+    first, second = on_stairs[cKDTree(upright(run, poses)[on_stairs, :2, 3]).query_pairs(NEAR_M, output_type="ndarray")].T
     if not len(first):
         return CheckFinding(None, "no two frames on stairs are near each other")
     apart = int((rooms[first] != rooms[second]).sum())
     return CheckFinding(apart == 0, f"{apart} of {len(first)} pairs of near frames on stairs belong to different rooms")
-
-
-def upright(run: Run, poses: Poses) -> Float64[np.ndarray, "n 3"]:
-    """Return the positions of claimed poses in the odometry frame [m].
-
-    The world frame of a SLAM need not be upright. The first pose is taken to be that of the odometry.
-    """
-    return np.asarray((run.odometry_poses[0] @ between(poses[0], np.asarray(poses, float)))[:, :3, 3])
 
 
 def _rises(path: Float64[np.ndarray, "n"], height: Float64[np.ndarray, "n"], length_m: float) -> Float64[np.ndarray, "2 n"]:

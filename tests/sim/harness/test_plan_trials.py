@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import RigidTransform
 
+from sim.harness import Estimate, Scenario, run, try_plans
 from sim.harness.planning import shortest_into
 from worlds.house import build_house
+from worlds.presets import sample_from_rooms
 from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
 from worlds.walkable import UnreachableError, Walkable
 
@@ -46,3 +49,64 @@ def test_the_shortest_path_into_a_narrow_room_ends_where_it_is_deepest():
 def test_a_room_that_cannot_be_reached_is_named():
     with pytest.raises(UnreachableError, match="no way into any kitchen"):
         shortest_into(office_beside(4.0, "wall"), np.array([2.0, 1.5, 0.0]), "kitchen")
+
+
+class Planner:
+    """Knows the labels of its frames, takes poses by odometry in a world frame of its own, and plans along its walk."""
+
+    def __init__(self, T_mine_O, labels=None):
+        self.T_mine_O, self.labels = T_mine_O, labels
+
+    def start(self, camera, room_names):
+        self.room_names, self.frames, self.poses = room_names, [], []
+
+    def process(self, observation):
+        self.frames.append(observation.index)
+        self.poses.append(self.T_mine_O @ observation.T_O_B)
+
+    def finish(self):
+        return Estimate(np.array(self.frames), T_W_B=np.array(self.poses), labels=self.labels, rooms=self.labels)
+
+    def plan(self, start, goal):
+        first, last = (np.flatnonzero(self.labels == self.room_names.index(name)) for name in (start, goal))
+        pairs = ((abs(a - b), a, b) for a in first for b in last)
+        _, a, b = min(pairs)
+        step = 1 if a < b else -1
+        inside = np.clip(b + 8 * step, 0, len(self.labels) - 1)  # two seconds further into the goal
+        return list(range(a, inside, step))
+
+
+SCENARIO = Scenario(
+    house=sample_from_rooms(("kitchen", "bedroom"), seed=21), seed=5, length_m=15.0, frame_rate_hz=4.0, fidelity="features"
+)
+
+
+@pytest.fixture(scope="module")
+def labels():
+    return run(SCENARIO, Planner(np.eye(4))).true_labels
+
+
+def planned(labels, T_mine_O):
+    return try_plans(run(SCENARIO, Planner(T_mine_O, labels)))
+
+
+def test_drives_do_not_depend_on_the_world_frame_of_the_slam(labels):
+    """The world frame may be that of a camera, in which the z axis does not point up."""
+    turned = RigidTransform.from_exp_coords([0.9, -1.2, 2.0, 3.0, 4.0, -5.0]).as_matrix()
+    upright, oblique = planned(labels, np.eye(4)), planned(labels, turned)
+    assert len(upright) == 6 and sum(trial.success for trial in upright) >= 4
+    for a, b in zip(upright, oblique, strict=True):
+        assert a.success == b.success and a.travelled_m == pytest.approx(b.travelled_m, abs=1e-3)
+
+
+def test_a_plan_into_a_room_that_cannot_be_reached_fails_alone(labels, monkeypatch):
+    def closed(walkable, start, goal):
+        if goal == "kitchen":
+            raise UnreachableError("no way into any kitchen; valid: a label of a room that can be reached from the start")
+        return shortest_into(walkable, start, goal)
+
+    monkeypatch.setattr("sim.harness.planning.shortest_into", closed)
+    trials = planned(labels, np.eye(4))
+    into = [trial for trial in trials if trial.goal == "kitchen"]
+    assert not any(trial.success or trial.travelled_m for trial in into)
+    assert any(trial.success for trial in trials)
