@@ -38,7 +38,7 @@ class EarlierRun:
             )
 
     def compared_with(self, report: "SuiteReport") -> "Comparison | None":
-        """Compare the results of a later run with these. Scenarios that only one of the runs began are left out.
+        """Compare the results of a later run with these. Scenarios that one of the runs did not begin are left out.
 
         The result is None if no scenario was completed in both runs.
         """

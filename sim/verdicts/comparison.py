@@ -236,7 +236,10 @@ def compare(
     for name, new_slam in (("a", a), ("b", b)):
         check_slam_factory(f"compare: {name}", new_slam, valid)
     wanted = _checked(claims, figures, confidence)
-    chosen = items("compare: scenarios", Scenario, scenarios)
+    chosen = list(items("compare: scenarios", Scenario, scenarios))
+    hashes = Counter(scenario.content_hash for scenario in chosen)
+    if repeated := [scenario for scenario in chosen if hashes[scenario.content_hash] > 1]:
+        raise SimError(f"compare: the scenario with seed {repeated[0].seed} is given twice; valid: different scenarios")
     pairs = [(check(scenario, a()), check(scenario, b())) for scenario in chosen]
     return compare_results([first for first, _ in pairs], [second for _, second in pairs], wanted, figures, confidence)
 

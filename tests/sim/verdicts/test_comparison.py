@@ -175,6 +175,7 @@ def test_results_that_cannot_be_paired_are_refused():
             "; valid: a class or function without arguments; results of programs are compared by `compare_results`",
         ),
         ((OdometryOnly, OdometryOnly, OPEN_FLAT), "scenarios is an instance of Scenario; valid: several values"),
+        ((OdometryOnly, OdometryOnly, [OPEN_FLAT] * 2), "the scenario with seed .* is given twice; valid: different"),
         ((OdometryOnly, OdometryOnly, [3]), r"scenarios\[0\] is an instance of int; valid: an instance of Scenario"),
         ((OdometryOnly, OdometryOnly, [], "rooms.pq >= 0.5"), r"claims is the text .*such as \['rooms.pq >= 0.5'\]"),
         ((OdometryOnly, OdometryOnly, [], (), ["rooms.pq"]), "figures is .*; valid: a mapping, such as {'rooms.pq': Rule"),
