@@ -93,14 +93,14 @@ class Session:
                 covariance = self.odometry.increment_covariance[i].copy()  # the SLAM may write into it
                 yield Observation(i, stamp, image, T_O_B[i], covariance, tuple(others)), self.truths[i]
 
-    def picture(self, frame: int) -> Image:
-        """Render the first camera's image of one frame of the tour, without the faults that a run applies to images.
+    def pictures(self, frames: Sequence[int]) -> list[Image]:
+        """Render the first camera's images of some frames of the tour, without the faults that a run applies to images.
 
         This also works in a session with a `sensor`, which itself renders no images. Raises `GraphicsError` if there is no
         off-screen OpenGL.
         """
         with closing(FrameRenderer(self._world_states, self.camera, self._distortion)) as renderer:
-            return renderer.rgb(frame, self.tour.T_W_B[frame])
+            return [renderer.rgb(frame, self.tour.T_W_B[frame]) for frame in frames]
 
     def verifier(self) -> Verifier:
         """Return the function that verifies LEXIS's loop candidates.

@@ -13,7 +13,6 @@ from sim.harness.loops import edge_truth
 from sim.harness.planning import Trial
 from sim.harness.results import RunResult
 from sim.harness.runner import Run
-from sim.render.camera import CameraRenderer
 from sim.report.data import UNKNOWN, CandidateMark, KeyframeTable, LoopMark, PlanPath, ReportData, SampleFrame, ShownFailure
 from sim.report.house_plan import floor_plans
 from sim.robot.drive import DROP
@@ -128,8 +127,8 @@ def _samples(run: Run) -> tuple[SampleFrame, ...]:
     margin = ranked[:, -1] - ranked[:, -2] if ranked.shape[1] > 1 else ranked[:, -1]
     wrong = baseline != run.true_labels
     chosen = [*_surest(margin, ~wrong, run.true_rooms), *_surest(margin, wrong, run.true_rooms)]
-    with CameraRenderer(run.session.scene, run.session.camera) as renderer:
-        return tuple(SampleFrame(k, renderer.rgb(run.true_poses[k]), run.most_similar(k, _SCORES)) for k in chosen)
+    pictures = run.session.pictures(run.estimate.frames[chosen].tolist())
+    return tuple(SampleFrame(k, image, run.most_similar(k, _SCORES)) for k, image in zip(chosen, pictures, strict=True))
 
 
 def _surest(margin: Float[np.ndarray, "n"], eligible: Bool[np.ndarray, "n"], rooms: Int[np.ndarray, "n"]) -> list[int]:

@@ -39,11 +39,6 @@ class FrameClaims:
     """Whether the plan names the rooms by their true labels, too, and not by their ids alone."""
 
 
-def camera_image(session: Session, frame: int) -> Image:
-    """Render the image of the camera at a frame of the tour again. Raises `GraphicsError` without off-screen OpenGL."""
-    return session.picture(frame)
-
-
 def place_image(session: Session, frame: int, claims: FrameClaims | None = None) -> Image:
     """Draw the plan of the frame's storey with the true path, the camera's place, the claims and a legend."""
     named = claims is not None and claims.names_labels

@@ -12,6 +12,7 @@ from lexis.types import Observation
 from sim.errors import SimError
 from sim.faults.delivery import Frozen
 from sim.faults.images import Noise
+from sim.faults.world import MovedFurniture
 from sim.odometry.simulation import ODOMETRY_PRESETS, simulate_odometry
 from sim.prefetch import THREAD
 from sim.render.camera import CameraRenderer, wide_camera
@@ -57,6 +58,15 @@ def test_kept_images_are_rendered_once_and_whatever_is_done_to_them(session, pai
             assert np.array_equal(observation.image, expected.image)
             observation.image[...] = 0  # as a SLAM may do
         assert (kept.render_seconds > before) == seconds_grow
+
+
+def test_pictures_are_the_images_of_the_walk_in_the_changed_world(session):
+    """Furniture that a fault has moved is where the SLAM saw it."""
+    moved = Session(session.house, session.tour, session.odometry, session.camera, (MovedFurniture(1.0),), 3)
+    images = {observation.index: observation.image for observation, _ in moved}
+    frames = range(0, FRAMES, FRAMES // 5)
+    for frame, picture in zip(frames, moved.pictures(frames), strict=True):
+        assert np.array_equal(picture, images[frame])
 
 
 def test_images_are_the_renderer_s(session, pairs):

@@ -17,7 +17,7 @@ from sim.harness.reductions import ScenarioSize, difference, relabelled_rooms
 from sim.harness.runner import Run, scene_of
 from sim.harness.slam_under_test import CommandSlam
 from sim.render.image_files import encoded
-from sim.report.frame_picture import FrameClaims, camera_image, place_image
+from sim.report.frame_picture import FrameClaims, place_image
 from sim.session import Session
 
 _LISTED = 8
@@ -180,7 +180,8 @@ def _frame_page(
     storey = f"storey {session.truths[frame.frame].storey}" if len(session.house.storeys) > 1 else "the storey"
     caption = f"The plan shows {storey}, and the camera's place and field of view in red.{how_drawn}"
     try:
-        pictures[_IMAGE] = encoded(camera_image(session, frame.frame), ".png")
+        (image,) = session.pictures([frame.frame])
+        pictures[_IMAGE] = encoded(image, ".png")
         shown = f"![the image of the camera]({_IMAGE}) {shown}"
         if fidelity == "features":
             caption += " The SLAM was given features; the image was rendered for this page."
@@ -235,7 +236,7 @@ def _needs(reduction: Reduction) -> Iterator[str]:
     yield "## What the failure needs"
     yield ""
     if not reduction.passing:
-        yield "Every smaller scenario that was run fails as well."
+        yield "No smaller scenario that was run passes." if reduction.tried else "No smaller scenario was run."
         if reduction.last_passing is not None:
             larger, change = reduction.last_passing
             yield f"In a larger scenario, this change made the failure go away: {difference(larger, change.scenario)}."

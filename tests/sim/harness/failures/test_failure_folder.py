@@ -59,10 +59,10 @@ def test_no_scenario_is_run_twice_and_the_values_are_those_of_the_runs(tmp_path)
 
 
 def test_without_opengl_the_page_does_without_the_image(failure, monkeypatch):
-    def lost(run, frame):
+    def lost(session, frames):
         raise GraphicsError("no off-screen OpenGL: install EGL")
 
-    monkeypatch.setattr("sim.harness.failures.why_page.camera_image", lost)
+    monkeypatch.setattr("sim.session.Session.pictures", lost)
     page = wrong_frame_page(planted(open_plan)(failure[1].scenario, None), "labels.accuracy")
     assert list(page.pictures) == ["first-wrong-plan.png"]
     assert "The image of the camera is left out: no off-screen OpenGL: install EGL." in page.lines[-1]
