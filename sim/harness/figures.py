@@ -88,7 +88,7 @@ def evaluate(run: Run, trials: Sequence[Trial] = ()) -> RunResult:
 
 
 def _faults(run: Run) -> FaultFigures:
-    touched = Counter(name for truth in run.delivered for name in truth.faults)
+    touched = Counter(name for truth in run.delivered for name in set(truth.faults))
     faults = run.scenario.faults
     frames = {fault.name: touched[fault.name] for fault in faults}
     return FaultFigures(tuple(map(written, faults)), frames, len(run.delivered), len(run.refused))
