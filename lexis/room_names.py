@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from itertools import count
 
 from lexis.types import RoomInstance
 
@@ -15,14 +16,14 @@ def instance_names(rooms: Sequence[RoomInstance]) -> tuple[str, ...]:
 
 
 def numbered(labels: Sequence[str]) -> tuple[str, ...]:
-    """Return one unique name for each entry of `labels`, in the same order; equal labels are numbered from 1."""
+    """Return one unique name for each entry of `labels`, in the same order; equal labels are numbered from 1.
+
+    Names that are labels themselves are left out: two offices beside an "office 1" are "office 2" and "office 3".
+    """
     total = Counter(labels)
-    seen: Counter[str] = Counter()
-    names = []
-    for label in labels:
-        seen[label] += 1
-        names.append(label if total[label] == 1 else f"{label} {seen[label]}")
-    return tuple(names)
+    taken = {label.lower() for label in labels}
+    free = {label: filter(lambda name: name.lower() not in taken, map(f"{label} {{}}".format, count(1))) for label in total}
+    return tuple(label if total[label] == 1 else next(free[label]) for label in labels)
 
 
 def unused_names(names: Sequence[str], rooms: Sequence[RoomInstance]) -> tuple[str, ...]:

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from helpers.map_builder import build_map, corridor_with_offices
 from helpers.two_rooms import two_rooms
+from hypothesis import given
+from hypothesis import strategies as st
 
 from lexis.config import PlannerConfig
 from lexis.errors import PlanError
@@ -16,7 +18,7 @@ from lexis.planning import planner as module
 from lexis.planning import shortcuts as shortcuts_module
 from lexis.planning.arrivals import surely_inside
 from lexis.planning.planner import shortest_path
-from lexis.room_names import instance_names
+from lexis.room_names import instance_names, numbered
 
 
 def test_a_plan_goes_from_room_to_room_along_edges_of_the_graph(rng):
@@ -134,6 +136,13 @@ def test_rooms_go_by_label_or_number(rng):
     same = plan(lexis_map, " Office 1 ", "office 1")
     assert same.start is same.goal is lexis_map.rooms[1]
     assert len(same.keyframes) == 1 and same.length_m == 0.0
+
+
+@given(st.lists(st.sampled_from(["office", "Office 1", "office 2", "office 1 1", "hall"]), max_size=9))
+def test_every_room_has_a_name_of_its_own(labels):
+    names = numbered(labels)
+    assert len({name.lower() for name in names}) == len(labels)
+    assert all(name == label or labels.count(label) > 1 for name, label in zip(names, labels, strict=True))
 
 
 def test_unknown_rooms_and_missing_paths_are_named(rng):
