@@ -84,7 +84,9 @@ def _read_camera(path: Path) -> tuple[Camera, Float64[np.ndarray, "k"]]:
     """Return the camera and its distortion coefficients."""
     data = read_yaml(path, _CAMERA_FILE)
     if data.get("camera_model") != "pinhole" or data.get("distortion_model", "") not in _DISTORTION_MODELS:
-        raise DatasetError(f"{path}: valid: camera_model pinhole, distortion_model radial-tangential")
+        names = ("camera_model", "distortion_model")
+        found = ", ".join(f"{name} {one_line(data.get(name, 'missing'), 40)}" for name in names)
+        raise DatasetError(f"{path}: {found}; valid: camera_model pinhole, distortion_model radial-tangential")
     try:
         width, height = map(int, _float_list(data["resolution"]))
         fx, fy, cx, cy = _float_list(data["intrinsics"])
@@ -111,7 +113,7 @@ def _read_odometry(folder: Path) -> tuple[OdometryTrack, Float64[np.ndarray, "n 
         return track, None
     covariances = rows[:, 8:].reshape(-1, 6, 6)
     if len(bad := np.flatnonzero(~usable_covariances(covariances))):
-        raise DatasetError(f"{path}: pose {bad[0]}: valid: a positive semi-definite 6x6 matrix as covariance")
+        raise DatasetError(f"{path}: pose {bad[0]}: its covariance is none; valid: a positive semi-definite 6x6 matrix")
     return track, covariances if is_body else _of_body(covariances, T_B_S)
 
 
@@ -160,7 +162,8 @@ def _numbers(path: Path, number: int, words: list[str]) -> list[float]:
     except ValueError as error:
         raise DatasetError(f"{path}:{number}: {one_line(error, 80)}; valid: numbers separated by commas") from None
     if not all(map(math.isfinite, values)) or abs(math.hypot(*values[4:8]) - 1.0) > 1e-3:
-        raise DatasetError(f"{path}:{number}: valid: finite numbers, columns 5 to 8 a unit quaternion w x y z")
+        found = f"{one_line(','.join(words[1:8]), 80)} is no pose"
+        raise DatasetError(f"{path}:{number}: {found}; valid: finite numbers, columns 5 to 8 a unit quaternion w x y z")
     return values
 
 

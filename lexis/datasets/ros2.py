@@ -190,7 +190,9 @@ def _read_covariances(bag: _Bag, topic: str, expected: int) -> Float64[np.ndarra
     matrices = [np.asarray(message.data, float) for message in bag.messages(topic, _MATRIX)]
     usable = all(m.size == 36 and bool(usable_covariances(m.reshape(6, 6))) for m in matrices)
     if not usable or len(matrices) != expected:
-        raise DatasetError(f"{bag.path}: {topic}: valid: {expected} positive semi-definite 6x6 matrices, one per pose")
+        found = f"{len(matrices)} covariances for {expected} poses" if usable else "a matrix that is no covariance"
+        valid = f"{expected} positive semi-definite 6x6 matrices, one per pose"
+        raise DatasetError(f"{bag.path}: {topic}: holds {found}; valid: {valid}")
     return np.array(matrices).reshape(-1, 6, 6)
 
 
@@ -198,7 +200,8 @@ def _read_camera(bag: _Bag, topic: str, body: str) -> tuple[Camera, Float64[np.n
     """Return the camera, with its pose in the frame `body`, and its distortion coefficients."""
     info = next(bag.messages(bag.first_of(topic), _INFO), None)
     if info is None or info.distortion_model not in ("", "plumb_bob"):
-        raise DatasetError(f"{bag.path}: {topic}: valid: a CameraInfo with the distortion model plumb_bob")
+        found = "no message" if info is None else f"the distortion model {one_line(info.distortion_model, 80)}"
+        raise DatasetError(f"{bag.path}: {topic}: holds {found}; valid: a CameraInfo with the distortion model plumb_bob")
     k = np.asarray(info.k, float)
     intrinsics = Intrinsics(int(info.width), int(info.height), *(float(k[i]) for i in (0, 4, 2, 5)))
     camera = Camera(intrinsics, _static_transform(bag, body, str(info.header.frame_id)))
@@ -212,8 +215,14 @@ def _read_camera(bag: _Bag, topic: str, body: str) -> tuple[Camera, Float64[np.n
 
 
 def _static_transform(bag: _Bag, body: str, frame: str) -> Pose:
-    """Return the pose of `frame` in the frame `body`, composed from the static transforms."""
-    links = {link.child_frame_id: link for message in bag.messages("/tf_static", _TRANSFORMS) for link in message.transforms}
+    """Return the pose of `frame` in the frame `body`, composed from the static transforms.
+
+    The bag needs no static transforms if the two frames are one.
+    """
+    if frame == body:
+        return np.eye(4)
+    messages = bag.messages(bag.first_of("/tf_static"), _TRANSFORMS)
+    links = {link.child_frame_id: link for message in messages for link in message.transforms}
     T, here = np.eye(4), frame
     for _ in range(len(links)):
         if here == body or here not in links:

@@ -144,7 +144,9 @@ def _covariance(path: Path, number: int, line: str, expected: float) -> Covarian
     except ValueError:
         usable = False
     if not usable:
-        raise DatasetError(f"{path}:{number}: valid: the image's stamp {expected} and a positive semi-definite 6x6 matrix")
+        found = "its stamp is not that of the image, or it is no covariance"
+        valid = f"the image's stamp {expected} and a positive semi-definite 6x6 matrix"
+        raise DatasetError(f"{path}:{number}: {found}; valid: {valid}")
     return matrix
 
 
