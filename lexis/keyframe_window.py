@@ -1,8 +1,8 @@
 """A sliding window of frames that delays each keyframe until the frames after it have arrived.
 
 The landmarks of a keyframe are triangulated from the frames before and after it, for more views and a longer baseline. At
-the end of the sequence, only the frames before the keyframe are available. Each camera of a rig has landmarks of its own,
-triangulated from its own images.
+the end of the sequence, fewer frames after the keyframe are available, or none. Each camera of a rig has landmarks of its
+own, triangulated from its own images.
 """
 
 from collections import deque
@@ -39,6 +39,11 @@ class KeyframeWindow:
         self._config = config
         self._entries: deque[_Entry] = deque(maxlen=2 * config.keyframes.supports + 1)
         self._count, self.session = first_id, session
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no frame has been added since the beginning or since `flush`."""
+        return not self._entries
 
     def add(
         self, frame: Frame, features: Iterable[Features], embeddings: Iterable[Float32[np.ndarray, "d"]] | None

@@ -2,8 +2,8 @@
 
 These are the stages, in the order in which they run (with the sections of the paper). Stages 4 to 8 work on keyframes alone:
 
-1. Select keyframes, and support frames between them (`lexis.keyframes`, III-A). Equal spacing makes the graph grow with the
-   path and not with time. All other observations are dropped.
+1. Select keyframes, and support frames between them that help to triangulate (`lexis.keyframes`, III-A). Equal spacing makes
+   the graph grow with the path and not with time. All other observations are dropped.
 2. Encode the images of keyframes, and extract local features from those of all selected frames (`lexis.perception`, III-A),
    for each camera of the rig by itself. The embeddings are used to find the room label and loop candidates, the features to
    verify loops.
@@ -11,13 +11,13 @@ These are the stages, in the order in which they run (with the sections of the p
    points.
 4. Add the keyframe to the pose graph (`lexis.graph`, III-A), at the pose that odometry predicts.
 5. Propose loop candidates (`lexis.place_recognition`, III-D): earlier keyframes that the robot probably revisits, by the
-   similarity of the images and by the estimated poses. The paper searches the room that the image shows instead.
+   similarity of the images and by the estimated poses. The paper instead proposes keyframes of the room in the image.
 6. Verify the candidates by PnP and add the confirmed loops as edges (`lexis.verification`, III-D), because two images of
    one room need not show the same place.
 7. Optimise the graph when loops have been added (`lexis.graph`, Eq. 2), which removes odometry drift.
 8. Label all keyframes, refine the labels, and cluster keyframes into rooms and floors (`lexis.semantics`, III-B and III-C).
-   This happens when a map is made, because the result depends on all poses; if loops are searched by room as in the paper,
-   also on the way.
+   This happens when a map is made, because the result depends on all poses. If loops are searched by room, as in the paper,
+   it also happens while the map grows.
 
 With an earlier map, the keyframes are a further session of this map. Its place in the map is unknown at first: see
 `lexis.sessions.relocalisation`.
@@ -33,6 +33,7 @@ from lexis.graph.pose_graph import KnownPlace, PoseGraph
 from lexis.inputs import check_camera, check_observation, check_room_names, with_copied_geometry
 from lexis.keyframe_window import KeyframeWindow
 from lexis.keyframes import KeyframeSelector
+from lexis.map.encoder_check import check_size
 from lexis.maths.growing_array import GrowingArray
 from lexis.perception import Encoder, embedding_of, features_of
 from lexis.place_recognition import PlaceRecogniser, propose
@@ -95,7 +96,6 @@ class Slam:
         self._config = config or Config()
         self._verify, self._propose, self._labeller = verifier, place_recogniser, labeller
         self._text = encoder.encode_rooms(self._room_names)
-        self._selector = KeyframeSelector(self._config.keyframes)
         self._extractor = FeatureExtractor(self._config.landmarks)
         self._graph = PoseGraph(self._config.pose_graph, self._camera)
         self._similarities = GrowingArray((len(camera.rig), len(self._room_names)))
@@ -105,14 +105,13 @@ class Slam:
         self._forgotten = 0
         """Number of retired keyframes whose spaces, candidates and verdicts have been dropped."""
         self._rooms: tuple[RoomInstance, ...] = ()
-        self._previous: Observation | None = None
         self._timed = StageTimer()
         self._relocaliser = Relocaliser(self._config.sessions, self._config.verification)
         if map is not None:
             check_continues(map, camera, encoder, room_names)
+            check_size(map, self._text)
             self._resume(map)
-        first, session = (len(map.keyframes), map.keyframes[-1].session + 1) if map else (0, 0)
-        self._window = KeyframeWindow(self._camera, self._config, first, session)
+        self._begin_session()
 
     def process(self, observation: Observation) -> None:
         """Process the next observation. A keyframe enters the graph only once the frames after it have arrived.
@@ -121,6 +120,7 @@ class Slam:
 
         Raises:
             ObservationError: the observation does not fit the camera or the sequence.
+            EncoderError: the encoder gives no embedding of unit norm for an image.
         """
         check_observation(observation, self._camera, self._previous, self._text.shape[1])
         observation = with_copied_geometry(observation)
@@ -143,8 +143,16 @@ class Slam:
         """Add the keyframes of another map, in place of observations.
 
         The sessions of the other map are numbered after the sessions of this map. Its retired keyframes stay retired, and
-        sessions that it has joined stay joined.
+        sessions that it has joined stay joined. Observations that follow begin a new session.
+
+        Raises:
+            MapError: the other map has another encoder, other room names or other cameras.
+            LexisError: observations were processed, and their last keyframes still wait for further ones.
         """
+        check_continues(map, self._camera, self._encoder, self._room_names)
+        check_size(map, self._text)
+        if not self._window.is_empty:
+            raise LexisError("observations wait for further ones; valid: replay() before process(), or in another Slam")
         other = RenumberedMap(map, self.keyframes, self._window.session)
         for id in range(len(map.keyframes)):
             keyframe, place = other.keyframe(id), other.place(id)
@@ -155,6 +163,7 @@ class Slam:
                 self._graph.add_retired(keyframe, place.T_beside_B)
                 self._graph.add_loops(other.loops(id))
                 self._take_views(self._graph.keyframes[-1])
+        self._begin_session()
 
     def snapshot(self) -> LexisMap:
         """Return the map so far. The last keyframes, which still wait for frames, are left out; the run can go on.
@@ -190,6 +199,13 @@ class Slam:
             raise LexisError("no observation was processed; valid: at least one before finish()")
         self._optimise(final=True)
         return self._map()
+
+    def _begin_session(self) -> None:
+        """Prepare for the observations of a new session, which follows all sessions of the graph."""
+        session = self._graph.keyframes[-1].session + 1 if self._graph.keyframes else 0
+        self._window = KeyframeWindow(self._camera, self._config, self.keyframes, session)
+        self._selector = KeyframeSelector(self._config.keyframes)
+        self._previous: Observation | None = None
 
     def _resume(self, map: LexisMap) -> None:
         """Fill the graph with the keyframes, poses and loops of an earlier map."""

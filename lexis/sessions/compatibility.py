@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lexis.errors import MapError
+from lexis.errors import MapError, one_line
 from lexis.map.encoder_check import check_encoder
 from lexis.perception import Encoder
 from lexis.types import Camera, LexisMap
@@ -24,8 +24,13 @@ def check_continues(map: LexisMap, camera: Camera, encoder: Encoder, room_names:
             "valid: the same cameras in all sessions of a map"
         )
     for own, other in zip(camera.rig, map.camera.rig, strict=True):
-        if own.intrinsics != other.intrinsics or not np.allclose(own.T_B_C, other.T_B_C, atol=1e-6):
+        if own.intrinsics != other.intrinsics:
             raise MapError(
-                f"the camera {own.intrinsics} or its pose on the body differs from the map's {other.intrinsics}; "
+                f"the camera has {own.intrinsics}, but that of the map {other.intrinsics}; "
                 "valid: the same camera in all sessions of a map"
+            )
+        if not np.allclose(own.T_B_C, other.T_B_C, atol=1e-6):
+            raise MapError(
+                f"the camera is at {one_line(own.T_B_C[:3].tolist())} on the body, but that of the map at "
+                f"{one_line(other.T_B_C[:3].tolist())}; valid: the same camera in all sessions of a map"
             )

@@ -9,7 +9,7 @@ from helpers.map_builder import with_retired
 from helpers.same_map import assert_same
 
 from lexis.config import Config, LabelConfig, PlaceRecognitionConfig, PlannerConfig, SessionConfig
-from lexis.errors import MapError
+from lexis.errors import LexisError, MapError
 from lexis.graph.components import component_of, sessions_apart, side_by_side
 from lexis.graph.pose_graph import PoseGraph
 from lexis.map.folder import load_map, save_map
@@ -19,7 +19,7 @@ from lexis.maths import se3
 from lexis.merging import merge
 from lexis.planning import adjacency
 from lexis.slam import Slam
-from lexis.types import Features, LoopEdge, Observation, Percept, Verdict
+from lexis.types import EncoderId, Features, LoopEdge, Observation, Percept, Verdict
 from lexis.verification import Verification, plausible
 
 ROOMS = ("office", "kitchen")
@@ -254,6 +254,38 @@ def test_sessions_that_the_second_map_has_joined_stay_joined_in_a_merged_map(fir
         (query, match) for query, match in loops if query - 30 not in anchors
     }
     assert {(verdict.query, verdict.match) for verdict in merged.verdicts} <= set(candidates_of(merged))
+
+
+class OtherWeights(Encoder):
+    name = fingerprint = "other weights"
+
+
+def test_maps_of_different_encoders_are_not_merged(first):
+    other = walk(range(FIRST, FIRST + SECOND), verifier()).finish()
+    with pytest.raises(MapError, match="similarities across weights mean nothing"):
+        merge(first, replace(other, encoder=EncoderId("other weights", "other weights")), Encoder(), verifier=verifier())
+    with pytest.raises(MapError, match="similarities across weights mean nothing"):
+        merge(first, other, OtherWeights(), verifier=verifier())
+
+
+def test_replayed_maps_and_observations_after_them_are_sessions_of_their_own(first):
+    other = walk(range(FIRST, FIRST + SECOND), verifier()).finish()
+    slam = Slam(FORWARD_CAMERA, Encoder(), ROOMS, verifier=verifier())
+    slam.replay(first)
+    slam.replay(other)
+    rng = np.random.default_rng(2)
+    for i in range(10):
+        slam.process(observation(i, TRUE[i], rng))
+    made = slam.finish()
+    assert [keyframe.session for keyframe in made.keyframes] == [0] * FIRST + [1] * SECOND + [2] * 10
+    assert [keyframe.id for keyframe in made.keyframes] == list(range(FIRST + SECOND + 10))
+    np.testing.assert_allclose(made.T_W_B, np.concatenate([TRUE, TRUE[:10]]), atol=1e-3)
+
+
+def test_a_map_is_not_replayed_between_the_observations_of_a_session(first):
+    slam = walk(range(10), verifier())
+    with pytest.raises(LexisError, match=r"valid: replay\(\) before process\(\)"):
+        slam.replay(first)
 
 
 def test_loops_that_a_merged_map_finds_again_are_in_it_once(first):
