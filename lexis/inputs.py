@@ -20,6 +20,8 @@ MAX_ROOM_NAMES = 1000
 MAX_NAME_LENGTH = 200
 """Largest length of a room name, in characters."""
 
+MAX_INDEX = 2**62
+"""Largest index of an observation. Maps store indices as 64-bit integers."""
 MAX_POSITION_M = 1e8
 """Largest coordinate of a position [m]. Every place on Earth fits, and squares and cubes of coordinates stay accurate."""
 MAX_STAMP_S = 1e12
@@ -70,6 +72,8 @@ def check_room_names(names: Sequence[str]) -> None:
     """
     if isinstance(names, str):
         raise LexisError(f"room names are a single string {names!r}; valid: a sequence of names, such as ({names!r},)")
+    if others := [name for name in names if not isinstance(name, str)]:
+        raise LexisError(f"the room name {others[0]!r:.80} is no text; valid: texts, such as 'kitchen'")
     if not 1 <= len(names) <= MAX_ROOM_NAMES:
         raise LexisError(f"{len(names)} room names; valid: 1 to {MAX_ROOM_NAMES}")
     unusable = [name[:80] for name in names if not (name.strip() and name.isprintable() and len(name) <= MAX_NAME_LENGTH)]
@@ -94,7 +98,9 @@ def check_observation(
     No later stage fails on an observation that passes these checks. `embedding_size` is the length of the encoder's
     embeddings; the embedding of a percept must have the same length.
     """
-    where = f"observation {observation.index}"
+    where = f"observation {observation.index!r:.40}"
+    if not isinstance(observation.index, int | np.integer) or abs(observation.index) > MAX_INDEX:
+        raise ObservationError(f"{where}: the index is no whole number; valid: a whole number up to {MAX_INDEX}")
     images = (observation.image, *observation.others)
     if len(images) != len(camera.rig):
         raise ObservationError(
@@ -120,15 +126,15 @@ def check_observation(
 
 
 def with_copied_geometry(observation: Observation) -> Observation:
-    """Return the observation with copies of its pose, covariance and points.
+    """Return the observation with copies of its pose, covariance and points, in double precision.
 
     The copies are needed because the caller may reuse the original arrays. Images are not copied: LEXIS reads no pixel after
     the observation is processed. It keeps the observations of a few recent frames with their images, which the caller may
     overwrite (`lexis.keyframe_window`).
     """
-    own = replace(observation, T_O_B=observation.T_O_B.copy(), increment_covariance=observation.increment_covariance.copy())
-    return own.with_images(
-        replace(image, points=image.points.copy()) if isinstance(image, Percept) else image for image in own.images
+    T_O_B, covariance = observation.T_O_B.astype(np.float64), observation.increment_covariance.astype(np.float64)
+    return replace(observation, T_O_B=T_O_B, increment_covariance=covariance).with_images(
+        replace(image, points=image.points.copy()) if isinstance(image, Percept) else image for image in observation.images
     )
 
 
@@ -147,6 +153,11 @@ def usable_covariances(matrices: Float64[np.ndarray, "*batch 6 6"]) -> Bool[np.n
     rounding = _ROUNDING * np.where(bounded, largest, 0.0)
     symmetric = np.abs(matrices - np.swapaxes(matrices, -1, -2)).max(axis=(-1, -2)) <= rounding
     return np.asarray(bounded & symmetric & (np.linalg.eigvalsh(matrices).min(axis=-1) >= -rounding))
+
+
+def is_invertible(covariances: Float64[np.ndarray, "*batch 6 6"]) -> Bool[np.ndarray, "*batch"]:
+    """Whether each covariance is positive definite, so that errors can be weighted by its inverse."""
+    return np.asarray(np.linalg.eigvalsh(covariances).min(axis=-1) > 0.0)
 
 
 def pixels(observation: Observation) -> tuple[Image, ...]:

@@ -50,8 +50,10 @@ def embedding_of(seen: Image | Percept, encoder: Encoder) -> Float32[np.ndarray,
     Raises EncoderError unless the encoder gives a vector of unit norm. Percepts are checked with their observation.
     """
     if isinstance(seen, Percept):
-        return seen.embedding.copy()
-    embedding = encoder.encode_image(seen).copy()
+        return seen.embedding.astype(np.float32)
+    embedding = encoder.encode_image(seen).astype(np.float32)
+    if embedding.ndim != 1:
+        raise EncoderError(f"encoder {encoder.name}: the embedding of an image has shape {embedding.shape}; valid: (d,)")
     if (norm := wrong_norm(embedding)) is not None:
         raise EncoderError(f"encoder {encoder.name}: the embedding of an image has norm {norm:.3g}; valid: unit norm")
     return embedding
@@ -60,5 +62,5 @@ def embedding_of(seen: Image | Percept, encoder: Encoder) -> Float32[np.ndarray,
 def features_of(seen: Image | Percept, extractor: FeatureExtractor) -> Features:
     """AKAZE features of an image (f_AKAZE in the paper), copied because sensors may reuse their arrays."""
     if isinstance(seen, Percept):
-        return Features(seen.features.keypoints.copy(), seen.features.descriptors.copy())
+        return Features(seen.features.keypoints.astype(np.float32), seen.features.descriptors.copy())
     return extractor.extract(seen)

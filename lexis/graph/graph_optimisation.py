@@ -9,6 +9,7 @@ from jaxtyping import Float64
 
 from lexis.config import PoseGraphConfig
 from lexis.errors import LexisError
+from lexis.inputs import is_invertible
 from lexis.maths.growing_array import GrowingArray
 from lexis.maths.se3 import between
 from lexis.types import Covariance, LoopEdge, Pose, Poses
@@ -74,12 +75,16 @@ class GraphOptimiser:
     def add_loops(self, loops: Sequence[LoopEdge]) -> None:
         """Add loop edges.
 
-        Raises LexisError, and adds no edge, unless every edge leads from a keyframe of the graph to an earlier keyframe.
+        Raises LexisError, and adds no edge, unless every edge leads from a keyframe of the graph to an earlier keyframe, and
+        has a positive definite covariance.
         """
         for loop in loops:
             if not 0 <= loop.match < loop.query < self._count:
                 edge = f"{loop.match} -> {loop.query}"
                 raise LexisError(f"loop edge {edge} does not fit the graph; valid: 0 <= match < query < {self._count}")
+            if not is_invertible(loop.covariance):
+                edge = f"{loop.match} -> {loop.query}"
+                raise LexisError(f"loop edge {edge} has a singular covariance; valid: a positive definite one")
         for loop in loops:
             plain = gtsam.noiseModel.Gaussian.Covariance(loop.covariance)
             noise = gtsam.noiseModel.Robust.Create(self._kernel, plain)

@@ -13,7 +13,7 @@ from jaxtyping import Int, Shaped
 
 from lexis.errors import MapError
 from lexis.files.arrays import Arrays, Layout
-from lexis.inputs import DESCRIPTOR_BYTES, MAX_POSITION_M, NORM_TOLERANCE, usable_covariances
+from lexis.inputs import DESCRIPTOR_BYTES, MAX_POSITION_M, NORM_TOLERANCE, is_invertible, usable_covariances
 from lexis.map.other_views import pack_others, unpack_others
 from lexis.maths.se3 import is_rigid
 from lexis.types import LOOP_OUTCOMES, Features, Keyframe, Landmarks, LexisMap, LoopArrays, LoopEdge, Verdict
@@ -201,6 +201,8 @@ def check(arrays: Arrays) -> None:
     for name in ("step_covariance", "loop_covariance"):
         if not usable_covariances(arrays[name]).all():
             raise MapError(f"array {name} has a matrix that is no covariance; valid: symmetric, positive semi-definite ones")
+    if not is_invertible(arrays["loop_covariance"]).all():
+        raise MapError("array loop_covariance has a singular matrix; valid: covariances that are positive definite")
 
 
 def _check_references(arrays: Arrays) -> None:

@@ -34,7 +34,7 @@ class _Room(BaseModel):
     model_config = _STRICT
 
     label: _Name
-    floor: int | None
+    floor: Annotated[int, Field(ge=0, lt=1_000_000)] | None
 
 
 class _Encoder(BaseModel):

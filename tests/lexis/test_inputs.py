@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from helpers.box_room import FORWARD_CAMERA, FRONT_REAR
 from helpers.map_builder import corridor_with_offices
+from helpers.unchecked import unchecked, untyped
 
 from lexis.errors import LexisError, ObservationError
 from lexis.inputs import check_camera, check_observation, check_room_names
@@ -50,10 +51,17 @@ def test_a_bad_observation_is_refused_by_number(change, complaint):
         check_observation(replace(GOOD, **change), FORWARD_CAMERA, replace(GOOD, index=2, stamp=0.25))
 
 
+@pytest.mark.parametrize("index", [None, "3", 2**70])
+def test_an_index_that_a_map_cannot_hold_is_refused(index):
+    with pytest.raises(ObservationError, match="the index is no whole number"):
+        check_observation(unchecked(Observation, **vars(GOOD) | {"index": index}), FORWARD_CAMERA, None)
+
+
 @pytest.mark.parametrize(
     "names",
     [
         [],
+        ["kitchen", None],
         "kitchen",
         ["kitchen", " "],
         ["kitchen", "stairs", "kitchen"],
@@ -67,7 +75,7 @@ def test_a_bad_observation_is_refused_by_number(change, complaint):
 )
 def test_impossible_room_lists_are_refused(names):
     with pytest.raises(LexisError, match="valid: "):
-        check_room_names(names)
+        untyped(check_room_names)(names)
 
 
 @pytest.mark.parametrize("names", [["k" * 200], [f"room {i}" for i in range(1000)]])

@@ -70,6 +70,16 @@ def test_an_encoder_whose_embeddings_have_another_norm_is_refused_at_the_first_i
         slam.process(observations[0])
 
 
+def test_an_encoder_that_gives_a_batch_for_an_image_is_refused_at_the_first_image(observations):
+    class Batched(MeanColour):
+        def encode_image(self, image):
+            return super().encode_image(image)[None]
+
+    slam = Slam(FORWARD_CAMERA, Batched(), ("kitchen", "office"), CONFIG)
+    with pytest.raises(EncoderError, match=r"the embedding of an image has shape \(1, 3\); valid: \(d,\)"):
+        slam.process(observations[0])
+
+
 def test_loops_are_the_verifiers(observations):
     asked = []
 
