@@ -45,7 +45,7 @@ def shortcuts(map: LexisMap, config: PlannerConfig) -> Pairs:
 
     A floor that is too large for a grid has no shortcuts.
     """
-    if config.sight_m == 0.0 or config.sight_m <= config.shortcut_m:
+    if config.sight_m == 0.0:
         return np.zeros((0, 2), int)
     return np.concatenate([np.zeros((0, 2), int), *(_on_floor(map, floor, config) for floor in floors(map))])
 

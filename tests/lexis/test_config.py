@@ -54,6 +54,11 @@ def test_stages_that_contradict_each_other_are_refused(stages, setting):
         Config(**stages)
 
 
+def test_an_optimisation_moves_all_keyframes_since_the_one_before():
+    with pytest.raises(ConfigError, match=r"pose_graph\.window is 5; valid: >= every = 10"):
+        PoseGraphConfig(window=5, every=10)
+
+
 def test_the_defaults_are_the_paper_s():
     config = Config()
     assert 3 <= config.labels.neighbours <= 7
