@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float64
-from scipy.spatial.transform import Rotation
 
 from lexis.files.reading import FileKind, numbered_lines
+from lexis.maths.quaternions import poses_of
 from lexis.maths.se3 import adjoint, inverse
 from lexis.types import LoopEdge, Pose, Poses
 
@@ -53,7 +53,7 @@ def read_g2o(path: Path) -> G2oGraph:
     ids = np.unique(rows[:, 0])
     if len(ids) < max(len(rows), 1):
         raise _FILE.refusal(path, "holds no vertex, or an id twice")
-    return G2oGraph(_poses(rows[np.argsort(rows[:, 0]), 1:]), _edges(path, ids, np.array(edges), edge_lines))
+    return G2oGraph(poses_of(rows[np.argsort(rows[:, 0]), 1:]), _edges(path, ids, np.array(edges), edge_lines))
 
 
 def _numbers(path: Path, number: int, kind: str, words: Sequence[str]) -> list[float]:
@@ -73,14 +73,6 @@ def _numbers(path: Path, number: int, kind: str, words: Sequence[str]) -> list[f
     return values
 
 
-def _poses(rows: Float64[np.ndarray, "n 7"]) -> Poses:
-    """Convert rows of x y z qx qy qz qw to poses; quaternions are normalised."""
-    poses = np.tile(np.eye(4), (len(rows), 1, 1))
-    if len(rows):
-        poses[:, :3, :3], poses[:, :3, 3] = Rotation.from_quat(rows[:, 3:]).as_matrix(), rows[:, :3]
-    return poses
-
-
 def _edges(
     path: Path, ids: Float64[np.ndarray, "n"], rows: Float64[np.ndarray, "..."], lines: Sequence[int]
 ) -> tuple[LoopEdge, ...]:
@@ -91,7 +83,7 @@ def _edges(
     if wrong.any():
         raise _FILE.refusal(path, f"line {lines[int(wrong.argmax())]}: an edge needs two different vertices of the file")
     covariances = _covariances(path, rows[:, 9:], lines)
-    found = zip(ends.tolist(), _poses(rows[:, 2:9]), covariances, strict=True)
+    found = zip(ends.tolist(), poses_of(rows[:, 2:9]), covariances, strict=True)
     return tuple(_edge(a, b, T_a_b, covariance) for (a, b), T_a_b, covariance in found)
 
 

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from lexis.errors import LexisError
 from lexis.files.reading import FileKind, numbered_lines
 from lexis.files.replace import replaced_file
+from lexis.maths.quaternions import poses_of
 from lexis.types import Poses
 
 _FILE = FileKind("lines of 'stamp tx ty tz qx qy qz qw'", 200_000_000)
@@ -38,10 +39,7 @@ def read_tum(path: Path) -> tuple[Float64[np.ndarray, "n"], Poses]:
     if (np.diff(rows[:, 0]) <= 0).any():
         k = int(np.flatnonzero(np.diff(rows[:, 0]) <= 0)[0]) + 1
         raise LexisError(f"{path}: stamp {rows[k, 0]} follows {rows[k - 1, 0]}; valid: ascending stamps")
-    poses = np.tile(np.eye(4), (len(rows), 1, 1))
-    poses[:, :3, :3] = Rotation.from_quat(rows[:, 4:]).as_matrix()
-    poses[:, :3, 3] = rows[:, 1:4]
-    return rows[:, 0].copy(), poses
+    return rows[:, 0].copy(), poses_of(rows[:, 1:])
 
 
 def _numbers(path: Path, number: int, line: str) -> list[float]:

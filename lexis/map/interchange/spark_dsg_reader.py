@@ -28,7 +28,7 @@ from lexis.map.interchange.spark_dsg_format import (
     PlaceAttributes,
     RoomAttributes,
 )
-from lexis.maths.quaternions import as_rotations
+from lexis.maths.quaternions import poses_of
 from lexis.types import CameraView, EncoderId, Features, Keyframe, Landmarks, LexisMap, LoopEdge, Poses, RoomInstance
 
 _FILE = FileKind(
@@ -145,10 +145,7 @@ def _poses(agents: Iterable[AgentAttributes]) -> Poses:
         bent = np.flatnonzero(~(np.abs(np.linalg.norm(rotations, axis=1) - 1.0) <= _UNIT))
     if bent.size:
         raise MapError(f"node a{bent[0]} has a rotation that is no unit quaternion; valid: norm 1 within {_UNIT:g}")
-    poses = np.tile(np.eye(4), (len(rotations), 1, 1))
-    poses[:, :3, :3] = as_rotations(rotations)
-    poses[:, :3, 3] = np.array([agent.position for agent in agents], float).reshape(-1, 3)
-    return poses
+    return poses_of(np.column_stack([np.array([agent.position for agent in agents], float).reshape(-1, 3), rotations]))
 
 
 def _floor(floor: int | None) -> int:
