@@ -105,6 +105,7 @@ class Slam:
         self._forgotten = 0
         """Number of retired keyframes whose spaces, candidates and verdicts have been dropped."""
         self._rooms: tuple[RoomInstance, ...] = ()
+        self._previous: Observation | None
         self._timed = StageTimer()
         self._relocaliser = Relocaliser(self._config.sessions, self._config.verification)
         if map is not None:
@@ -205,7 +206,7 @@ class Slam:
         session = self._graph.keyframes[-1].session + 1 if self._graph.keyframes else 0
         self._window = KeyframeWindow(self._camera, self._config, self.keyframes, session)
         self._selector = KeyframeSelector(self._config.keyframes)
-        self._previous: Observation | None = None
+        self._previous = None
 
     def _resume(self, map: LexisMap) -> None:
         """Fill the graph with the keyframes, poses and loops of an earlier map."""

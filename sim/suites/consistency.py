@@ -11,6 +11,7 @@ from lexis.maths.se3 import between
 from lexis.types import Poses
 from sim.harness.estimate import LoopClaims
 from sim.harness.runner import Run
+from sim.harness.upright import upright
 from sim.suites.agreement import apart
 from sim.suites.checks import CheckFinding, EvaluatedRun, NewSlam
 from sim.suites.staircases import CLIMB_M, NEAR_M, staircases_are_rooms, stairs_are_climbed
