@@ -6,7 +6,7 @@ IMAGE_MUTANTS = (
     Mutant(
         "images are passed to the encoder as BGR",
         "perception.py",
-        "encoder.encode_image(seen).copy()",
+        "encoder.encode_image(seen).astype(np.float32)",
         "encoder.encode_image(seen[..., ::-1].copy()).copy()",
     ),
     Mutant(
@@ -54,19 +54,19 @@ IMAGE_MUTANTS = (
     Mutant(
         "bright pixels overflow when the image is amplified",
         "perception.py",
-        "encoder.encode_image(seen).copy()",
+        "encoder.encode_image(seen).astype(np.float32)",
         "encoder.encode_image(2 * seen).copy()",
     ),
     Mutant(
         "images are brightened for dark rooms",
         "perception.py",
-        "encoder.encode_image(seen).copy()",
+        "encoder.encode_image(seen).astype(np.float32)",
         "encoder.encode_image(np.minimum(2.0 * seen, 255.0).astype(np.uint8)).copy()",
     ),
     Mutant(
         "the embedding of a percept is kept without a copy",
         "perception.py",
-        "return seen.embedding.copy()",
+        "return seen.embedding.astype(np.float32)",
         "return seen.embedding",
     ),
 )
