@@ -54,7 +54,9 @@ ODOMETRY_HELP = "file, sensor folder or topic of the odometry (default: odometry
 CAMERA_HELP = "camera to use, or several of a rig with commas between them: cam0,cam1 (default: cam0; TUM RGB-D has one)"
 CACHE_HELP = "folder that keeps the encoder's work by image, so that mapping a recording again skips it"
 MAP_ENCODER_HELP = "default: the one that the map was made with, from where it then was"
-CALIBRATION_HELP = "of the encoder, as 'lexis-sim calibrate-queries' writes it (default: the one of mini, where it is mini)"
+CALIBRATION_HELP = (
+    "calibration of the encoder, as 'lexis-sim calibrate-queries' writes it (default for mini: the included one)"
+)
 _ROOMS_FILE = FileKind('names, or a file with a list "labels" of names of rooms', 1_000_000)
 EXAMPLE = """example:
   lexis run recording --rooms "kitchen,office,corridor,stairs" -o map
@@ -104,7 +106,9 @@ def _add_run(commands: Commands) -> None:
     run.add_argument("--encoder", default="mini", help=ENCODER_HELP)
     run.add_argument("--cache", type=Path, metavar="DIR", help=CACHE_HELP)
     run.add_argument("--device", default="cpu", help="cpu, cuda or cuda:N, for the encoder (default: %(default)s)")
-    run.add_argument("--precision", choices=PRECISIONS, default="fp32", help="of the encoder (default: %(default)s)")
+    run.add_argument(
+        "--precision", choices=PRECISIONS, default="fp32", help="precision of the encoder (default: %(default)s)"
+    )
     run.add_argument("--odometry", metavar="NAME", help=ODOMETRY_HELP)
     run.add_argument("--camera", metavar="NAME", help=CAMERA_HELP)
 
@@ -178,7 +182,7 @@ def _add_relabel(commands: Commands) -> None:
 def _add_export(commands: Commands) -> None:
     export = add_command(commands, "export", _export, "the map for other tools", "lexis export map --format g2o -o map.g2o")
     export.add_argument("map", type=Path, metavar="MAP")
-    export.add_argument("--format", choices=list(FORMATS), required=True, help="of the file; ros: of the folder")
+    export.add_argument("--format", choices=list(FORMATS), required=True, help="format of the file; ros writes a folder")
     export.add_argument("-o", "--out", type=Path, required=True, metavar="FILE", help="file or folder to write")
 
 

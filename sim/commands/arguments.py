@@ -26,8 +26,9 @@ ENCODER_HELP = "mini, MODEL[:PRETRAINED] or MODEL:PATH of open_clip (default: %(
 _FEATURES_HELP = "features: no pixels, but what a model of the encoder makes of the true view"
 FIDELITY_HELP = f"{_FEATURES_HELP} (default: %(default)s)"
 ORACLE_HELP = "oracle: told the truth, for tests of what comes after the encoder; with --fidelity features"
-FEATURE_MODEL_HELP = "of --fidelity features, as 'lexis-sim fit-features' writes it (default: the one of mini)"
+FEATURE_MODEL_HELP = "model for --fidelity features, as 'lexis-sim fit-features' writes it (default: that of mini)"
 TOUR_HELP = "path of the walk; both-ways: through every room and back along the same path (default: %(default)s)"
+LENGTH_HELP = "length of the walk in metres (default: 140 for the preset home, otherwise the shortest tour of all rooms)"
 SWAY_HELP = "how the body swings as it walks (default: %(default)s)"
 START_HELP = "swing on the spot for five seconds before the walk, which lets visual-inertial systems initialise"
 _TOURS = {kind.replace(" ", "-"): kind for kind in TOUR_KINDS}
@@ -122,7 +123,9 @@ DEMO_SEED = 7
 
 def add_run_seed(parser: argparse.ArgumentParser) -> None:
     """Add the option `--seed` of a run."""
-    parser.add_argument("--seed", type=seed, default=DEMO_SEED, help="of house, tour and odometry (default: %(default)s)")
+    parser.add_argument(
+        "--seed", type=seed, default=DEMO_SEED, help="seed of house, tour and odometry (default: %(default)s)"
+    )
 
 
 def add_walk(parser: argparse.ArgumentParser, scenario: bool = False) -> None:
@@ -198,7 +201,7 @@ def scenario_of_arguments(arguments: argparse.Namespace) -> "Scenario":
 def add_tour(parser: argparse.ArgumentParser) -> None:
     """Add options for the path of the walk, the motion of the body and the frame rate."""
     parser.add_argument("--tour", choices=_TOURS, default="rooms", help=TOUR_HELP)
-    parser.add_argument("--length", type=number(1.0, 1e5), metavar="M", help="of the walk, metres (default: the preset's)")
+    parser.add_argument("--length", type=number(1.0, 1e5), metavar="M", help=LENGTH_HELP)
     parser.add_argument("--reverse", action="store_true", help="walk the tour in the opposite direction")
     parser.add_argument("--sway", choices=SWAYS, default="none", help=SWAY_HELP)
     parser.add_argument(

@@ -1,6 +1,7 @@
 """`lexis-sim check`: run any SLAM on a scenario or a suite, and exit with status 1 if it crashes or a check fails."""
 
 import argparse
+import shlex
 import sys
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,7 @@ from lexis.errors import one_line
 from sim.commands.arguments import add_scenario, folder, scenario_of_arguments
 from sim.commands.check_suite import add_suite, refuse_suite_options, run_suite
 from sim.commands.run import print_result, progress_bar
-from sim.commands.slams import add_slam, check_claimable, replay_of, runner_of
+from sim.commands.slams import add_slam, check_claimable, replay_of, runner_of, slam_options
 from sim.errors import SimError
 
 if TYPE_CHECKING:
@@ -32,13 +33,8 @@ def add_to(commands: Commands) -> None:
     add_scenario(check)
     add_slam(check)
     add_suite(check)
-    check.add_argument("--fails", action="append", default=[], metavar="FIGURE", help=FAILS_HELP)
-    check.add_argument(
-        "--out",
-        type=folder,
-        metavar="DIR",
-        help=OUT_HELP,
-    )
+    check.add_argument("--fails", action="append", default=[], metavar="CONDITION", help=FAILS_HELP)
+    check.add_argument("-o", "--out", type=folder, metavar="DIR", help=OUT_HELP)
 
 
 def _check(arguments: argparse.Namespace) -> int:
@@ -75,7 +71,19 @@ def _check(arguments: argparse.Namespace) -> int:
         print(f"report: {arguments.out / 'report.html'}")
     failures = [line for claim in claims if (line := failure(claim, result))]
     print(*failures, sep="\n", end="\n" if failures else "", file=sys.stderr)
+    if true := [claim for claim in claims if claim.outcome(result) == "holds"]:
+        print(_next_step(true[0], arguments), file=sys.stderr)
     return 1 if failures else 0
+
+
+def _next_step(fails: "Claim", arguments: argparse.Namespace) -> str:
+    """Return a line that says how to find the smallest scenario in which the condition `fails` is true."""
+    if arguments.out is None:
+        return "--out DIR keeps the run, so that lexis-sim shrink can find the smallest scenario that fails, with pictures"
+    options = *slam_options(arguments), "--fails", str(fails), "-o", "failure"
+    return (
+        f"smallest scenario that fails, with pictures: {shlex.join(['lexis-sim', 'shrink', str(arguments.out), *options])}"
+    )
 
 
 def _crashed(crash: "Crash", arguments: argparse.Namespace) -> int:

@@ -40,7 +40,7 @@ def add_to(commands: Commands) -> None:
 
 def _add_out(parser: argparse.ArgumentParser, out: Path) -> None:
     parser.add_argument(
-        "--out", type=folder, default=out, metavar="DIR", help="folder for the result (default: %(default)s)"
+        "-o", "--out", type=folder, default=out, metavar="DIR", help="folder for the result (default: %(default)s)"
     )
 
 

@@ -31,7 +31,7 @@ def add_to(commands: Commands) -> None:
         'lexis-sim shrink lexis-run/scenario.json --fails "rooms.pq < 0.7" -o failure',
     )
     shrink.add_argument("scenario", type=Path, metavar="SCENARIO", help="scenario.json of a run, or the run's folder")
-    shrink.add_argument("--fails", required=True, metavar="CLAIM", help=FAILS_HELP)
+    shrink.add_argument("--fails", required=True, metavar="CONDITION", help=FAILS_HELP)
     add_slam(shrink)
     shrink.add_argument("--deadline", type=duration_s, metavar="TIME", help=DEADLINE_HELP)
     shrink.add_argument("--keep", action="append", default=[], metavar="STEP", help=KEEP_HELP)
@@ -40,6 +40,7 @@ def add_to(commands: Commands) -> None:
 
 def _shrink(arguments: argparse.Namespace) -> int:
     from sim.harness import Scenario, blame
+    from sim.harness.blame_table import BlameTable
     from sim.harness.failure_signature import FailureTest, check_fails
     from sim.harness.failures.failure_folder import write_failure
     from sim.harness.outputs import MARKERS
@@ -59,7 +60,9 @@ def _shrink(arguments: argparse.Namespace) -> int:
     tell = _print_progress if sys.stderr.isatty() else None
     deadline_s = arguments.deadline or (DEADLINE_S if arguments.program is None else _PROGRAM_DEADLINE_S)
     reduction = reduce(scenario, test, deadline_s, tell, steps=steps)
-    blamed = blame(reduction.scenario, test, is_lexis(arguments))
+    if tell is not None:
+        print(file=sys.stderr)
+    blamed = blame(reduction.scenario, test, is_lexis(arguments)) if reduction.ended != "interrupted" else BlameTable(())
     write_failure(arguments.out, reduction, test, blamed, replay_of(arguments))
     old, new = reduction.sizes
     print(f"{old} -> {new}. {reduction.note}")

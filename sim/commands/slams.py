@@ -24,7 +24,12 @@ SLAM_HELP = (
     "a class in a module of the current folder or on Python's path, which is called without arguments (default: LEXIS); "
     "also sim.harness.adapters:OdometryOnly and :GeometricRooms"
 )
-COMMAND_HELP = "a program that reads the recording in {dataset} and writes trajectory.tum and rooms.json into {out}"
+COMMAND_HELP = (
+    "a program that reads the recording in {dataset} and writes trajectory.tum, and optionally rooms.json and loops.json, "
+    "into {out}"
+)
+
+_PROGRAM_OPTIONS = ("format", "image_format", "timeout", "memory")
 
 
 def add_slam(parser: argparse.ArgumentParser) -> None:
@@ -34,7 +39,9 @@ def add_slam(parser: argparse.ArgumentParser) -> None:
     slam.add_argument("--command", dest="program", metavar='"PROGRAM {dataset} {out}"', help=COMMAND_HELP)
     parser.add_argument("--format", choices=FORMATS, help="format of the recording for --command (default: euroc)")
     parser.add_argument(
-        "--image-format", choices=("png", "jpg", "raw"), help="of the recording for --command; raw in bags (default: png)"
+        "--image-format",
+        choices=("png", "jpg", "raw"),
+        help="images in the recording for --command; raw in bags only (default: png)",
     )
     parser.add_argument(
         "--timeout", type=number(0.1, 1e6), metavar="S", help="seconds after which --command is stopped (default: 600)"
@@ -91,9 +98,16 @@ def replay_of(arguments: argparse.Namespace) -> "Replay":
     return LEXIS_REPLAY
 
 
+def slam_options(arguments: argparse.Namespace) -> list[str]:
+    """Return the options of `add_slam` as they were given, for a command that is shown to the user."""
+    given = {"--slam": arguments.slam, "--command": arguments.program}
+    given |= {f"--{option.replace('_', '-')}": getattr(arguments, option) for option in _PROGRAM_OPTIONS}
+    return [text for option, value in given.items() if value is not None for text in (option, f"{value}")]
+
+
 def refuse_program_options(arguments: argparse.Namespace) -> None:
     """Raise `SimError` if an option for programs is given without a program."""
-    for option in ("format", "image_format", "timeout", "memory"):
+    for option in _PROGRAM_OPTIONS:
         if getattr(arguments, option) is not None:
             raise SimError(f"--{option.replace('_', '-')} is for programs; valid: with --command")
 
@@ -115,9 +129,17 @@ def _settings(arguments: argparse.Namespace) -> tuple[str, float, float, str]:
 
 @dataclass(frozen=True)
 class SlamFactory:
-    """Makes SLAMs of the class that is named MODULE:CLASS. Unlike the class, it can be pickled."""
+    """Makes SLAMs of the class that is named MODULE:CLASS.
+
+    Unpickling imports the module, so that kinds of furniture and other things that the module declares exist in a worker
+    before the worker draws its first house.
+    """
 
     text: str
+
+    def __reduce__(self) -> "tuple[Callable[[str], SlamFactory], tuple[str]]":
+        """Tell pickle to make a copy with `slam_factory`, which imports the module."""
+        return slam_factory, (self.text,)
 
     def __call__(self) -> "SlamUnderTest":
         """Make a SLAM. Raises `SimError` if its class cannot be imported, and whatever the class raises."""

@@ -1,13 +1,16 @@
 """`lexis-sim check`: exit 0 if nothing failed, 1 with a line for each figure that failed, 2 for bad input."""
 
 import json
+import pickle
 import re
 import runpy
+import shlex
 import sys
 
 import pytest
 
 from sim.cli import main
+from sim.commands.slams import slam_factory
 from sim.errors import SimError
 from sim.harness import Scenario
 from sim.harness.last_run import last_run
@@ -68,11 +71,27 @@ def test_each_figure_that_fails_costs_one_line(capsys):
     fails = ["floors.accuracy >= 0.5", "rooms.pq < 2", "trajectory.ate_m > 1e6", "labels.accuracy < 0.7"]
     words = [word for text in fails for word in ("--fails", text)]
     assert status_of(["check", "--scenario", "scenario.json", *GEOMETRIC, *words]) == 1
-    lines = capsys.readouterr().err.splitlines()
+    *lines, hint = capsys.readouterr().err.splitlines()
     assert len(lines) == 3
     assert lines[0] == "failed: floors.accuracy is 1, and fails if floors.accuracy >= 0.5"
     assert lines[1].startswith("failed: rooms.pq is 0.")
     assert lines[2].startswith("failed: labels.accuracy is null")
+    assert hint.startswith("--out DIR keeps the run")
+
+
+def test_a_kept_run_that_fails_names_the_command_that_shrinks_it(folder, capsys):
+    words = ["check", "--scenario", "scenario.json", *GEOMETRIC, "--fails", "rooms.pq >= 2", "--fails", "rooms.pq < 2"]
+    assert status_of([*words, "--out", "my run"]) == 1
+    _, command = capsys.readouterr().err.splitlines()[-1].split(": ", 1)
+    assert shlex.split(command) == ["lexis-sim", "shrink", "my run", *GEOMETRIC, "--fails", "rooms.pq < 2", "-o", "failure"]
+
+
+def test_a_copy_in_another_process_imports_the_module_of_the_slam(folder):
+    """A module may declare furniture, which has to exist before the other process draws a house."""
+    pickled = pickle.dumps(slam_factory("own_slam_here:Mine"))
+    del sys.modules["own_slam_here"]
+    pickle.loads(pickled)
+    assert "own_slam_here" in sys.modules
 
 
 def test_a_slam_that_raises_fails_the_check_and_leaves_a_folder(folder, capsys):
