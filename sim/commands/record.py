@@ -15,7 +15,7 @@ FORMATS = {
     "ros2": "ROS 2 bag (sqlite3): stereo, IMU, odometry, tf; VINS-Fusion and OpenVINS read it if images are raw",
     "mcap": "ROS 2 bag with the same topics, stored as MCAP",
 }
-IMAGES_HELP = (
+IMAGE_FORMAT_HELP = (
     "png: LEXIS makes the same map from the recording as in the live run, bit by bit; jpg: lossy, so labels and loops may "
     "differ a little; raw: uncompressed, in bags only (default: %(default)s)"
 )
@@ -56,7 +56,7 @@ def add_to(commands: Commands) -> None:
     _add_calibration(record)
     formats = "; ".join(f"{name}: {text}" for name, text in FORMATS.items())
     record.add_argument("--format", choices=FORMATS, default="euroc", help=f"{formats} (default: %(default)s)")
-    record.add_argument("--images", choices=("png", "jpg", "raw"), default="png", help=IMAGES_HELP)
+    record.add_argument("--image-format", choices=("png", "jpg", "raw"), default="png", help=IMAGE_FORMAT_HELP)
     record.add_argument(
         "-o", "--out", type=folder, default=Path("recording"), metavar="DIR", help="folder to write (default: %(default)s)"
     )
@@ -97,7 +97,7 @@ def _record(arguments: argparse.Namespace) -> int:
             config,
             arguments.out,
             arguments.format,
-            arguments.images,
+            arguments.image_format,
             progress=lambda share: bar.update(task, completed=share),
             imu_config=ImuConfig(gyroscope_turn_on=gyroscope, accelerometer_turn_on=accelerometer),
             distortion=Distortion(*arguments.distortion) if arguments.distortion else None,
