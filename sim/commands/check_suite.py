@@ -24,9 +24,12 @@ if TYPE_CHECKING:
     from sim.suites.suite import Suite
     from sim.suites.suite_means import SuiteMean
 
-SUITE_HELP = "check by a suite in place of one run: pr, open-plan or another; an unknown name lists them all"
+SUITE_HELP = (
+    "check by a suite in place of one run: pr, open-plan, homes, twins, stairs, revisits, no-drift, language, faults, long "
+    "or images"
+)
 AGAINST_HELP = "with --suite: results of an earlier version (a file of --json); the check also fails if a figure got worse"
-NO_LAWS_HELP = "with --suite: make claims about single runs only, which is several times faster"
+NO_LAWS_HELP = "with --suite: check the claims about figures only, in about a third of the time"
 IMAGES_HELP = "with --suite: render all scenarios, for a SLAM that does not accept features"
 EXIT_HELP = "with --suite: stop after the first scenario in which a check fails; show only the checks failed by then"
 JSON_HELP = "with --suite: write the verdicts and all results to a file, which lexis-sim compare reads"
@@ -168,7 +171,7 @@ def _write_results(report: "SuiteReport", worse: Sequence[str], path: Path) -> N
 
 
 def _draw(report: "SuiteReport", workers: int, path: Path) -> None:
-    """Draw room quality against openness. The baselines in the picture are run first, which takes up to a minute."""
+    """Draw room quality against openness. The baselines in the picture are run first, without images."""
     from sim.suites.openness_chart import openness_chart
 
     with replaced_file(path) as beside:
@@ -188,9 +191,13 @@ def _search_smallest(report: "SuiteReport", new_slam: "NewSlam", arguments: argp
         return
     how = runner_of(arguments), replay_of(arguments), is_lexis(arguments)
     for verdict, others in _by_cause(report.failed)[: 1 if arguments.exitfirst else None]:
-        print(write_smallest(verdict, new_slam, *how, arguments.out))
+        found, interrupted = write_smallest(verdict, new_slam, *how, arguments.out)
+        print(found)
         for other in others:
             print(f"{other.name}: not searched, because it is about the same figure or law")
+        if interrupted:
+            print("interrupted: the other failed checks were not searched")
+            return
 
 
 def _by_cause(failed: "Sequence[CheckVerdict]") -> "list[tuple[CheckVerdict, list[CheckVerdict]]]":

@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 from lexis.command_line import Commands, add_command
@@ -43,7 +44,8 @@ def _compare(arguments: argparse.Namespace) -> int:
             )
         print(f"failed: {arguments.b} has no result for any completed scenario of {arguments.a}", file=sys.stderr)
         return 1
-    print(comparison)
+    names = (f"{name} ({path})" for name, path in zip(comparison.names, (arguments.a, arguments.b), strict=True))
+    print(replace(comparison, names=tuple(names)))
     if comparison.worse:
         print(f"failed: {', '.join(comparison.worse)} of {arguments.b} worse than of {arguments.a}", file=sys.stderr)
     return 1 if comparison.worse else 0

@@ -4,9 +4,9 @@ import math
 import pickle
 import time
 from collections import deque
-from collections.abc import Generator, Iterable, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import chain, zip_longest
 from pathlib import Path
@@ -16,6 +16,7 @@ import numpy as np
 
 from lexis.errors import one_line
 from sim.errors import SimError
+from sim.fidelity import ORACLE
 from sim.harness.results import RunResult
 from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
@@ -43,7 +44,7 @@ class Job:
     seed: int
     """Seed of the whole suite."""
     is_bare: bool = False
-    """Whether the SLAM is run without checks, for its figures alone."""
+    """Whether a SLAM that looks at no images is run for its figures alone: nothing is rendered, and nothing is checked."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +98,8 @@ def _drawn_group(part: SuitePart, first: int, seed: int) -> tuple[Scenario, ...]
 def examine(job: Job, new_slam: NewSlam) -> Examination:
     """Run a SLAM on one scenario and evaluate all checks. Raises `SimError` if no scenario can be drawn."""
     scenario = scenario_of(job)
+    if job.is_bare:
+        scenario = replace(scenario, fidelity="features", encoder=ORACLE, feature_model=None)
     base = evaluated_run(scenario, new_slam)
     if isinstance(base, CheckFinding):
         return Examination(job.part.name, job.number, scenario, None, {COMPLETES: base})
@@ -141,41 +144,36 @@ def examinations(
     left = deque(jobs)
     while left:
         with TemporaryDirectory() as folder:
+            others = [job for job in left if job not in again]
+            notes = [Path(folder) / str(number) for number in range(len(others))]
             pool = process_pool(workers)
             try:
-                others = [job for job in left if job not in again]
                 ends = [math.inf if job is jobs[0] else end for job in others]
-                found = pool.map(_noted, others, [new_slam] * len(others), [Path(folder)] * len(others), ends)
+                found = pool.map(_noted, others, [new_slam] * len(others), notes, ends)
                 while left:
                     each = again.get(left[0]) or next(found)
                     left.popleft()
                     if each is not None:
                         yield each
             except BrokenProcessPool:
-                again |= {job: _examined_alone(job, new_slam) for job in _begun(left, Path(folder))}
+                again |= {job: _examined_alone(job, new_slam) for job in _begun(others, notes)}
             finally:
                 pool.shutdown(cancel_futures=True)
 
 
-def _noted(job: Job, new_slam: NewSlam, notes: Path, end: float) -> Examination | None:
-    """Examine a scenario unless the time is over. Meanwhile, a file names the job, which tells it if the process ends."""
+def _noted(job: Job, new_slam: NewSlam, note: Path, end: float) -> Examination | None:
+    """Examine a scenario unless the time is over. Meanwhile, the file `note` exists; it stays if the process ends."""
     if time.monotonic() >= end:
         return None
-    note = notes / _name_of(job)
     note.touch()
     found = examine(job, new_slam)
     note.unlink()
     return found
 
 
-def _name_of(job: Job) -> str:
-    return f"{job.part.name} {job.number}"
-
-
-def _begun(jobs: Iterable[Job], notes: Path) -> list[Job]:
-    """Return the jobs that have a note. Raises `SimError` if there is none."""
-    names = {note.name for note in notes.iterdir()}
-    if begun := [job for job in jobs if _name_of(job) in names]:
+def _begun(jobs: Sequence[Job], notes: Sequence[Path]) -> list[Job]:
+    """Return the jobs whose notes exist. Raises `SimError` if there is none."""
+    if begun := [job for job, note in zip(jobs, notes, strict=True) if note.exists()]:
         return begun
     raise SimError(
         "suite: a process died before it began a scenario; valid: in a script, a call of check_slam below "

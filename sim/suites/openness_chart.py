@@ -29,7 +29,10 @@ _STEP = 0.25
 
 
 def openness_chart(report: SuiteReport, workers: int) -> str:
-    """Return the chart as the text of an SVG file. The baselines are run on the scenarios of the report."""
+    """Return the chart as the text of an SVG file.
+
+    The baselines are run on the scenarios of the report. They see nothing but the odometry, so nothing is rendered.
+    """
     examined = {(each.part, each.number) for each in report.examined}
     jobs = [job for job in jobs_of(report.suite, report.seed) if (job.part.name, job.number) in examined]
     bare = [replace(job, is_bare=True) for job in jobs]

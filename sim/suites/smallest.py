@@ -8,7 +8,7 @@ from lexis.errors import LexisError, one_line
 from lexis.files.replace import replaced_folder
 from sim.errors import USER_ERRORS, SimError
 from sim.harness.adapters.lexis import Lexis
-from sim.harness.blame_table import blame
+from sim.harness.blame_table import BlameTable, blame
 from sim.harness.crash import Runner
 from sim.harness.failure_signature import FailureTest, Signature
 from sim.harness.failures.failure_folder import LEXIS_REPLAY, Replay, not_reproduced, write_failure
@@ -73,8 +73,11 @@ def smallest_failure(
 
 def write_smallest(
     verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: Replay, is_lexis: bool, out: Path
-) -> str:
-    """Write the smallest scenario in which a check fails into a folder of its own in `out`; return what was found, as text.
+) -> tuple[str, bool]:
+    """Write the smallest scenario in which a check fails into a folder of its own in `out`.
+
+    Return what was found, as text, and whether the user has interrupted the search. The smallest failure so far is written
+    then, too.
 
     For a claim or a crash, the folder is like one of `lexis-sim shrink`, with a page that says why the SLAM fails. For any
     other check, it holds the scenario, a short page, and a test that replays the failure. `runner` runs the same SLAM as
@@ -85,12 +88,14 @@ def write_smallest(
     try:
         return _written(verdict, new_slam, runner, replay, is_lexis, out)
     except (SimError, LexisError) as error:
-        return f"{verdict.name}: no smallest scenario: {error}"
+        return f"{verdict.name}: no smallest scenario: {error}", False
     except USER_ERRORS as error:  # such as an exception in the SLAM's method `save`
-        return f"{verdict.name}: no smallest scenario: {one_line(f'{type(error).__name__}: {error}', 160)}"
+        return f"{verdict.name}: no smallest scenario: {one_line(f'{type(error).__name__}: {error}', 160)}", False
 
 
-def _written(verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: Replay, is_lexis: bool, out: Path) -> str:
+def _written(
+    verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: Replay, is_lexis: bool, out: Path
+) -> tuple[str, bool]:
     folder = out / slug_of(verdict.name)
     check = verdict.checked
     if check is None and verdict.failures[0].findings[COMPLETES].measured == DIED:
@@ -98,7 +103,7 @@ def _written(verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: R
     scenario = verdict.failures[0].scenario
     if (test := _failure_test(check, scenario, runner)) is not None:
         reduction = reduce(scenario, test, DEADLINE_S)
-        blamed = blame(reduction.scenario, test, is_lexis)
+        blamed = BlameTable(()) if reduction.ended == "interrupted" else blame(reduction.scenario, test, is_lexis)
         write_failure(folder, reduction, test, blamed, replay)
         found = f"{blamed}\n  why: {folder / 'why.md'}"
     else:
@@ -114,7 +119,7 @@ def _written(verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: R
             (beside / TEST_REPLAY).write_text(_REPLAY.format(**names, imports=imports, new_slam=replay.new_slam))
         found = f"replay: pytest {folder / TEST_REPLAY}"
     old, new = reduction.sizes
-    return f"{verdict.name}: {old} -> {new}\n  {found}"
+    return f"{verdict.name}: {old} -> {new}\n  {found}", reduction.ended == "interrupted"
 
 
 def _failure_test(check: Check | None, scenario: Scenario, runner: Runner) -> FailureTest | None:

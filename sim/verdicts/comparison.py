@@ -143,7 +143,7 @@ class Comparison:
     """All changes from SLAM a to SLAM b. The confidence holds for all verdicts together."""
 
     names: tuple[str, str]
-    """Names of the classes of both SLAMs."""
+    """Names of both SLAMs, for the title of the table."""
     scenarios: int
     """Number of scenarios for which both SLAMs have a result."""
     houses: int

@@ -82,8 +82,8 @@ class StoredRun:
         """Compare the results of a later run with these, as `compare_results` does.
 
         Scenarios that one of the runs is known not to have begun are left out. This is not known for folders of runs: each
-        scenario that only one side has counts against the other there. The result is None if no scenario was completed in both
-        runs.
+        scenario that only one side has counts against the other there. The result is None if no scenario was completed in
+        both runs.
         """
         if not self.completed & later.completed:
             return None

@@ -17,8 +17,10 @@ from helpers.open_flat import OPEN_FLAT
 from helpers.planted_commands import program
 
 from sim.cli import main
+from sim.commands.check_suite import SUITE_HELP
 from sim.harness.adapters import OdometryOnly
 from sim.programs import Program
+from sim.suites.catalogue import SUITES
 from sim.suites.consistency import CONSISTENCY
 from sim.suites.examination import COMPLETES
 from sim.suites.laws import LAWS
@@ -27,6 +29,11 @@ from sim.suites.suite import claims
 from sim.verdicts import load_results
 
 ODOMETRY = ("--slam", "sim.harness.adapters:OdometryOnly")
+
+
+def test_the_help_names_every_suite():
+    named = SUITE_HELP.partition(": ")[2].replace(" or ", " ").split(", ")
+    assert " ".join(named).split() == list(SUITES)
 
 
 def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):

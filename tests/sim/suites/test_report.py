@@ -12,7 +12,7 @@ from sim.errors import SimError
 from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.harness.claims import Claim
 from sim.suites.checks import CheckFinding
-from sim.suites.examination import COMPLETES, Examination
+from sim.suites.examination import COMPLETES, Examination, examine, jobs_of
 from sim.suites.figure_table import figure_table
 from sim.suites.openness_chart import openness_chart
 from sim.suites.report import SuiteReport, check_slam
@@ -137,6 +137,18 @@ def test_the_chart_shows_every_slam_once():
         chart = openness_chart(check_slam(slam, FLAT), workers=1)
         assert chart.count("<svg") == 1 and chart.count('cy="14"') == names
         assert ">OdometryOnly (claims neither)</text>" in chart and f">{slam.__name__}</text>" in chart
+
+
+def flat_of_mini(rng, number):
+    """A short walk for the included encoder, which can be rendered."""
+    return replace(OPEN_FLAT, encoder="mini", length_m=None)
+
+
+def test_baselines_of_the_chart_have_the_figures_of_a_run_on_images():
+    part = replace(PART, draw=flat_of_mini, checks=(), n=1)
+    (job,) = jobs_of(Suite("flat", "", (part,)).with_images(), seed=0)
+    (on_images, bare) = (examine(each, GeometricRooms).result for each in (job, replace(job, is_bare=True)))
+    assert on_images.rooms == bare.rooms and on_images.trajectory == bare.trajectory
 
 
 def test_the_table_shows_the_median_of_each_part_and_what_is_not_claimed():

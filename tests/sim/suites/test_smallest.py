@@ -138,7 +138,7 @@ class FailsOnce:
 def test_a_failure_of_a_law_that_does_not_come_back_is_told_and_not_written(tmp_path):
     verdict = replace(verdict_on(False, rate=None), part=replace(PART, checks=(FailsOnce(),)), check="once")
     found = (replace(verdict.examined[0], findings={"once": CheckFinding(False, "examination 0")}),)
-    told = write_smallest(replace(verdict, examined=found), OdometryOnly, run, Replay(), False, tmp_path)
+    told, _ = write_smallest(replace(verdict, examined=found), OdometryOnly, run, Replay(), False, tmp_path)
     assert told == (
         "flat: once: no smallest scenario: the failure (once) did not come back in the smallest scenario; "
         "valid: a SLAM that does the same in the same scenario"
@@ -183,6 +183,8 @@ def test_with_the_first_failure_a_single_check_is_searched(options, searched, tm
     found = []
     monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": Suite("flat", "", (replace(PART, checks=checks, n=6),))})
     monkeypatch.setattr("sim.commands.check_suite._new_slam", lambda arguments: Oracle)
-    monkeypatch.setattr("sim.suites.smallest.write_smallest", lambda verdict, *_: found.append(verdict.name) or "found")
+    monkeypatch.setattr(
+        "sim.suites.smallest.write_smallest", lambda verdict, *_: (found.append(verdict.name) or "found", False)
+    )
     assert main(["check", "--suite", "flat", "--workers", "1", "--out", str(tmp_path), *options]) == 1
     assert len(found) == searched and capsys.readouterr().out.splitlines()[-searched:] == ["found"] * searched
