@@ -16,9 +16,8 @@ def main(folder: Path) -> LexisMap:
     """Build the map of a recording, print its rooms, and save it in the folder `<recording>-map`."""
     recording = open_dataset(folder)
     slam = Slam(recording.camera, load_encoder("mini"), ROOM_NAMES)
-    for (
-        observation
-    ) in recording:  # an image, the pose by odometry in its drifting frame, and the covariance of the increment
+    for observation in recording:
+        # An observation has an image, the pose by the drifting odometry, and the covariance of the last motion.
         slam.process(observation)
     lexis_map = slam.finish()
     for room in lexis_map.rooms:
