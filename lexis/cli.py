@@ -31,12 +31,12 @@ if TYPE_CHECKING:
 
 ENCODER_HELP = "mini, MODEL[:PRETRAINED] or MODEL:PATH of open_clip (default: %(default)s)"
 
-FROM_HELP = 'an instance ("office 2") or a label ("office"): of its instances the one with the shortest way to the goal'
+FROM_HELP = 'an instance ("office 2"), or a label ("office"): the instance with the shortest path to the goal is chosen'
 TO_HELP = (
-    "likewise: of a label's instances the one nearest to the start by the length of the way; in both, an instance whose "
-    "images look more like another room counts only where there is no other; or a description of several words"
+    "an instance, a label (the instance with the shortest path is chosen), or a description in several words. In --from and "
+    "--to, an instance whose images resemble another room more is used only if the label has no other"
 )
-AVOID_HELP = "an instance or a label (all its rooms) that the way must not enter; may be given several times"
+AVOID_HELP = "an instance, or a label (all its rooms), that the path must not enter; may be given several times"
 DATASET_HELP = "folder of a recording in one of the forms below"
 DATASET_NOTE = """\
 A dataset is a folder that holds one of:
@@ -52,8 +52,8 @@ JSON_HELP = "print JSON for scripts instead of text for people"
 ROOMS_HELP = 'names of rooms, with commas between them; or a JSON file, of which only its list "labels" is read'
 ODOMETRY_HELP = "file, sensor folder or topic of the odometry (default: odometry.tum, odom0, /odom)"
 CAMERA_HELP = "camera to use, or several of a rig with commas between them: cam0,cam1 (default: cam0; TUM RGB-D has one)"
-CACHE_HELP = "folder that keeps the encoder's work by image, so that mapping a recording again skips it"
-MAP_ENCODER_HELP = "default: the one that the map was made with, from where it then was"
+CACHE_HELP = "folder in which embeddings of images are kept, so that a recording is mapped again faster"
+MAP_ENCODER_HELP = "default: the encoder that made the map, under the name or path that it had then"
 CALIBRATION_HELP = (
     "calibration of the encoder, as 'lexis-sim calibrate-queries' writes it (default for mini: the included one)"
 )
@@ -63,11 +63,12 @@ EXAMPLE = """example:
   lexis query map "where can I wash my hands"
 """
 QUERY_NOTE = """\
-Probabilities hold for houses like those of the calibration, if every second question has an answer; where no room
-reaches 0.5, nothing in the map fits. "not a kitchen" asks for all rooms that are none: probabilities are of that, and
-similarities with what is not wanted; a question that negates a part of itself alone is refused. Without a calibration
-there are similarities alone: those of one question can be compared, and always one is the greatest. mini was trained
-on renders of generated houses; maps of photographs want real CLIP weights, and 'lexis-sim calibrate-queries' for them."""
+Probabilities hold for houses like those of the calibration, if every second question has an answer. If no room reaches
+0.5, nothing in the map fits. "not a kitchen" asks for all rooms that are no kitchens: each probability is that the room is
+no kitchen, and each similarity is to a kitchen. A question that negates only a part of itself is refused. Without a
+calibration, only similarities are shown. They can be compared within one question; one of them is always the largest, even
+if no room fits. mini was trained on renders of generated houses; maps of photographs need real CLIP weights, and
+'lexis-sim calibrate-queries' for them."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -135,7 +136,7 @@ def _add_info(commands: Commands) -> None:
 
 def _add_plan(commands: Commands) -> None:
     path = add_command(
-        commands, "plan", _plan, "the shortest way between two rooms", "lexis plan map --from office --to kitchen"
+        commands, "plan", _plan, "the shortest path between two rooms", "lexis plan map --from office --to kitchen"
     )
     path.add_argument("map", type=Path, metavar="MAP")
     path.add_argument("--from", dest="start", required=True, metavar="ROOM", help=FROM_HELP)
@@ -145,7 +146,7 @@ def _add_plan(commands: Commands) -> None:
         "--config", type=Path, metavar="FILE", help="settings as JSON; those of 'planner' are used (default: defaults)"
     )
     path.add_argument("--calibration", type=Path, metavar="FILE", help=CALIBRATION_HELP)
-    path.add_argument("--keyframes", action="store_true", help="list the keyframes on the way too, with their positions")
+    path.add_argument("--keyframes", action="store_true", help="also list the keyframes on the path, with their positions")
     path.add_argument("--json", action="store_true", help=f"{JSON_HELP}, keyframes included")
 
 

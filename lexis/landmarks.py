@@ -31,8 +31,8 @@ _ITERATIONS = 4
 _DAMPING = 1e-12
 """Damping that is added to a Hessian in Gauss-Newton, as a share of the Hessian's trace."""
 _FIRST_FIT_TOLERANCE = 3.0
-"""Factor by which the largest allowed reprojection error is larger after the first fit, because one wrong view can spoil
-this fit."""
+"""After the first fit, errors of up to this many times `max_reprojection_px` are allowed, because one wrong view can spoil
+that fit."""
 
 Thetas = Float64[np.ndarray, "n 3"]
 

@@ -23,7 +23,8 @@ from lexis.types import Camera, Covariance, Keyframe, LoopEdge, Pose, Verdict
 _GRID = 6
 """Number of cells along each side of the image, for measuring the spread of inliers."""
 _OVERLAP_RAD = 1.0
-"""Largest angle between two cameras of a rig whose key points are matched, in addition to the tolerance for the estimate."""
+"""Two cameras of a rig are matched only if the estimated angle between them is at most this, plus the tolerance for the
+estimate [rad]."""
 _LEAST_MATCHES = 8
 """Least number of matches of one camera of a rig from which PnP is solved. Fewer are too few to tell right from wrong."""
 

@@ -47,7 +47,7 @@ class RoomLabels:
     """Room labels of all keyframes, as indices into the room names."""
 
     baseline: Labels
-    """Labels before refinement: for each keyframe, the room name whose prompt is most similar to the image."""
+    """Labels before refinement: for each keyframe, the room name whose prompt is most similar to its images."""
     refined: Labels
     """Labels after refinement and detection of stairs by height; with the method "image", equal to `baseline`."""
     probabilities: Probabilities

@@ -294,7 +294,8 @@ class LexisMap:
     """Cosine similarity of every keyframe's image with every entry of `room_names` (paper, Eq. 1). With several cameras, it
     is the mean over their images."""
     baseline_labels: Int[np.ndarray, "n"]
-    """Labels of the keyframes before refinement: for each image, the index of the room name with the largest similarity."""
+    """Labels of the keyframes before refinement: for each keyframe, the index of the room name with the largest entry of
+    `similarities`."""
     labels: Int[np.ndarray, "n"]
     """Labels of the keyframes after refinement, as indices into `room_names`."""
     probabilities: Float64[np.ndarray, "n rooms"]

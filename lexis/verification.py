@@ -117,8 +117,8 @@ def _agreeing(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationC
 
     Edges are compared if their earlier keyframes are neighbours on the path of one session (`_NEIGHBOURS_M`), and thus show
     one place. They contradict each other if they lead to poses of the query whose difference is unlikely, given the
-    covariances of the edges and the drift of the path between the earlier keyframes. Of two such edges, the one with more
-    support is kept. The support of an edge is the number of inliers of all compared edges that agree with it, itself
+    covariances of the edges and the drift of the path between the earlier keyframes. The one of two such edges that has
+    more support is kept. The support of an edge is the number of inliers of all compared edges that agree with it, itself
     included. Edges to different places are not compared: the robust kernel, which knows the loops of other queries, decides
     which place is the right one.
     """

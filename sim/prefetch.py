@@ -2,7 +2,7 @@
 
 The thread ends by itself: after the last item, when the consumer closes its iterator, or when the main thread ends. No code
 ever waits for the thread to end. The reason is garbage collection: an abandoned iterator is closed by whichever thread runs
-the collector, at any moment. That thread may hold a lock, and it may be the producing thread itself, so waiting could
+the collector, at any moment. This other thread may hold a lock, and it may be the producing thread itself, so waiting could
 deadlock. Closing therefore only sets a flag and puts an entry into a `SimpleQueue`, whose `put` is reentrant. An executor is
 no alternative: when the executor itself is collected, its threads end, and later requests to close are never carried out.
 """

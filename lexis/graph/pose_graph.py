@@ -149,8 +149,9 @@ class PoseGraph:
     def add_keyframe(self, keyframe: Keyframe, place: KnownPlace | None = None) -> None:
         """Append a keyframe at the pose that odometry predicts from the pose of the last active keyframe.
 
-        The first keyframe of a session begins a new component, at its odometry pose. If its `place` is known, it continues
-        the component of the keyframe beside it, at that place. Loop edges that hold it there have to follow.
+        The first keyframe of a session begins a new component, at its odometry pose. With `place`, it joins the component of
+        the keyframe `place.beside`, at the given relative pose. The caller must then add the loop edges that connect it,
+        because the optimiser knows no other relation.
         """
         T_W_B, covariance = keyframe.T_O_B, keyframe.step_covariance
         if self._optimiser is None or keyframe.session != self.keyframes[-1].session:
@@ -279,8 +280,8 @@ class PoseGraph:
 
         Most optimisations move only the last keyframes (`window`), but some move the whole graph (`growth`). After an
         optimisation of the whole graph, keyframes that are no longer needed retire (`copies`). These optimisations end early
-        (`ROUGHLY`). With `final`, loop edges that are new since the last final optimisation suffice, and the whole graph is
-        optimised until it has converged. Returns whether the graph was optimised.
+        (`ROUGHLY`). With `final`, loop edges that are new since the last final optimisation suffice, the whole graph is
+        optimised until it has converged, and no keyframe retires. Returns whether the graph was optimised.
         """
         now = _Extent(len(self.keyframes), self._added)
         grown = now.keyframes - self._last_whole.keyframes >= self._config.growth * len(self.active)

@@ -8,8 +8,8 @@ fixed pose relative to one of the keyframes that show its place: its anchor.
 Memory grows with the area, too, because a keyframe that retires gives up what is large:
 
 - its features and landmarks, because it is no loop candidate any more. It takes the embeddings of its anchor;
-- the loop edges, loop candidates and verdicts that it got as a new keyframe. Of the loop edges between two sessions, the
-  first one stays, because it tells that both sessions share a frame.
+- the loop edges, loop candidates and verdicts that it got as a new keyframe. The first loop edge between two sessions stays,
+  however, because it tells that both sessions share a frame.
 
 It keeps its odometry, its pose and its stamp. Its label follows from the images of the keyframes that see its place, and
 from those of its anchor.
@@ -38,7 +38,7 @@ VISIT_M = 10.0
 """Least odometry path between two visits of a place [m]. Keyframes that are closer on the path belong to one visit; they are
 needed although they show the same place."""
 HELD_M = 5.0
-"""Largest odometry path between two nodes with loops on which the drift of the odometry is negligible [m]."""
+"""Largest odometry path between two linked nodes over which the drift of the odometry is neglected [m]."""
 FIT_M, FIT_RAD = 0.3, 0.1
 """Largest difference between the relative pose that a loop edge measured and the current poses, for an edge that fits."""
 _NO_LANDMARKS = Landmarks(np.zeros((0, 3)), np.zeros(0, int))

@@ -1,8 +1,8 @@
 """Conversion between a map and the flat arrays of `arrays.npz`.
 
-Data of which keyframes or queries have different numbers, such as key points, are concatenated. A further array then holds
-these numbers, the counts. In `LAYOUT`, dimensions of the same name have the same size. Keyframes that have retired have no
-row in `embedding`, because they share the embeddings of their anchors.
+Keyframes have different numbers of key points, and queries different numbers of candidates. Such rows are concatenated, and
+a further array holds the counts. In `LAYOUT`, dimensions of the same name have the same size. Keyframes that have retired
+have no row in `embedding`, because they share the embeddings of their anchors.
 """
 
 from collections.abc import Iterable

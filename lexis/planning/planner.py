@@ -160,7 +160,7 @@ class PathPlanner:
 
 
 def shortest_path(graph: csr_array, start: int, goal: int) -> tuple[int, ...]:
-    """Return the keyframes of a shortest path. Of several shortest paths, the choice is the same in both directions."""
+    """Return the keyframes of a shortest path; if several are shortest, the same one in both directions."""
     first, last = sorted((start, goal))
     before = dijkstra(graph, indices=[first], return_predecessors=True)[1][0]
     path = [last]

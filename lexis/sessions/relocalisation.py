@@ -83,7 +83,10 @@ def shift_of(edge: LoopEdge, graph: PoseGraph) -> Pose:
 
 
 def without_support(verdicts: Sequence[Verdict]) -> list[Verdict]:
-    """Return verdicts on candidates elsewhere, as long as their edges join nothing. There is no estimate to compare with."""
+    """Return the verdicts on candidates in other components, as long as their edges join nothing.
+
+    They say "unsupported" instead of "accepted", and have no misfits, because no estimate relates the components.
+    """
     outcomes: dict[LoopOutcome, LoopOutcome] = {"accepted": "unsupported"}
     return [
         replace(verdict, outcome=outcomes.get(verdict.outcome, verdict.outcome), misfit_m=None, misfit_rad=None)

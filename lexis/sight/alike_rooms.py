@@ -1,4 +1,4 @@
-"""Merges rooms that share their space and whose labels the images cannot tell apart, as an open-plan office and an office.
+"""Merges rooms that share their space and whose labels the images cannot tell apart: an open-plan office and an office.
 
 The images of a large room may resemble two room names about equally, so that some of its keyframes have one label and the
 others another. Between two real rooms of an open plan, there is just as much sight, but the images of either room are
@@ -70,7 +70,10 @@ def merge_alike(
 
 
 def _normalised_cuts(sight: Float64[np.ndarray, "rooms rooms"]) -> Float64[np.ndarray, "rooms rooms"]:
-    """Return the sight between each two rooms, relative to all sight of the one room, plus the same for the other room."""
+    """Return the normalised cut of each pair of rooms.
+
+    It is the sight between them divided by all sight of the first room, plus the same quotient for the second room.
+    """
     share = sight / np.maximum(sight.sum(axis=1, keepdims=True), _NONE)
     return np.asarray(share + share.T)
 

@@ -1,8 +1,7 @@
-"""Splits a room between whose parts there is hardly any sight, as between two offices with a wall between them.
+"""Splits a room if its parts hardly see each other, for example two offices with a wall between them.
 
-Keyframes close to a wall seem to see what lies just behind it, because a place within `near_m` of a keyframe counts as its
-place. A few keyframes on either side of the wall thus join two rooms of one label. Inside a room, each part has sight of the
-next one.
+A place counts as seen from a keyframe's room if it lies within `near_m` of that keyframe, even behind a wall. Keyframes
+close to a wall therefore connect two rooms of one label. Inside a room, each part has sight of the next one.
 
 1. Find the bipartition of the room with the smallest normalised cut: the sight between the two parts, relative to all sight
    of either part (Shi and Malik, "Normalized Cuts and Image Segmentation", 2000).
@@ -70,7 +69,10 @@ def split_divided(
 
 
 def _length(positions: Float64[np.ndarray, "k 3"]) -> float:
-    """Return the length of a room [m]: the distance from one end, which is farthest from some keyframe, to the other end."""
+    """Return the length of a room [m].
+
+    One end is the keyframe farthest from the first keyframe; the length is the distance from there to the farthest keyframe.
+    """
     end = positions[rounded(np.linalg.norm(positions - positions[0], axis=1)).argmax()]
     return float(np.linalg.norm(positions - end, axis=1).max())
 

@@ -2,9 +2,10 @@
 
 1. The space between a camera and a landmark is free, and there is an obstacle at the landmark. Only heights at which a robot
    could run into something count: neither the floor nor the ceiling is an obstacle (`_obstacle_heights`).
-2. For every cell, count the keyframes that look through it and the keyframes that see a landmark in it. The cell is occupied
-   if the latter are at least the share `OCCUPIED_SHARE` of both together. Otherwise it is free if at least `MIN_VIEWS`
-   keyframes look through it; fewer are not enough, because single landmarks may be behind walls.
+2. For every cell, count the views that look through it and the views that see a landmark in it; each camera of a keyframe
+   is one view. The cell is occupied if, of all these views, at least the share `OCCUPIED_SHARE` sees a landmark in it.
+   Otherwise it is free if at least `MIN_VIEWS` views look through it; fewer are not enough, because single landmarks may be
+   behind walls.
 3. All cells within `WALKED_M` of the camera's path are free.
 """
 
@@ -28,23 +29,23 @@ CELL_M = 0.1
 RANGE_M = 8.0
 """Largest distance of a landmark from the camera; farther landmarks are not accurate enough [m]."""
 OCCUPIED_SHARE = 0.25
-"""A cell is occupied if h / (h + p) is at least this share, where h keyframes see a landmark in the cell and p keyframes
-look through the cell."""
+"""A cell is occupied if h / (h + p) is at least this share, where h views see a landmark in the cell and p views look
+through the cell."""
 MIN_VIEWS = 3
-"""Least number of keyframes that have to look through a cell before it counts as free. On a rendered home, 1 to 2 % of the
-free cells were then outside of the true rooms; with 1 keyframe, 6 to 12 % were."""
+"""Least number of views that have to look through a cell before it counts as free. On a rendered home, 1 to 2 % of the free
+cells were then outside of the true rooms; with one view, 6 to 12 % were."""
 WALKED_M = 0.2
 """Cells within this distance of the camera's path are free [m], because the robot itself has passed there."""
 MAX_CELLS = 20_000_000
 """Largest number of cells in a grid; a square of as many cells is 447 m wide."""
 LOW_M = 0.8
-"""Lines of sight above this height over the floor may pass over a table [m]. The floor is where the lowest landmarks are, so
-there have to be some on it."""
+"""Lines of sight above this height over the floor may pass over a table [m]. The floor is
+taken from the lowest landmarks, so some landmarks must lie on it."""
 _ON_FLOOR_M, _BELOW_M = 0.12, 0.3
 """Landmarks lie on the floor from `_BELOW_M` below it to `_ON_FLOOR_M` above it [m]."""
 _FLOOR_M, _HEAD_M = 0.2, 0.5
-"""Landmarks are no obstacles up to the first height above the floor, from the second height above the highest camera on, and
-up to the first height below the ceiling [m]."""
+"""A landmark is an obstacle only if it is more than `_FLOOR_M` above the floor, more than `_FLOOR_M` below the ceiling, and
+less than `_HEAD_M` above the highest camera [m]."""
 _LAST = 0.1
 """This share of a line of sight, and at least the width of a cell, is left out before the landmark, because the landmark may
 really be nearer."""

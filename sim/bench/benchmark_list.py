@@ -14,43 +14,43 @@ class Extent:
     """Number of houses of each preset."""
     fidelity: str
     """Fidelity of the benchmarks that can do without images."""
-    walk: int
+    place_walk_m: int
     """Length of the walks on which place recognition is compared [m]."""
-    sweep: str
+    sweep_options: str
     """Options of the sweeps that need images."""
-    rate: int
+    render_rate_hz: int
     """Frames per second on images, for benchmarks that do not measure time [Hz]."""
-    encoders: str
+    encoder_presets: str
     """Presets of the houses in which encoders are compared."""
     drivers: str
     """Drivers of plans, by their names in `sim.bench.planning`."""
-    length: int
+    long_walk_m: int
     """Length of the long walk [m]."""
-    rooms: int
+    long_walk_rooms: int
     """Number of rooms of the house of the long walk."""
 
 
 QUICK = Extent(
     houses=2,
     fidelity="features",
-    walk=75,
-    sweep="--length 60",
-    rate=5,
-    encoders="home",
+    place_walk_m=75,
+    sweep_options="--length 60",
+    render_rate_hz=5,
+    encoder_presets="home",
     drivers="LEXIS odometry",
-    length=1000,
-    rooms=10,
+    long_walk_m=1000,
+    long_walk_rooms=10,
 )
 FULL = Extent(
     houses=5,
     fidelity="render",
-    walk=250,
-    sweep="",
-    rate=10,
-    encoders="ori home",
+    place_walk_m=250,
+    sweep_options="",
+    render_rate_hz=10,
+    encoder_presets="ori home",
     drivers="truth LEXIS odometry",
-    length=10000,
-    rooms=40,
+    long_walk_m=10000,
+    long_walk_rooms=40,
 )
 
 
@@ -70,11 +70,16 @@ class Benchmark:
 
 _PRESETS = ("uh2-apt", "uh2-office", "ori", "home")
 """The presets that are named like the datasets of the paper."""
-_RENDERED_SWEEP = "--houses {houses} {sweep} --rate {rate} --seed 500"
+_RENDERED_SWEEP = "--houses {houses} {sweep_options} --rate {render_rate_hz} --seed 500"
 """Arguments of the sweeps that need images."""
 _LIST = (
     ("table2", "table2 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table2.csv", 30),
-    ("fig5", "fig5 --presets ori home --houses {houses} --length {walk} --rate {rate} --seed 500 --out {out}/fig5.csv", 105),
+    (
+        "fig5",
+        "fig5 --presets ori home --houses {houses} --length {place_walk_m} --rate {render_rate_hz} --seed 500 "
+        "--out {out}/fig5.csv",
+        105,
+    ),
     ("table3", "table3 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table3.csv", 45),
     ("openness", "openness --houses {houses} --seed 500 --out {out}/openness.csv {out}/openness.png", 25),
     ("clutter", "sweep clutter --houses {houses} --seed 500 --out {out}/clutter.csv {out}/clutter.png", 15),
@@ -91,7 +96,7 @@ _LIST = (
     ("sessions", "sessions --houses {houses} --seed 500", 25),
     ("planning", "planning --houses {houses} --fidelity {fidelity} --drivers {drivers} --seed 500", 40),
     ("certainty", "certainty --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 15),
-    ("queries", "queries --houses {houses} --rate {rate} --seed 500", 60),
+    ("queries", "queries --houses {houses} --rate {render_rate_hz} --seed 500", 60),
     ("fidelity", "fidelity --houses {houses} --seed 500", 25),
 )
 """Names, arguments and quick processor times of the benchmarks that may run beside each other."""
@@ -102,9 +107,9 @@ _OF_PRESETS = (
 """The same for benchmarks of a single preset, which run once for each of `_PRESETS`."""
 _TIMINGS = (
     ("rigs", "rigs --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/rigs.csv", 15),
-    ("table1", "encoders --presets {encoders} --encoders mini --houses {houses} --seed 500", 60),
+    ("table1", "encoders --presets {encoder_presets} --encoders mini --houses {houses} --seed 500", 60),
     ("stages", "stages --presets {presets} --houses {houses} --seed 500 --csv {out}/stages.csv", 115),
-    ("scale", "scale --rooms {rooms} --length {length} --seed 300", 15),
+    ("scale", "scale --rooms {long_walk_rooms} --length {long_walk_m} --seed 300", 15),
     ("speed", "speed --houses {houses} --seed 500", 140),
     ("throughput", "throughput --houses 8 --seed 100", 25),
 )

@@ -71,10 +71,11 @@ def _commit() -> str:
     """Name the commit of this package, with a hash of uncommitted changes; its version if it is not in a repository."""
     if _git("ls-files", "--error-unmatch", __file__) is None:  # not in a repository, or installed into somebody else's
         return f"unknown, version {version('lexis-sim')}"
-    commands = ("rev-parse", "HEAD"), ("status", "--porcelain", "--untracked-files=no"), ("diff", "HEAD")
-    commit, status, changes = (_git(*words) or "" for words in commands)
-    changed = hashlib.sha256((status + changes).encode()).hexdigest()[:12]
-    return commit.strip() + (f" with changes {changed}" if status else "")
+    commands = ("rev-parse", "HEAD"), ("diff", "HEAD"), ("ls-files", "--others", "--exclude-standard", ":/*.py")
+    commit, changes, added = (_git(*words) or "" for words in commands)
+    changes += "".join(f"{name}\n{(_HERE / name).read_text()}" for name in added.splitlines())
+    changed = hashlib.sha256(changes.encode()).hexdigest()[:12]
+    return commit.strip() + (f" with changes {changed}" if changes else "")
 
 
 def _git(*arguments: str) -> str | None:

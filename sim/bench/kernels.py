@@ -92,10 +92,10 @@ def mapped_houses(preset: str, seeds: Sequence[int], settings: Config | None = N
         yield MappedHouse(scenario.seed, slam.map.keyframes, slam.map.loops, edge_truth(finished), finished.true_poses)
 
 
-def kernel_runs(house: MappedHouse, threshold: float = PoseGraphConfig.outlier_threshold) -> Iterator[KernelRun]:
+def kernel_runs(house: MappedHouse, settings: PoseGraphConfig | None = None) -> Iterator[KernelRun]:
     """Optimise the graph of a house with every kernel, kind and share of injected loops.
 
-    `threshold` is the setting `pose_graph.outlier_threshold`.
+    `settings` are those of the graph, except for the kernel; None: defaults.
     """
     for kind in KINDS:
         for share in SHARES:
@@ -103,7 +103,7 @@ def kernel_runs(house: MappedHouse, threshold: float = PoseGraphConfig.outlier_t
             count = round(share / (1.0 - share) * len(house.loops))
             false = injected(kind, count, house.true_poses, house.loops, rng)
             for kernel in KERNELS:
-                config = PoseGraphConfig(kernel=kernel, outlier_threshold=threshold)
+                config = replace(settings or PoseGraphConfig(), kernel=kernel)
                 yield KernelRun(house.seed, kind, share, kernel, *_optimised(house, false, config))
 
 

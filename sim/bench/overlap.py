@@ -30,16 +30,16 @@ class Overlap:
     rendering: Seconds
     lexis: Seconds
     both: Seconds
-    busiest: float
+    slower_s: float
     """Time of the slower task while both ran in parallel: the larger of `render_s` (rendering) and `slam_s` (LEXIS) [s]."""
 
     @property
-    def of_the_busiest(self) -> float:
-        """Wall time of rendering and LEXIS in parallel, divided by `busiest`; the excess over 1 is time spent waiting."""
-        return self.both.wall / self.busiest
+    def wall_over_slower_within(self) -> float:
+        """Wall time of rendering and LEXIS in parallel, divided by `slower_s`; the excess over 1 is time spent waiting."""
+        return self.both.wall / self.slower_s
 
     @property
-    def of_the_longer(self) -> float:
+    def wall_over_slower_alone(self) -> float:
         """Wall time of both in parallel, divided by the wall time of the slower task alone; 1 is ideal on two free cores."""
         return self.both.wall / max(self.rendering.wall, self.lexis.wall)
 

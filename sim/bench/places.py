@@ -15,11 +15,13 @@ from jaxtyping import Bool, Float64
 from scipy.optimize import minimize
 
 from lexis.config import Config, PlaceRecognitionConfig
+from lexis.errors import one_line
 from lexis.evaluation.place_recognition import Counts, at_one_place, count_matches
 from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.se3 import between, rotation_angle
 from lexis.place_recognition import old_enough, propose, revisit_log_odds
 from lexis.types import Keyframe, RoomInstance
+from sim.errors import SimError
 from sim.faults.poses import Kidnap
 from sim.fidelity import Fidelity
 from sim.harness import Scenario, run
@@ -33,7 +35,7 @@ METHODS: Mapping[str, PlaceRecognitionConfig] = MappingProxyType(
         "probability": PlaceRecognitionConfig(method="probability"),
     }
 )
-"""Settings of place recognition by the names of the methods. All methods may propose as many candidates."""
+"""Settings of place recognition by the names of the methods. All methods may propose the same number of candidates."""
 _CONDITIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "usual odometry": {},
@@ -156,4 +158,8 @@ def fit_revisits(answers: Sequence[Answers]) -> PlaceRecognitionConfig:
 
     first = [start.log_odds, *(np.log(getattr(start, name)) for name in FITTED[1:])]
     found = minimize(loss, first, method="Nelder-Mead", options={"xatol": 1e-3, "fatol": 1e-8, "maxiter": 1000})
+    if not found.success:
+        raise SimError(
+            f"the fit of revisits does not end: {one_line(found.message, 120)}; valid: other walks, or more of them"
+        )
     return settings(found.x)

@@ -30,7 +30,7 @@ class RigRow:
     revisits: int
     """Number of keyframes that revisit a place in the opposite direction alone; see `opposite_revisits`."""
     found: int
-    """Number of these keyframes from which a true loop edge leads to a keyframe with the opposite heading."""
+    """Number of these keyframes from which a true loop edge leads to a keyframe that looks more than 90 degrees away."""
     trusted: int
     """Number of trusted loop edges."""
     false: int

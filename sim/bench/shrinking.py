@@ -41,7 +41,7 @@ class ProofPlan:
     """Greatest number of rooms in a house, without corridors, halls and stairs."""
     out: Path
     """Folder for the failure folders of reductions. Only failure folders of reductions that break a law are kept."""
-    pytests: int
+    own_pytest_every: int
     """How often pytest runs a test_replay.py in a process of its own: once in this many scenarios, or never if 0. In
     addition, every test_replay.py is called directly."""
 
@@ -105,9 +105,10 @@ def prove_one(number: int, plan: ProofPlan) -> ReductionProof:
     reduction = reduce(scenario, test, plan.deadline_s)
     seconds = time.perf_counter() - start
     folder = folder_of(number, plan)
-    own_pytest = plan.pytests > 0 and (number + 1) % plan.pytests == 0
+    own_pytest = plan.own_pytest_every > 0 and (number + 1) % plan.own_pytest_every == 0
     broken = tuple(broken_laws(reduction, test, family.bug, folder, own_pytest))
     if broken:
+        plan.out.mkdir(parents=True, exist_ok=True)
         scenario.save(folder.with_suffix(".json"))
     elif folder.is_dir():
         shutil.rmtree(folder)

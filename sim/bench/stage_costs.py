@@ -56,7 +56,7 @@ class StageRow:
 
 @dataclass(frozen=True)
 class StageGain:
-    """The change of the figures by one substitution: means over the houses in which it changes anything."""
+    """The change of the figures by one substitution: means over the houses in which it can be made."""
 
     houses: int
     mean: Figures

@@ -44,8 +44,8 @@ def _compare(arguments: argparse.Namespace) -> int:
             )
         print(f"failed: {arguments.b} has no result for any completed scenario of {arguments.a}", file=sys.stderr)
         return 1
-    names = (f"{name} ({path})" for name, path in zip(comparison.names, (arguments.a, arguments.b), strict=True))
-    print(replace(comparison, names=tuple(names)))
+    a, b = comparison.names
+    print(replace(comparison, names=(f"{a} ({arguments.a})", f"{b} ({arguments.b})")))
     if comparison.worse:
         print(f"failed: {', '.join(comparison.worse)} of {arguments.b} worse than of {arguments.a}", file=sys.stderr)
     return 1 if comparison.worse else 0

@@ -134,7 +134,7 @@ def _row(scenario: Scenario, substitution: Substitution, judged: Callable[[Subst
 def _compared(substitution: Substitution, fails: Fails, signature: Signature | None) -> BlameRow:
     """Return the row of a substitution for a failure that no figure describes.
 
-    Such failures are compared by their signatures only.
+    These failures are compared by their signatures only.
     """
     found = fails(substitution.scenario)
     if found is not None and found != signature:

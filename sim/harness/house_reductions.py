@@ -384,8 +384,8 @@ def _on_side(thing: OpeningSpec | WindowSpec, room: Bounds) -> bool:
 def _stands_in(piece: FurnitureSpec, room: Bounds) -> bool:
     """Return whether a piece of furniture is in a rectangle.
 
-    A piece that stands on the floor counts as a circle as wide as its longer side. Of a piece that hangs, only the centre
-    counts.
+    A piece that stands on the floor counts as a circle as wide as its longer side. A piece that hangs counts as its centre
+    alone.
     """
     (x, y, z), (width, depth, _) = piece.position_m, piece.size_m
     reach = 0.0 if z else max(width, depth) / 2

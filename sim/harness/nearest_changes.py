@@ -29,8 +29,9 @@ class _Extent:
 def nearest(scenario: Scenario, changed: Sequence[Scenario]) -> list[Scenario]:
     """Return the changed scenarios without those whose changes contain all changes of another one.
 
-    For example, a scenario without two of the rooms is left out beside one without one of them, and a tour of 4 m beside one
-    of 20 m. Of scenarios with the same changes, the first is kept. All scenarios list their whole houses.
+    If a scenario without one room is given, a scenario without this room and another one is left out. Beside a tour of 20 m,
+    one of 4 m is left out. If several scenarios have the same changes, the first is kept. All scenarios list their whole
+    houses.
     """
     extents = [_Extent(_changes(scenario, other), _length_m(other)) for other in changed]
     return [

@@ -133,7 +133,7 @@ class CommandSlam:
 class FeatureInput:
     """What the harness gives to a SLAM in a run of fidelity "features": the feature model and a loop verifier.
 
-    Such a run has no images, so the SLAM can neither encode images nor compare them to verify loops.
+    A run of this fidelity has no images, so the SLAM can neither encode images nor compare them to verify loops.
     """
 
     model: FeatureModel

@@ -52,8 +52,8 @@ def add_text(
 def _without_traceback(lines: list[str], failure: Reason) -> ExceptionRepr:
     """Return a report that consists of these lines.
 
-    It is not a plain string, because pytest's summary repeats the whole of a string in CI, and with `-vv`. Of an object like
-    this one, it repeats only the message, which is the first line.
+    It is not a plain string, because pytest's summary repeats the whole of a string in CI, and with `-vv`. The summary
+    repeats only the message of an object like this one, which is the first line.
     """
     text = "".join(f"{line}\n" for line in lines)
     crash = ReprFileLocation(failure.file, failure.line, lines[0].splitlines()[0])
@@ -112,7 +112,7 @@ def _failed_test(item: pytest.Item, execution: Execution) -> "FailedTest":
 def _is_in_its_folder(item: pytest.Item, scenario: "Scenario") -> bool:
     """Return whether the test is test_replay.py in the folder of a failure, with its scenario beside it.
 
-    Such folders are written by `lexis-sim shrink` and `lexis-sim check`.
+    `lexis-sim shrink` and `lexis-sim check` write these folders.
     """
     from sim.errors import SimError
     from sim.harness.scenario import Scenario

@@ -1,6 +1,5 @@
 """Typical materials and colours of the floor, walls and ceiling of a room, by its label."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from numpy.random import Generator
@@ -116,6 +115,3 @@ def finish_of(label: str, rng: Generator) -> Finish:
         raise WorldsError(f"unknown room label {label!r}; valid: {', '.join(ROOM_LABELS)}")
     ceiling = _SKY if label in OUTDOOR_LABELS else _CEILING
     return Finish(_FLOORS[label].draw(rng), _WALLS.get(label, _PAINT).draw(rng), ceiling.draw(rng, 0.02))
-
-
-__all__: Sequence[str] = ("Covering", "Finish", "finish_of")

@@ -35,8 +35,8 @@ class PerClutter:
 
 
 Count = float | tuple[int, int] | PerClutter
-"""Number of pieces in a room, declared as an expected number, as an inclusive range (least, most) that always holds, or as
-a number that grows with the clutter."""
+"""Number of pieces in a room, declared as an expected number, as an inclusive range (least, most) that holds in a room of
+usual clutter with enough space, or as a number that grows with the clutter."""
 
 
 class Size(NamedTuple):

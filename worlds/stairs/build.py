@@ -14,8 +14,8 @@ For every flight, `build_stairs`
 
 The head room between flights is checked last, when all flights are known.
 
-Cells may also have spiral stairs (`worlds.stairs.spirals`) or a lift (`worlds.stairs.shafts`). Such a cell has one opening
-on every storey, so that no opening needs to say where it leads.
+Cells may also have spiral stairs (`worlds.stairs.spirals`) or a lift (`worlds.stairs.shafts`). A cell of this kind has
+one opening on every storey, so that no opening needs to say where it leads.
 """
 
 import math

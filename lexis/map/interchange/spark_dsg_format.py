@@ -109,7 +109,7 @@ class AgentData(BaseModel):
     T_O_B: Matrix4
     step_covariance: Matrix6
     anchor: Id | None = None
-    """Number of the keyframe that shows the place of a keyframe that has retired. Files state no other keyframe's anchor."""
+    """Id of the keyframe that shows this keyframe's place. Only keyframes that have retired have this field."""
 
 
 class PlaceData(BaseModel):

@@ -3,9 +3,10 @@
 The descriptors are those of AKAZE, whose bits are taken as numbers, or patch features of the encoder. AnyLoc aggregates such
 features (Keetha et al., RA-L 2024).
 
-An image is described by the sums of the differences between its descriptors and their visual words. The sums are normalised
-word by word (Arandjelović and Zisserman, CVPR 2013), by their signed square roots, and then whitened (Jégou and Chum, ECCV
-2012). NetVLAD replaces the descriptors and the words by learned ones, which need training images and a network of its own.
+An image is described by the sums of the differences between its descriptors and their visual words. The sum of each word is
+scaled to unit norm (Arandjelović and Zisserman, CVPR 2013). Then every component is replaced by its signed square root, and
+the vector is whitened (Jégou and Chum, ECCV 2012). NetVLAD replaces the descriptors and the words by learned ones, which
+need training images and a network of its own.
 """
 
 from collections.abc import Sequence

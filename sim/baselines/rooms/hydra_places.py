@@ -85,8 +85,8 @@ def _components(graph: csr_array, kept: Bool[np.ndarray, "n"], least_places: flo
 def _longest_plateau(counts: list[int]) -> int:
     """Return the index of the first dilation of the longest series of dilations that give the same number of rooms.
 
-    `counts` holds the number of rooms for each dilation. Dilations without rooms do not form a series. Of equally long
-    series, the one with the most rooms is taken.
+    `counts` holds the number of rooms for each dilation. Dilations without rooms do not form a series. If series
+    are equally long, the one with the most rooms is taken.
     """
     best, best_key, first = 0, (0, 0), 0
     for k in range(1, len(counts) + 1):

@@ -18,7 +18,7 @@ LEXIS_VARIANTS: Mapping[str, Config] = MappingProxyType(
         "LEXIS, no merging": replace(PAPER, segmentation=replace(PAPER.segmentation, adjacency_m=1e-6)),
     }
 )
-"""Settings of LEXIS by name. The last two take one rule from the methods of the paper: the refinement of labels, and the
+"""Settings of LEXIS by name. The last two use the methods of the paper without one rule: the refinement of labels, and the
 merging of neighbouring clusters of one label. Clusters with consecutive keyframes still merge."""
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Int
 
 from lexis.config import KeyframeConfig
+from lexis.errors import ObservationError
 from lexis.keyframes import KeyframeSelector
 from lexis.types import Camera, Observation
 from sim.baselines.rooms.cells import Free, Segments
@@ -62,7 +63,15 @@ class MapRooms:
         self._frames: list[int] = []
 
     def process(self, observation: Observation) -> None:
-        """Note the number of the observation if it is a keyframe."""
+        """Note the number of the observation if it is a keyframe.
+
+        Raises `ObservationError` for a pose that is not finite, or an observation that comes before an earlier one.
+        """
+        if not np.isfinite(observation.T_O_B).all():
+            raise ObservationError(f"observation {observation.index}: T_O_B is not finite; valid: a rigid motion")
+        if self._frames and observation.index <= self._frames[-1]:
+            last = self._frames[-1]
+            raise ObservationError(f"observation {observation.index} comes after {last}; valid: ascending numbers")
         frame = self._selector.select(observation)
         if frame is not None and frame.is_keyframe:
             self._frames.append(observation.index)

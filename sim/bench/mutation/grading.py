@@ -4,6 +4,7 @@ LEXIS runs in another process, with the changed copy first on Python's path. The
 tests play no part.
 """
 
+import hashlib
 import json
 import os
 import re
@@ -11,7 +12,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -70,15 +71,27 @@ class Grade:
     """Whether the smallest scenario was searched."""
     fingerprint: str = ""
     """`Mutant.fingerprint`, so that a grade of another LEXIS is not taken for one of this LEXIS; "" for unchanged LEXIS."""
+    against: str = ""
+    """Hash of the results of unchanged LEXIS with which the figures were compared; "" without a comparison."""
 
     @property
     def is_caught(self) -> bool:
         """Whether the suite found the mutant."""
         return self.caught_by is not None
 
-    def says(self, smallest: bool, changed: bool) -> bool:
-        """Return whether the grade has the smallest scenario and the number of changed scenarios, if they are asked for."""
-        return (self.searched or not smallest) and (self.is_caught or self.changed is not None or not changed)
+    def says(self, smallest: bool, against: str) -> bool:
+        """Return whether the grade answers what is asked.
+
+        Args:
+            smallest: whether the smallest scenario is asked for.
+            against: hash of the results with which figures are to be compared; "" for none. A mutant that a check has caught
+                needs no comparison.
+        """
+        if smallest and not self.searched:
+            return False
+        if self.caught_by is not None and not self.caught_by.startswith(COMPARED):
+            return True
+        return self.against == against or (not against and self.caught_by is None)
 
 
 def grade(
@@ -125,13 +138,18 @@ def grade(
             graded = replace(graded, searched=smallest, fingerprint=fingerprint)
             if before is None or any(check["outcome"] == "fails" for check in data["checks"]):
                 return graded
-            return replace(graded, changed=_changed(_stored(before), data["results"]))
+            return replace(graded, changed=_changed(_stored(before), data["results"]), against=hash_of(before))
         seconds = time.time() - begin
     how = _HANGS if status is None else f"{_ENDS} {status}"
     if mutant is None or status == _CANNOT_RUN:
         what = "unchanged LEXIS" if mutant is None else f"mutant {mutant.name!r}"
         raise SimError(f"{what}: {how}: {one_line(errors, 300)}; valid: a suite that LEXIS completes")
     return Grade(*start, how, 0, seconds, one_line(errors, 160), searched=smallest, fingerprint=fingerprint)
+
+
+def hash_of(file: Path | None) -> str:
+    """Return the hash of a file of results, as grades hold it; "" without a file."""
+    return "" if file is None else hashlib.sha256(file.read_bytes()).hexdigest()[:16]
 
 
 def end_suites() -> None:
@@ -161,6 +179,21 @@ def read_grades(file: Path) -> list[Grade]:
         except (AttributeError, TypeError, ValueError):
             raise SimError(f"{file}: line {number} is no grade; valid: a file that this benchmark has written") from None
     return grades
+
+
+def usable_grades(
+    grades: Iterable[Grade], mutants: Iterable[Mutant], suite: str, seed: int, smallest: bool, before: Path | None
+) -> dict[str, Grade]:
+    """Return the grades that need not be made again, by mutant. The last grade of each mutant counts.
+
+    The other arguments are those of `grade`; grades of other mutants, suites or seeds are left out.
+    """
+    now, against = {(mutant.name, suite, seed, mutant.fingerprint) for mutant in mutants}, hash_of(before)
+    return {
+        each.mutant: each
+        for each in grades
+        if (each.mutant, each.suite, each.seed, each.fingerprint) in now and each.says(smallest, against)
+    }
 
 
 def markdown_table(grades: Sequence[Grade]) -> str:

@@ -18,8 +18,8 @@ CANDIDATES = PlaceRecognitionConfig.candidates
 REQUIRED = (1, 3, 5)
 """Numbers N of right matches that a true positive needs, and numbers of candidates among which recall looks."""
 PLACES = ("opposite direction", "same room", "look-alike room", "other floor", "elsewhere")
-"""Where a false match can be. Opposite direction: within 1 m of the query, looking back within 0.5 rad. Look-alike room: in
-another room of the query's label, on any floor. Each case excludes those before it."""
+"""The places of false matches. A match is in the opposite direction if it is within 1 m of the query and looks back within
+0.5 rad. A look-alike room is another room of the query's label, on any floor. Each case excludes those before it."""
 
 
 class Ranking(NamedTuple):

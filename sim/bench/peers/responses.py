@@ -28,10 +28,10 @@ from worlds.valid_names import did_you_mean
 FACTORS = (0.5, 0.7, 1.4, 2.0)
 """Factors by which each setting is multiplied. Whole numbers are rounded."""
 SECTIONS = ("keyframes", "landmarks", "labels", "sight", "place_recognition", "verification", "pose_graph")
-"""Sections of `Config` whose settings act in a run. The others are for several sessions, for plans, and for the paper's
-method of finding rooms."""
+"""Sections of `Config` whose settings are varied. The others are for several sessions, for the search of paths, and for the
+paper's method of finding rooms."""
 UNUSED = frozenset({"labels.neighbours", "labels.every", "sight.independence", "verification.seed"})
-"""Settings that the default methods do not use, or that no figure depends on."""
+"""Settings that are not varied: the default methods do not use them, or nothing but the ends of plans depends on them."""
 _DIGITS = 3
 
 
@@ -41,8 +41,8 @@ class SettingVariant:
 
     setting: str
     """Name with section, such as "sight.range_m"."""
-    factor: float
-    """Approximate ratio of the value to the default."""
+    ratio: float
+    """Ratio of the value to the default."""
     value: float
     config: Config
 
@@ -81,7 +81,7 @@ def _of_section(section: str) -> Iterator[SettingVariant]:
                 config = replace(Config(), **{section: replace(usual, **{field.name: value})})
             except ConfigError:
                 continue
-            yield SettingVariant(setting, factor, value, config)
+            yield SettingVariant(setting, value / default, value, config)
 
 
 def measure_responses(
@@ -121,10 +121,10 @@ def write_responses(rows: Sequence[StageRow], sections: Sequence[str], path: Pat
 
 
 def _curves(rows: Sequence[StageRow], section: str, figure: str) -> dict[str, Curve]:
-    """Return the curve of each setting: factor, mean change of the figure, and its standard error."""
+    """Return the curve of each setting: ratio to the default, mean change of the figure, and its standard error."""
     changes, found = gains(rows), defaultdict[str, list[tuple[float, float, float]]](lambda: [(1.0, 0.0, 0.0)])
     for each in variants((section,)):
         gain = changes[each.name]
-        point = each.factor, getattr(gain.mean, figure), getattr(gain.error, figure)
+        point = each.ratio, getattr(gain.mean, figure), getattr(gain.error, figure)
         found[each.setting.partition(".")[2]].append(point)
     return {name: sorted(points) for name, points in found.items()}

@@ -2,7 +2,7 @@
 
 import argparse
 from collections.abc import Iterator
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 from rich.markup import escape
@@ -42,16 +42,19 @@ def _pose_graph(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
-    from lexis.config import PoseGraphConfig, read_config
+    from lexis.config import Config, read_config
     from sim.bench.kernels import draw_kernels, kernel_runs, mapped_houses, summarised
     from sim.bench.row_files import PICTURES, check_files, write_rows
 
     check_files(arguments.csv, valid=(".csv",))
     check_files(arguments.plot, valid=PICTURES)
     seeds = seeds_of(arguments)
-    threshold = arguments.threshold or PoseGraphConfig.outlier_threshold
-    houses = mapped_houses(arguments.preset, seeds, read_config(arguments.config) if arguments.config else None)
-    rows = list(summarised([each for house in houses for each in kernel_runs(house, threshold)]))
+    settings = read_config(arguments.config) if arguments.config else Config()
+    graph = settings.pose_graph
+    if arguments.threshold is not None:
+        graph = replace(graph, outlier_threshold=arguments.threshold)
+    houses = mapped_houses(arguments.preset, seeds, settings)
+    rows = list(summarised([each for house in houses for each in kernel_runs(house, graph)]))
     title = f"{arguments.preset}, seeds {seeds[0]} to {seeds[-1]}, features: mean ± std over houses"
     headers = ("ATE, m", "growth of the ATE", "true loops rejected", "houses without", "false loops trusted")
     table = Table("false loops", "share", "kernel", *headers, title=title)

@@ -30,7 +30,7 @@ _OWN_PYTESTS = 10
 def _mutation(arguments: argparse.Namespace) -> int:
     """Print a line for each mutant as soon as it is graded, and a table; return 1 if unchanged LEXIS fails a check."""
     from sim.bench.mutation import MUTANTS, grade
-    from sim.bench.mutation.grading import counts, end_suites, markdown_table, read_grades, write_grade
+    from sim.bench.mutation.grading import counts, end_suites, markdown_table, read_grades, usable_grades, write_grade
     from sim.suites.catalogue import suite_named
 
     laws, before, chosen = not arguments.no_laws, arguments.against, suite_named(arguments.suite)
@@ -44,15 +44,9 @@ def _mutation(arguments: argparse.Namespace) -> int:
     graded = partial(grade, suite=arguments.suite, workers=1, laws=laws, smallest=arguments.smallest, before=before)
     suite = arguments.suite if laws else f"{arguments.suite} without laws"
     kept = [] if arguments.out is None else read_grades(arguments.out)
-    now = {(name, suite, arguments.seed, mutant.fingerprint) for name, mutant in wanted.items()}
-    grades = [
-        each
-        for each in kept
-        if (each.mutant, each.suite, each.seed, each.fingerprint) in now
-        and each.says(arguments.smallest, changed=before is not None)
-    ]
-    done = {found.mutant for found in grades}
-    mutants = [mutant for name, mutant in wanted.items() if name not in done]
+    usable = usable_grades(kept, wanted.values(), suite, arguments.seed, arguments.smallest, before)
+    grades = list(usable.values())
+    mutants = [mutant for name, mutant in wanted.items() if name not in usable]
     alarms = []
     for seed in range(arguments.seed, arguments.seed + arguments.unchanged):  # first, because it shows a wrong set-up
         found = graded(None, seed, workers=arguments.processes, before=before if seed == arguments.seed else None)

@@ -97,6 +97,12 @@ def test_houses_are_mapped_with_the_given_settings_but_no_keyframe_retires(monke
     assert made == [replace(settings, pose_graph=PoseGraphConfig(every=7, copies=None))]
 
 
+def test_graphs_are_optimised_with_the_given_settings(house, monkeypatch):
+    monkeypatch.setattr(module, "SHARES", (0.0,))
+    strict = [run for run in kernel_runs(house, PoseGraphConfig(outlier_threshold=1e-6)) if run.kernel == "dcs"]
+    assert strict and all(run.true_rejected > 0.5 for run in strict)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_injected_loops_are_false_and_as_many_as_wanted(house, kind, rng):
     loops = injected(kind, 33, house.true_poses, house.loops, rng)

@@ -15,7 +15,7 @@ class Pose(NamedTuple):
     y: float
     """y of the centre of the footprint [m]."""
     turn: int
-    """Rotation in quarter turns, -3 ... 3: the piece's x axis points along `AXES[turn]`, its front along the next axis."""
+    """Rotation in quarter turns, 0 ... 3: the piece's x axis points along `AXES[turn]`, its front along the next axis."""
     z: float = 0.0
     """Height of the underside above the floor [m]."""
     run: int | None = None

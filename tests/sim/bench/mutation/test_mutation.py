@@ -24,6 +24,7 @@ from sim.bench.mutation.grading import (
     grade,
     markdown_table,
     read_grades,
+    usable_grades,
     write_grade,
 )
 from sim.bench.mutation.planting import planted
@@ -110,16 +111,28 @@ def test_a_grade_names_the_first_check_that_failed():
 @pytest.mark.parametrize(
     ("grade", "asked", "enough"),
     [
-        (Grade("one", "pr", 7, "homes: origin", 2, 9.0, ""), (False, True), True),
-        (Grade("one", "pr", 7, "homes: origin", 2, 9.0, ""), (True, True), False),
-        (Grade("one", "pr", 7, "homes: origin", 2, 9.0, "", searched=True), (True, True), True),
-        (Grade("one", "pr", 7, None, 2, 9.0, ""), (False, True), False),
-        (Grade("one", "pr", 7, None, 2, 9.0, "", changed=0), (False, True), True),
-        (Grade("one", "pr", 7, None, 2, 9.0, ""), (False, False), True),
+        (Grade("one", "pr", 7, "homes: origin", 2, 9.0, ""), (False, "a"), True),
+        (Grade("one", "pr", 7, "homes: origin", 2, 9.0, ""), (True, "a"), False),
+        (Grade("one", "pr", 7, "homes: origin", 2, 9.0, "", searched=True), (True, "a"), True),
+        (Grade("one", "pr", 7, None, 2, 9.0, ""), (False, "a"), False),
+        (Grade("one", "pr", 7, None, 2, 9.0, "", changed=0, against="a"), (False, "a"), True),
+        (Grade("one", "pr", 7, None, 2, 9.0, "", changed=0, against="a"), (False, "b"), False),
+        (Grade("one", "pr", 7, None, 2, 9.0, "", changed=0, against="a"), (False, ""), True),
+        (Grade("one", "pr", 7, f"{COMPARED}: rooms.pq", 2, 9.0, "", changed=9, against="a"), (False, ""), False),
+        (Grade("one", "pr", 7, None, 2, 9.0, ""), (False, ""), True),
     ],
 )
 def test_a_grade_is_used_again_only_if_it_says_what_is_asked(grade, asked, enough):
     assert grade.says(*asked) is enough
+
+
+def test_the_last_grade_of_each_mutant_counts():
+    mutants = MUTANTS[:2]
+    grades = [Grade(each.name, "pr", 7, "a", 2, 9.0, "", fingerprint=each.fingerprint) for each in (*mutants, mutants[0])]
+    grades[2] = replace(grades[2], searched=True)
+    others = [replace(grades[0], seed=8), replace(grades[0], suite="homes"), replace(grades[1], fingerprint="old")]
+    usable = usable_grades([*grades, *others], mutants, "pr", 7, smallest=False, before=None)
+    assert usable == {mutants[0].name: grades[2], mutants[1].name: grades[1]}
 
 
 def test_a_mutant_is_equivalent_if_no_figure_differs():

@@ -48,5 +48,6 @@ def test_curves_are_drawn_through_the_default(rows, tmp_path, monkeypatch):
     monkeypatch.setattr("sim.bench.peers.responses.variants", lambda sections: variants(("sight",))[:8])
     write_responses(rows, ("sight",), tmp_path / "curves.png")
     ((_, labels),), ((_, rooms),), ((_, ate),) = drawn
-    assert list(labels) == ["range_m", "near_m"] and [x for x, *_ in labels["near_m"]] == [0.5, 0.7, 1.0, 1.4, 2.0]
+    assert list(labels) == ["range_m", "near_m"]
+    assert [x for x, *_ in labels["near_m"]] == pytest.approx([0.5, 0.7, 1.0, 1.4, 2.0])
     assert all(point[:2] == (1.0, 0.0) for curves in (labels, rooms, ate) for point in [curves["near_m"][2]])
