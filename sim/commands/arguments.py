@@ -68,6 +68,17 @@ def number(low: float, high: float, lowest: str = "") -> Callable[[str], float]:
     return parse
 
 
+def whole_number(low: int, high: int) -> Callable[[str], int]:
+    """Make a converter for `type=` that accepts whole numbers from `low` to `high`."""
+
+    def parse(text: str) -> int:
+        if not (text.isascii() and text.isdecimal()) or not low <= int(text) <= high:
+            raise argparse.ArgumentTypeError(f"{text!r:.60}; valid: a whole number from {low} to {high}")
+        return int(text)
+
+    return parse
+
+
 def folder(text: str) -> Path:
     """Convert text to the path of an output folder, for `type=`. Files are refused; write permission is not checked."""
     if not text.strip():

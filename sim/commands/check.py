@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from sim.harness.crash import Crash
 
 OUT_HELP = "folder for the result and its report; with --suite, for the smallest failing scenarios (default: none)"
-FAILS_HELP = 'when the check fails, such as "labels.accuracy < 0.7"; may be repeated. A figure that is null fails too'
+FAILS_HELP = (
+    'condition under which the check fails, such as "labels.accuracy < 0.7"; a null figure fails too; may be repeated'
+)
 
 
 def add_to(commands: Commands) -> None:

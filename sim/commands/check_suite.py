@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lexis.files.replace import replaced_file
-from sim.commands.arguments import given_options_of_a_run
+from sim.commands.arguments import given_options_of_a_run, whole_number
 from sim.commands.earlier_run import EarlierRun
 from sim.commands.run import progress_bar
 from sim.commands.slams import is_lexis, program_of, refuse_program_options, replay_of, runner_of, slam_factory
@@ -58,7 +58,7 @@ def add_suite(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--limit", action="append", type=_limit, metavar="FIGURE=VALUE", help=LIMIT_HELP)
     parser.add_argument("--picture", type=Path, metavar="FILE", help=PICTURE_HELP)
     parser.add_argument("--budget", type=duration_s, metavar="TIME", help=BUDGET_HELP)
-    parser.add_argument("--workers", type=_workers, metavar="N", help=WORKERS_HELP)
+    parser.add_argument("--workers", type=whole_number(1, _MOST_WORKERS), metavar="N", help=WORKERS_HELP)
 
 
 def refuse_suite_options(arguments: argparse.Namespace) -> None:
@@ -242,9 +242,3 @@ def _limit(text: str) -> tuple[str, float]:
         return name, float(value)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r:.60} is no limit; valid: such as labels.accuracy=0.9") from None
-
-
-def _workers(text: str) -> int:
-    if not text.isdigit() or not 1 <= int(text) <= _MOST_WORKERS:
-        raise argparse.ArgumentTypeError(f"{text!r:.60} is no number of processes; valid: 1 to {_MOST_WORKERS}")
-    return int(text)

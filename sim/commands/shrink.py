@@ -12,6 +12,7 @@ from sim.durations import duration_s
 from sim.errors import SimError
 
 if TYPE_CHECKING:
+    from sim.harness.blame_table import BlameRow
     from sim.harness.reducer import Attempt
 
 FAILS_HELP = 'what is true of a failing run, such as "labels.accuracy < 0.7"; or the word crash, for a SLAM that raises'
@@ -60,15 +61,22 @@ def _shrink(arguments: argparse.Namespace) -> int:
     tell = _print_progress if sys.stderr.isatty() else None
     deadline_s = arguments.deadline or (DEADLINE_S if arguments.program is None else _PROGRAM_DEADLINE_S)
     reduction = reduce(scenario, test, deadline_s, tell, steps=steps)
+    if reduction.ended == "interrupted":
+        blamed = BlameTable(())
+    else:
+        blamed = blame(reduction.scenario, test, is_lexis(arguments), None if tell is None else _print_substitution)
     if tell is not None:
         print(file=sys.stderr)
-    blamed = blame(reduction.scenario, test, is_lexis(arguments)) if reduction.ended != "interrupted" else BlameTable(())
     write_failure(arguments.out, reduction, test, blamed, replay_of(arguments))
     old, new = reduction.sizes
     print(f"{old} -> {new}. {reduction.note}")
     print(str(blamed))
     print(f"why: {arguments.out / 'why.md'}")
     return 0
+
+
+def _print_substitution(row: "BlameRow") -> None:
+    print(f"\r{'replaced: ' + row.substitution:<60}", end="", file=sys.stderr)
 
 
 def _print_progress(attempt: "Attempt") -> None:

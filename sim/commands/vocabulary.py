@@ -1,10 +1,10 @@
 """`lexis-sim orb-vocabulary`: learn visual words for ORB-SLAM from training houses."""
 
 import argparse
-from collections.abc import Callable
 from pathlib import Path
 
 from lexis.command_line import Commands, add_command
+from sim.commands.arguments import whole_number
 from sim.errors import SimError
 
 _MOST_WORDS = 1_000_000
@@ -19,20 +19,11 @@ def add_to(commands: Commands) -> None:
         "learn visual words for ORB-SLAM2 and ORB-SLAM3 from training houses, in a file like their ORBvoc.txt",
         "lexis-sim orb-vocabulary -o ORBvoc.txt",
     )
-    learn.add_argument("--branching", type=_within(2, 20), default=10, help="children of each node (default: %(default)s)")
-    learn.add_argument("--depth", type=_within(1, 6), default=5, help="levels of the tree (default: %(default)s)")
+    learn.add_argument(
+        "--branching", type=whole_number(2, 20), default=10, help="children of each node (default: %(default)s)"
+    )
+    learn.add_argument("--depth", type=whole_number(1, 6), default=5, help="levels of the tree (default: %(default)s)")
     learn.add_argument("-o", "--out", type=Path, required=True, metavar="FILE", help="file for the words")
-
-
-def _within(low: int, high: int) -> Callable[[str], int]:
-    """Make a converter for `type=` that accepts whole numbers from `low` to `high`, as ORB-SLAM does."""
-
-    def parse(text: str) -> int:
-        if not text.isdecimal() or not low <= int(text) <= high:
-            raise argparse.ArgumentTypeError(f"{text!r}; valid: a whole number from {low} to {high}")
-        return int(text)
-
-    return parse
 
 
 def _learn(arguments: argparse.Namespace) -> int:

@@ -80,8 +80,8 @@ class RateVerdict:
     def __str__(self) -> str:
         low, high = self.interval
         rate = f"rate at least {low:.2f}, at most {high:.2f} with {self.confidence:.0%} confidence"
-        kept = f"kept in {round(self.held, 2):g} of {counted(self.houses, 'house')}"
-        return f"{kept} (wanted: in {100 * self.p:g}%; {rate}): {self.outcome}"
+        counts = f"holds in {round(self.held, 2):g} of {counted(self.houses, 'house')}"
+        return f"{counts} (wanted: in {100 * self.p:g}%; {rate}): {self.outcome}"
 
 
 def _log_evidence(p: float, held: float, failed: float) -> tuple[float, float]:

@@ -44,7 +44,7 @@ def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):
     assert len(load_results(tmp_path / "all.json")) == 2
     assert json.loads((tmp_path / "all.json").read_text())["ok"] is True
     assert main(["check", "--suite", "flat", *slam, "-x", "--limit", "floors.accuracy=1.1"]) == 1
-    assert "failed: flat: floors.accuracy >= 1.1: kept in 0 of 2 houses (wanted: in 95%;" in capsys.readouterr().err
+    assert "failed: flat: floors.accuracy >= 1.1: holds in 0 of 2 houses (wanted: in 95%;" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,7 @@ def outcome_of(test, name):
             WrongLabels,
             "labels.accuracy >= 0.8",
             "Failed",
-            r"but it is undecided: more scenarios .*\n.*kept in 0 of 1 house",
+            r"but it is undecided: more scenarios .*\n.*holds in 0 of 1 house",
         ),
         (
             OdometryOnly,
@@ -128,7 +128,7 @@ def test_an_item_that_fails_shows_the_verdict_and_nothing_else():
     with pytest.raises(pytest.fail.Exception) as raised:
         slam_checks(FloorsByHeight, suite=FLAT)(Item(PART, "origin"))
     assert not raised.value.pytrace and str(raised.value).startswith(
-        "flat: origin: kept in 0 of 2 scenarios (wanted: in all)"
+        "flat: origin: holds in 0 of 2 scenarios (wanted: in all)"
     )
 
 

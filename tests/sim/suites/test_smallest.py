@@ -71,7 +71,7 @@ def test_the_command_keeps_the_smallest_failing_scenario(tmp_path, capsys, monke
     assert main(["check", "--suite", "flat", "-x", "--workers", "1", "--out", str(tmp_path / "small")]) == 1
     shown = capsys.readouterr()
     assert (
-        "failed: flat: origin: kept in 0 of 1 scenarios (wanted: in all): fails" in shown.err
+        "failed: flat: origin: holds in 0 of 1 scenarios (wanted: in all): fails" in shown.err
         and "The claims do not depend on the origin." in shown.err
     )
     kept = Scenario.load(tmp_path / "small" / "flat-origin" / "scenario.json")

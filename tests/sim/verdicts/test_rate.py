@@ -92,7 +92,7 @@ def test_reading_stops_when_the_answer_is_known():
 
 
 def test_a_missed_rate_says_how_often_the_claim_held():
-    with pytest.raises(AssertionError, match=r"^labels.accuracy >= 0.7: kept in 0 of 2 houses \(wanted: in 90%; .* fails"):
+    with pytest.raises(AssertionError, match=r"^labels.accuracy >= 0.7: holds in 0 of 2 houses \(wanted: in 90%; .* fails"):
         assert_rate(results(0.6, None, 0.9), "labels.accuracy >= 0.7", p=0.9)
 
 
@@ -107,7 +107,7 @@ def test_a_figure_that_is_not_claimed_is_told():
 
 def test_an_undecided_rate_does_what_the_option_says():
     few = results(0.9, 0.9, 0.6)
-    with pytest.raises(AssertionError, match=r"kept in 2 of 3 houses .*undecided$"):
+    with pytest.raises(AssertionError, match=r"holds in 2 of 3 houses .*undecided$"):
         assert_rate(few, "labels.accuracy >= 0.7", p=0.8)
     with pytest.raises(pytest.skip.Exception, match=r"undecided$"):
         assert_rate(few, "labels.accuracy >= 0.7", p=0.8, undecided="skip")
