@@ -44,8 +44,8 @@ def _compare(arguments: argparse.Namespace) -> int:
             )
         print(f"failed: {arguments.b} has no result for any completed scenario of {arguments.a}", file=sys.stderr)
         return 1
-    a, b = comparison.names
-    print(replace(comparison, names=(f"{a} ({arguments.a})", f"{b} ({arguments.b})")))
+    first, second = comparison.names
+    print(replace(comparison, names=(f"{first} ({arguments.a})", f"{second} ({arguments.b})")))
     if comparison.worse:
         print(f"failed: {', '.join(comparison.worse)} of {arguments.b} worse than of {arguments.a}", file=sys.stderr)
     return 1 if comparison.worse else 0
