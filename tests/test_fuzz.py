@@ -44,7 +44,7 @@ def many(smoke, nightly):
 
 
 def hold(found):
-    """Assert that no foreign exception occurred and limits were kept, and that most of the damage was noticed."""
+    """Assert that no foreign exception occurred, limits were kept, and at least a fifth of the damage was noticed."""
     print(found)
     assert not found.foreign, "\n".join([str(found), *found.examples[:20]])
     assert found.longest_s <= PROCESSOR_S and found.peak_bytes <= MEMORY_BYTES

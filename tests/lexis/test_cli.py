@@ -11,7 +11,9 @@ import pytest
 from helpers.map_builder import build_map, corridor_with_offices
 
 from lexis import cli
-from lexis.datasets.dataset import write_dataset
+from lexis.config import Config, read_config
+from lexis.datasets.dataset import DatasetConfig, open_dataset, write_dataset
+from lexis.encoder.options import EncoderOptions
 from lexis.errors import EncoderError
 from lexis.map.folder import load_map, save_map
 from lexis.query.calibration import Calibration, save_calibration
@@ -181,6 +183,48 @@ def test_a_plan_is_made_with_the_settings_of_the_planner(rng, tmp_path, capsys):
     (tmp_path / "settings.json").write_text(json.dumps({"planner": {"shortcut_m": 4.5}}))
     assert cli.main([*command, "--config", str(tmp_path / "settings.json")]) == 0
     assert capsys.readouterr().out.startswith("office (floor 0) to kitchen (floor 0): 5.0 m")
+
+
+def test_a_plan_avoids_all_rooms_that_are_named(rng, tmp_path, capsys):
+    """The only way from the kitchen to the bathroom leads through the office."""
+    names, positions = ("kitchen", "office", "bathroom"), 0.5 * np.arange(9)[:, None] * [1.0, 0.0, 0.0]
+    rooms = [("kitchen", [0, 1, 2]), ("office", [3, 4, 5]), ("bathroom", [6, 7, 8])]
+    save_map(build_map(positions, np.repeat([0, 1, 2], 3), rooms, names, rng), tmp_path / "map")
+    command = ["plan", str(tmp_path / "map"), "--from", "kitchen", "--to", "bathroom"]
+    assert cli.main(command) == 0
+    assert cli.main([*command, "--avoid", "office"]) == 2
+    capsys.readouterr()
+    assert cli.main([*command, "--avoid", "garage", "--avoid", "office"]) == 2
+    assert "garage" in capsys.readouterr().err
+
+
+def test_the_printed_settings_are_settings(tmp_path, capsys):
+    assert cli.main(["config"]) == 0
+    (tmp_path / "settings.json").write_text(capsys.readouterr().out)
+    assert read_config(tmp_path / "settings.json") == Config()
+
+
+def test_options_of_a_run_reach_the_recording_the_encoder_and_the_map(dataset, tmp_path, monkeypatch):
+    opened, loaded = [], []
+
+    def load(model, options=None):
+        loaded.append((model, options))
+        return ColourEncoder()
+
+    def open_recording(path, config):
+        opened.append(config)
+        return open_dataset(path)
+
+    monkeypatch.setattr("lexis.encoder.open_clip_encoder.load_encoder", load)
+    monkeypatch.setattr("lexis.datasets.dataset.open_dataset", open_recording)
+    (tmp_path / "settings.json").write_text('{"keyframes": {"spacing_m": 2.0, "support_spacing_m": 1.0}}')
+    command = ["run", str(dataset), "--rooms", "kitchen, office", "-o", str(tmp_path / "map")]
+    options = ["--encoder", "other", "--cache", str(tmp_path / "cache"), "--precision", "bf16", "--device", "cpu"]
+    options += ["--odometry", "wheels", "--camera", "cam1", "--config", str(tmp_path / "settings.json")]
+    assert cli.main([*command, *options]) == 0
+    assert opened == [DatasetConfig("wheels", "cam1")]
+    assert loaded == [("other", EncoderOptions("cpu", "bf16", cache=tmp_path / "cache"))]
+    assert len(load_map(tmp_path / "map").keyframes) == 5  # eight metres
 
 
 @pytest.mark.parametrize(

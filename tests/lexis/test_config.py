@@ -59,7 +59,7 @@ def test_an_optimisation_moves_all_keyframes_since_the_one_before():
         PoseGraphConfig(window=5, every=10)
 
 
-def test_the_defaults_are_the_paper_s():
+def test_the_defaults_of_refinement_are_in_the_ranges_of_the_paper():
     config = Config()
     assert 3 <= config.labels.neighbours <= 7
     assert 7 <= config.labels.every <= 12

@@ -26,7 +26,9 @@ def probing(monkeypatch, tmp_path):
     return replace
 
 
-def test_all_is_fine_here():
+def test_all_is_fine_on_a_machine_with_memory_and_two_cores(monkeypatch):
+    monkeypatch.setattr(doctor, "available_bytes", lambda: 4 << 30)
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
     assert all(finding.fine for finding in doctor.examine())
 
 

@@ -22,6 +22,7 @@ pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
 
 SHRINKING = settings(
     database=None,
+    derandomize=True,
     max_examples=2000,
     deadline=None,
     phases=(Phase.generate, Phase.shrink),

@@ -63,10 +63,17 @@ def test_what_was_encoded_before_changes_nothing(encoder, image):
     np.testing.assert_array_equal(encoder.encode_rooms(["office", "lobby"])[1], encoder.encode_rooms(["lobby"])[0])
 
 
-def test_the_process_keeps_its_own_number_of_threads(tiny, image):
-    before = torch.get_num_threads()
-    load_encoder(f"local-dir:{tiny}", EncoderOptions(threads=2)).encode_image(image)
-    assert torch.get_num_threads() == before
+def test_the_encoder_has_its_own_number_of_threads_and_the_process_keeps_its_own(tiny, image, monkeypatch):
+    before, within = torch.get_num_threads(), []
+    encoder, encode = load_encoder(f"local-dir:{tiny}", EncoderOptions(threads=2)), open_clip.CLIP.encode_image
+
+    def noted(*arguments, **options):
+        within.append(torch.get_num_threads())
+        return encode(*arguments, **options)
+
+    monkeypatch.setattr(open_clip.CLIP, "encode_image", noted)
+    encoder.encode_image(image)
+    assert within == [2] and torch.get_num_threads() == before
 
 
 def test_a_folder_with_its_config_is_the_same_model(tiny, encoder, image):

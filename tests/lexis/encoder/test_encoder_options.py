@@ -23,12 +23,14 @@ ARCHITECTURE = {
 
 
 class Counting(open_clip.CLIP):
-    """A network that counts the images and texts that it encodes."""
+    """A network that counts the images and texts that it encodes, and notes how many images come at a time."""
 
     images = texts = 0
+    batches: tuple[int, ...] = ()
 
     def encode_image(self, image, normalize=False):
         self.images += len(image)
+        self.batches += (len(image),)
         return super().encode_image(image, normalize)
 
     def encode_text(self, text, normalize=False):
@@ -68,9 +70,10 @@ def make(weights, networks):
 
 
 @pytest.mark.parametrize("batch", [1, 3, 7, 32])
-def test_a_batch_is_its_images_one_by_one(make, images, batch):
+def test_a_batch_is_its_images_one_by_one(make, networks, images, batch):
     encoder = make(batch=batch)
     together = encoder.encode_images(images)
+    assert max(networks[-1].batches) <= batch and len(networks[-1].batches) == -(-len(images) // batch)
     np.testing.assert_allclose(together, [encoder.encode_image(image) for image in images], atol=1e-5)
     mixed = encoder.encode_images([images[0], images[1][:30]])
     np.testing.assert_allclose(mixed[0], together[0], atol=1e-5)
@@ -124,10 +127,11 @@ def test_the_cache_is_that_of_weights_preprocessing_activation_and_precision(mak
     assert len(list(tmp_path.glob("*.sqlite"))) == 4
 
 
-def test_lower_precision_is_near(make, images):
+def test_lower_precision_is_near_but_not_equal(make, images):
     full, low = make(), make(precision="bf16")
     np.testing.assert_allclose(low.encode_images(images), full.encode_images(images), atol=0.03)
     np.testing.assert_allclose(low.encode_rooms(["kitchen"]), full.encode_rooms(["kitchen"]), atol=0.03)
+    assert not np.array_equal(low.encode_images(images), full.encode_images(images))
     assert low.encode_images(images).dtype == np.float32
 
 

@@ -4,25 +4,27 @@ import json
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
+from lexis.config import Config, PlannerConfig
 from sim.bench.segmentation import SegmentationRow
 from sim.bench.speed import Section, SpeedFigure
 from sim.cli import main
 from sim.commands.run import DEMO_SEED
 from sim.errors import SimError
-from sim.faults import FAULTS
+from sim.faults import FAULTS, parse_fault
 from sim.harness import Scenario
 from sim.harness.parts import tour_config
 from sim.odometry.imu import ImuConfig
 from sim.render.lens import Distortion
-from sim.render.rig import build_rig
+from sim.render.rig import RigConfig, build_rig
 from sim.tours.tour import TourConfig
 from worlds.house import build_house
-from worlds.presets import sample_house
+from worlds.presets import sample_from_rooms, sample_house
 from worlds.spec import HouseSpec
 
 
@@ -177,7 +179,9 @@ def test_units_of_the_speed_benchmark_are_shown(monkeypatch, capsys):
     assert re.search(r"step.*median \[ms\].*worst \[ms\].*runs \[count\]", capsys.readouterr().out)
 
 
-def test_doctor_is_content_here(capsys):
+def test_doctor_is_content_on_a_machine_with_memory_and_two_cores(monkeypatch, capsys):
+    monkeypatch.setattr("sim.doctor.available_bytes", lambda: 4 << 30)
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
     assert status_of(["doctor"]) == 0
     assert "FIX" not in capsys.readouterr().out
 
@@ -238,6 +242,49 @@ def test_options_of_the_walk_reach_the_run(command, work, tmp_path, monkeypatch,
     tour, usual = (tour_config(config) for config in seen)
     assert tour == TourConfig("both ways", 30.0, reverse=True, frame_rate_hz=20.0, sway="quadruped", start_manoeuvre=True)
     assert usual == tour_config(Scenario()) == TourConfig("rooms", 140.0)
+
+
+def test_all_options_of_a_run_reach_it(tmp_path, monkeypatch, capsys):
+    seen = []
+
+    def stop(scenario, slam, *_):
+        seen.append((scenario, slam))
+        raise SimError("so far")
+
+    monkeypatch.setattr("sim.harness.run", stop)
+    monkeypatch.setattr("sim.harness.adapters.Lexis", lambda *options, **switches: (options, switches))
+    (tmp_path / "settings.json").write_text('{"planner": {"shortcut_m": 0.4}}')
+    options = ["--preset", "office", "--seed", "9", "--odometry", "mono", "--overconfidence", "2", "--fault", "dropped:0.1"]
+    options += ["--fault", "late", "--encoder", "oracle", "--fidelity", "features", "--feature-model", "own.npz"]
+    options += ["--rig", "stereo", "--config", tmp_path / "settings.json"]
+    for switch in ([], ["--no-loops"], ["--no-refine"]):
+        assert status_of(["run", *options, *switch, "--out", tmp_path / "out"]) == 2
+    scenario = Scenario(
+        preset="office",
+        seed=9,
+        odometry="mono",
+        overconfidence=2.0,
+        faults=(parse_fault("dropped:0.1"), parse_fault("late")),
+        encoder="oracle",
+        fidelity="features",
+        feature_model=Path("own.npz"),
+        rig=RigConfig("stereo"),
+    )
+    config = Config(planner=PlannerConfig(shortcut_m=0.4))
+    switches = [(True, True), (False, True), (True, False)]
+    assert seen == [(scenario, (("oracle", config), {"loops": loops, "refine": refine})) for loops, refine in switches]
+
+
+def test_a_run_that_saw_almost_nothing_and_faults_that_did_nothing_are_told(tmp_path, capsys):
+    options = ["--fidelity", "features", "--encoder", "oracle", "--rate", "2", "--length", "15", "--out", tmp_path / "out"]
+    house = tmp_path / "house.json"
+    house.write_text(sample_from_rooms(("kitchen", "bedroom"), seed=21).to_json())
+    assert status_of(["run", "--house", house, *options]) == 0
+    assert "warning: " not in capsys.readouterr().out
+    late = ["--fault", "dropped:0.95", "--fault", "stamp-jump:at_s=900"]
+    assert status_of(["run", "--house", house, *options, *late]) == 0
+    said = [line for line in capsys.readouterr().out.splitlines() if line.startswith("warning: ")]
+    assert len(said) == 2 and "stamp-jump" in said[1]
 
 
 def test_options_of_the_calibration_reach_the_recording(tmp_path, monkeypatch, capsys):

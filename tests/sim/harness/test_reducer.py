@@ -107,6 +107,7 @@ def test_the_best_so_far_is_kept_when_time_is_up(deadline_s, runs):
     reduction = reduce(FLAT, fails, deadline_s, clock=fails.clock)
     assert reduction.ended == "deadline" and len(fails.hashes) == runs
     assert fails(reduction.scenario) is not None and size(reduction.scenario) <= size(reduction.original)
+    assert (size(reduction.scenario) < size(reduction.original)) == bool(reduction.accepted) >= (runs == 8)
 
 
 def test_the_best_so_far_is_kept_on_interruption():

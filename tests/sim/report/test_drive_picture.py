@@ -1,12 +1,13 @@
 import cv2
 import numpy as np
+import pytest
 
 from sim.report.drive_picture import drive_png
 from worlds.house import build_house
 from worlds.presets import sample_from_rooms, sample_house
 
 
-def test_the_picture_shows_the_drive_and_rings_its_end():
+def test_the_picture_shows_the_drive_and_marks_its_end():
     house = build_house(sample_from_rooms(("kitchen", "bedroom"), seed=21))
     x, y = house.rooms[0].polygon.representative_point().coords[0]
     way = np.array([[x - 0.5, y, 0.0], [x, y, 0.0], [x + 0.5, y, 0.0]])
@@ -14,9 +15,16 @@ def test_the_picture_shows_the_drive_and_rings_its_end():
         cv2.imdecode(np.frombuffer(drive_png(house, way, path, ("wall#1",)), np.uint8), cv2.IMREAD_COLOR)
         for path in (way[:1], way)
     )
-    blue, green, red = np.moveaxis(drawn.astype(int), -1, 0)
-    assert ((red > 180) & (green < 90) & (blue < 90)).sum() > 20  # the ring
-    assert drawn.shape == plain.shape and (drawn != plain).any()
+    assert drawn.shape == plain.shape
+    assert mean_column_of_red(drawn) - mean_column_of_red(plain) == pytest.approx(60.0, abs=3.0)  # a metre further right
+    unnamed = cv2.imdecode(np.frombuffer(drive_png(house, way, way), np.uint8), cv2.IMREAD_COLOR)
+    assert (unnamed != drawn).any()
+
+
+def mean_column_of_red(picture):
+    """Where the ring at the end of a drive is, in pixels from the left."""
+    blue, green, red = np.moveaxis(picture.astype(int), -1, 0)
+    return np.nonzero((red > 180) & (green < 90) & (blue < 90))[1].mean()
 
 
 def test_two_visits_to_a_storey_are_not_joined_through_the_walls():

@@ -66,11 +66,15 @@ def test_rooms_lie_beside_the_grids(folder):
 
 
 def test_an_earlier_folder_is_replaced_and_anything_else_is_left_alone(folder, tmp_path):
+    written = {path.name for path in folder.iterdir()}
+    (folder / "floor1.pgm").write_bytes(b"of an earlier map")
     export_map(two_rooms(np.random.default_rng(3)), "ros", folder)
+    assert {path.name for path in folder.iterdir()} == written
     (tmp_path / "thesis").mkdir()
     (tmp_path / "thesis" / "chapter1.tex").write_text("years of work")
     with pytest.raises(LexisError, match=r"holds no storeys\.json"):
         export_map(two_rooms(np.random.default_rng(3)), "ros", tmp_path / "thesis")
+    assert [path.read_text() for path in (tmp_path / "thesis").iterdir()] == ["years of work"]
 
 
 def test_a_map_of_stairs_alone_has_no_grid(tmp_path):

@@ -33,10 +33,13 @@ def test_a_match_needs_consistent_matches_before_it(tree, rng):
         assert answered.tolist() == expected
 
 
-def test_only_one_island_is_proposed_and_it_is_close_in_the_walk(tree, rng):
-    scores = BagOfWords(tree, consistent=0, gap=2, least=0.0, normalised=False).scores(two_laps(rng))
-    for row in np.isfinite(scores):
-        assert np.diff(np.flatnonzero(row)).max(initial=0) <= 2
+@pytest.mark.parametrize(("gap", "kept"), [(1, [10]), (2, [8, 10])])
+def test_matches_within_the_gap_are_one_island_and_only_one_is_proposed(tree, rng, gap, kept):
+    seen, query = two_laps(rng, flipped=0.0), PLACES + 10
+    orb = list(seen.orb)
+    orb[8] = np.concatenate([orb[query][:45], orb[8][:15]])  # the query's corners are seen two places before it, too
+    method = BagOfWords(tree, consistent=0, gap=gap, least=0.6, normalised=False)
+    assert np.flatnonzero(np.isfinite(method.scores(replace(seen, orb=tuple(orb)))[query])).tolist() == kept
 
 
 def test_the_island_with_the_largest_sum_is_kept(tree, rng):
