@@ -339,26 +339,12 @@ def test_names_of_files_need_not_be_text(tmp_path, rng):
     assert done.stdout.endswith(b"/\\udcff.tum\n")
 
 
-@pytest.mark.parametrize("command", ["run", "info", "plan", "query", "relabel", "export"])
-def test_help_has_an_example(command, capsys):
-    with pytest.raises(SystemExit) as left:
-        cli.main([command, "--help"])
-    assert left.value.code == 0
-    assert f"lexis {command} " in capsys.readouterr().out.split("example:")[1]
-
-
 def test_the_help_of_run_says_what_a_dataset_must_hold(capsys):
     with pytest.raises(SystemExit):
         cli.main(["run", "--help"])
     said = capsys.readouterr().out
     for name in ("rgb.txt", "odometry.tum", "camera.json", "mav0/cam0", "mav0/odom0", "metadata.yaml", "/odom"):
         assert name in said
-
-
-def test_the_help_of_all_has_an_example(capsys):
-    with pytest.raises(SystemExit):
-        cli.main(["--help"])
-    assert "\n  lexis run " in capsys.readouterr().out.split("example:")[1]
 
 
 @pytest.mark.parametrize(("loops", "says"), [(0, "0 loop edges"), (1, "1 loop edge"), (2, "2 loop edges")])

@@ -8,8 +8,8 @@ import shlex
 import sys
 
 import pytest
+from helpers.command_line import status_of
 
-from sim.cli import main
 from sim.commands.slams import slam_factory
 from sim.errors import SimError
 from sim.harness import Scenario
@@ -51,13 +51,6 @@ def folder(tmp_path, monkeypatch):
     yield tmp_path
     for name in ("own_slam_here", "own_slam_broken", "own_slam_exits"):
         sys.modules.pop(name, None)
-
-
-def status_of(argv):
-    try:
-        return main([str(word) for word in argv])
-    except SystemExit as end:
-        return end.code
 
 
 def test_a_check_in_which_nothing_fails(capsys):

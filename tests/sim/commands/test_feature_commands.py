@@ -1,15 +1,7 @@
 """The commands of feature fidelity: bad input gives one line."""
 
 import pytest
-
-from sim.cli import main
-
-
-def status_of(argv):
-    try:
-        return main(argv)
-    except SystemExit as end:
-        return end.code
+from helpers.command_line import status_of
 
 
 @pytest.mark.parametrize(
@@ -36,9 +28,3 @@ def test_bad_input(argv, hint, tmp_path, monkeypatch, capsys):
     assert status_of(argv) == 2
     printed = capsys.readouterr()
     assert hint in printed.err and printed.err.count("\n") == 1 and printed.out == ""
-
-
-def test_help_has_an_example(capsys):
-    with pytest.raises(SystemExit, match="0"):
-        main(["fit-features", "--help"])
-    assert "  lexis-sim fit-features --encoder mini --out" in capsys.readouterr().out

@@ -8,9 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from helpers import command_line
 
 from sim import house_proof
-from sim.cli import main
 from sim.house_proof import cases, prove
 from worlds.openings.openness import openness_of
 from worlds.plan_import.importer import to_geojson
@@ -29,10 +29,7 @@ def two_rooms(**change):
 
 
 def status_of(*argv):
-    try:
-        return main(["house", *map(str, argv)])
-    except SystemExit as end:
-        return end.code
+    return command_line.status_of(["house", *argv])
 
 
 @pytest.fixture(autouse=True)

@@ -9,6 +9,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from helpers.command_line import status_of
 
 from lexis.config import Config, PlannerConfig
 from sim.bench.segmentation import SegmentationRow
@@ -26,13 +27,6 @@ from sim.tours.tour import TourConfig
 from worlds.house import build_house
 from worlds.presets import sample_from_rooms, sample_house
 from worlds.spec import HouseSpec
-
-
-def status_of(argv):
-    try:
-        return main([str(argument) for argument in argv])
-    except SystemExit as end:
-        return end.code
 
 
 @pytest.mark.parametrize(
@@ -97,19 +91,6 @@ def test_bad_input(argv, hint, tmp_path, monkeypatch, capsys):
     printed = capsys.readouterr()
     assert hint in printed.err and printed.err.count("\n") == 1 and "Traceback" not in printed.err and printed.out == ""
     assert sorted(tmp_path.rglob("*")) == before
-
-
-@pytest.mark.parametrize(
-    "words",
-    [[], ["demo"], ["run"], ["bench"], ["train-encoder"], ["doctor"], ["house"]]
-    + [
-        ["house", name]
-        for name in ("generate", "variant", "import", "check", "show", "export", "gallery", "prove", "schema")
-    ],
-)
-def test_help_has_an_example(words, capsys):
-    assert status_of([*words, "--help"]) == 0
-    assert f"  lexis-sim {' '.join(words)}" in re.split("examples?:\n", capsys.readouterr().out)[1]
 
 
 @pytest.mark.parametrize(
