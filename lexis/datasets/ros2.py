@@ -138,7 +138,7 @@ class _Bag:
         return present[0]
 
     def messages(self, topic: str, kind: str) -> Iterator[Message]:
-        """The messages of a topic, in the order of writing. Raises DatasetError if their type is not `kind`."""
+        """The messages of a topic, in the order of their arrival. Raises DatasetError if their type is not `kind`."""
         with self._open() as reader:
             wanted = [connection for connection in reader.connections if connection.topic == topic]
             if other := [connection.msgtype for connection in wanted if connection.msgtype != kind]:

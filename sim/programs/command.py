@@ -1,5 +1,6 @@
 """`run_command`: a program in any language as the SLAM. The program reads a recording, and writes its claims to files."""
 
+import math
 import os
 import resource
 import shlex
@@ -37,7 +38,7 @@ _KEPT_BYTES = 1_000_000
 class Program:
     """A program under test with its limits. It runs scenarios as `run_command` does, and can be sent to other processes.
 
-    Raises `SimError` for a command, a format or a kind of images that is not valid.
+    Raises `SimError` for a command, a format, a kind of images or a limit that is not valid.
     """
 
     command: str
@@ -49,6 +50,9 @@ class Program:
     def __post_init__(self) -> None:
         command_words(self.command)
         check_format(self.format, self.images)
+        for name, value, unit in (("timeout_s", self.timeout_s, "s"), ("memory_mb", self.memory_mb, "MB")):
+            if not 0.0 < value < math.inf:
+                raise SimError(f"program: {name} is {value}; valid: a number of {unit} above 0")
 
     def __call__(self, scenario: Scenario, progress: Progress | None = None) -> Run:
         """Run the program on a scenario."""
@@ -91,7 +95,7 @@ def run_command(
     with timed("scene_s"):
         session = take.session
     frames: list[_Frame] = []
-    with tempfile.TemporaryDirectory(prefix="lexis-sim-") as name:
+    with tempfile.TemporaryDirectory(prefix="lexis-sim-", ignore_cleanup_errors=True) as name:
         work = Path(name)
         folders = {DATASET: work / "dataset", OUT: work / "out"}
         for folder in folders.values():
@@ -100,8 +104,12 @@ def run_command(
         def note(frame: RecordedFrame) -> None:
             frames.append(_Frame.of(frame))
 
-        with timed("render_s"):
-            write_take(folders[DATASET], take, format, images, progress, note)
+        try:
+            with timed("render_s"):
+                write_take(folders[DATASET], take, format, images, progress, note)
+        except OSError as error:
+            valid = "valid: a TMPDIR with room for the recording"
+            raise SimError(f"recording in {work}: cannot be written: {one_line(error, 160)}; {valid}") from None
         for placeholder, folder in folders.items():
             words = [word.replace(placeholder, str(folder)) for word in words]
         last.done = 0.0

@@ -63,22 +63,30 @@ class LoopFile(_Strict):
 def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
     """Read loops.json, and return its claims as fields of `Estimate`: `loops`, and `candidates` if the file lists them.
 
+    Loops and candidates of frames before the walk are left out; `rows_of` returns -1 for them.
+
     Raises `SimError` for a file that is not valid, a stamp that belongs to no frame, a loop or a candidate whose match is
     not earlier than its query, and a quaternion whose norm is not 1.
     """
     file = read_model(path, _LOOPS_FILE, LoopFile)
     query, match = (rows_of([getattr(loop, name) for loop in file.loops]) for name in ("query", "match"))
     rows = np.array([loop.T_match_query for loop in file.loops], float).reshape(-1, 7)
-    _check(file.loops, query <= match, np.linalg.norm(rows[:, 3:], axis=1))
-    claims: dict[str, Any] = {"loops": LoopClaims(query, match, poses_of(rows), _weights(file.loops))}
+    _check(file.loops, (query <= match) & (query >= 0), np.linalg.norm(rows[:, 3:], axis=1))
+    walked, weights = (query >= 0) & (match >= 0), _weights(file.loops)
+    chosen = None if weights is None else weights[walked]
+    claims: dict[str, Any] = {"loops": LoopClaims(query[walked], match[walked], poses_of(rows[walked]), chosen)}
     if file.candidates is not None:
         queries = rows_of([revisit.query for revisit in file.candidates]).tolist()
         matches = [tuple(rows_of(revisit.matches).tolist()) for revisit in file.candidates]
         for revisit, later, earlier in zip(file.candidates, queries, matches, strict=True):
-            if max(earlier, default=-1) >= later:
+            if max(earlier, default=-1) >= later >= 0:
                 place = f"{LOOPS}: the candidates of {revisit.query:.6f} s"
                 raise SimError(f"{place} are not all earlier; valid: matches before their query")
-        claims["candidates"] = tuple(zip(queries, matches, strict=True))
+        claims["candidates"] = tuple(
+            (later, tuple(row for row in earlier if row >= 0))
+            for later, earlier in zip(queries, matches, strict=True)
+            if later >= 0
+        )
     return claims
 
 
@@ -95,4 +103,4 @@ def _check(loops: Sequence[LoopClaim], forward: Bool[np.ndarray, "m"], norms: Fl
         if is_forward:
             raise SimError(f"{place} does not lead to an earlier frame; valid: match before query")
         if abs(norm - 1.0) > _UNIT:
-            raise SimError(f"{place}: qx qy qz qw has not the norm 1; valid: a unit quaternion")
+            raise SimError(f"{place}: qx qy qz qw is no unit quaternion; valid: norm 1")

@@ -93,7 +93,7 @@ def read_estimate(folder: Path, times: RecordedTimes, room_names: Sequence[str])
 
 
 def _rows(stamps: Float64[np.ndarray, "k"], times: RecordedTimes, frames: Sequence[int]) -> Int[np.ndarray, "k"]:
-    """Return the rows of the estimate for stamps in loops.json.
+    """Return the rows of the estimate for stamps in loops.json; -1 for stamps before the walk, when the body is at rest.
 
     Raises `SimError` for a stamp that belongs to none of the `frames` of the estimate.
     """
@@ -101,13 +101,14 @@ def _rows(stamps: Float64[np.ndarray, "k"], times: RecordedTimes, frames: Sequen
         return np.zeros(0, int)
     found, away_s = times.nearest(stamps)
     rows = np.searchsorted(frames, found).clip(max=len(frames) - 1)
-    unknown = (np.array(frames)[rows] != found) | (away_s > times.period_s / 2)
+    rest = found == AT_REST
+    unknown = (~rest & (np.array(frames)[rows] != found)) | (away_s > times.period_s / 2)
     if unknown.any():
         stamp = stamps[np.argmax(unknown)]
         raise SimError(
             f"{LOOPS}: stamp {stamp:.6f} is none of the claimed frames; valid: frames of {ROOMS}, or of {TRAJECTORY}"
         )
-    return np.asarray(rows)
+    return np.where(rest, -1, rows)
 
 
 def _poses(path: Path, times: RecordedTimes) -> dict[int, Pose]:

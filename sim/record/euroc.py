@@ -14,6 +14,7 @@ from lexis.datasets.euroc import ODOMETRY, SENSORS
 from lexis.maths.quaternions import pose_rows
 from lexis.types import Camera
 from sim.odometry.imu import ImuConfig
+from sim.record.image_names import unused
 from sim.record.settings import write_settings
 from sim.record.take import RecordedFrame, Take
 from sim.render.image_files import SUFFIXES, encoded
@@ -54,23 +55,24 @@ def write_euroc(folder: Path, take: Take, frames: Iterable[RecordedFrame], image
 def _write_frames(folder: Path, take: Take, frames: Iterable[RecordedFrame], suffix: str) -> None:
     """Write images and odometry together, since `frames` can be read only once."""
     sensors = folder / SENSORS
-    stamps: list[int] = []
+    files: dict[str, int] = {}
     odometry: list[list[float]] = []
     for name, camera in take.cameras.items():
         (sensors / name / "data").mkdir(parents=True)
         (sensors / name / "sensor.yaml").write_text(_camera_yaml(name, camera, take))
     for frame in frames:
+        file = unused(str(frame.stamp_ns), suffix, files)
+        files[file] = frame.stamp_ns
         for name, image in frame.images.items():
-            (sensors / name / "data" / f"{frame.stamp_ns}{suffix}").write_bytes(encoded(image, suffix))
-        stamps.append(frame.stamp_ns)
+            (sensors / name / "data" / file).write_bytes(encoded(image, suffix))
         seen = frame.observation
         odometry.append([*_state_rows(seen.T_O_B[None])[0].tolist(), *seen.increment_covariance.ravel().tolist()])
     for name in take.cameras:
-        _write_csv(sensors / name / "data.csv", IMAGE_COLUMNS, ([stamp, f"{stamp}{suffix}"] for stamp in stamps))
-    (folder / "timestamps.txt").write_text("".join(f"{stamp}\n" for stamp in stamps))
+        _write_csv(sensors / name / "data.csv", IMAGE_COLUMNS, ([stamp, file] for file, stamp in files.items()))
+    (folder / "timestamps.txt").write_text("".join(f"{stamp}\n" for stamp in files.values()))
     (sensors / ODOMETRY).mkdir()
     (sensors / ODOMETRY / "sensor.yaml").write_text(_ODOMETRY_YAML + _extrinsics(np.eye(4)))
-    rows = ([stamp, *row] for stamp, row in zip(stamps, odometry, strict=True))
+    rows = ([stamp, *row] for stamp, row in zip(files.values(), odometry, strict=True))
     _write_csv(sensors / ODOMETRY / "data.csv", ODOMETRY_COLUMNS, rows)
 
 

@@ -81,10 +81,11 @@ class Messages:
     def camera_info(self, stamp_ns: int, name: str, camera: Camera, first: Camera, distortion: Distortion) -> Any:
         """Return the CameraInfo message with the calibration of a camera.
 
-        Entry (0, 3) of the matrix P is -fx b [px m], where b is how far the camera is to the right of the camera `first`.
+        Entry (0, 3) of the matrix P is -fx b [px m], where b is how far the camera is to the right of the camera `first`. It
+        is 0 for a camera that is not parallel to `first`, because such a pair has no stereo baseline.
         """
-        k = camera.intrinsics
-        to_the_right = (inverse(first.T_B_C) @ camera.T_B_C)[0, 3]
+        k, T = camera.intrinsics, inverse(first.T_B_C) @ camera.T_B_C
+        to_the_right = T[0, 3] if np.allclose(T[:3, :3], np.eye(3)) else 0.0
         P = np.column_stack([k.matrix, [-k.fx * to_the_right, 0.0, 0.0]])
         region = self._of["RegionOfInterest"](0, 0, 0, 0, False)
         return self._of["CameraInfo"](

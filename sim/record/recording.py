@@ -123,7 +123,7 @@ def _check_space(folder: Path, take: Take, form: Format, images: str) -> None:
     needed, free = len(take) * size.width * size.height * per_pixel, shutil.disk_usage(folder).free
     if needed > free:
         raise SimError(
-            f"{folder.parent}: a recording of {len(take)} frames needs about {needed / 1e6:.0f} MB, {free / 1e6:.0f} MB are "
+            f"a recording of {len(take)} frames needs about {needed / 1e6:.0f} MB, {free / 1e6:.0f} MB are "
             "free; valid: a place with room for it, smaller images (jpg), or a shorter walk"
         )
 

@@ -43,10 +43,13 @@ def write_bag(folder: Path, take: Take, frames: Iterable[RecordedFrame], images:
         bag.write(start, "/tf_static", messages.static_transforms(start, take.cameras))
         imu = _Inertial(take, bag)
         odometry = _Odometry(bag)
+        arrival_ns = 0
         for frame in frames:
-            imu.until(frame.stamp_ns)
-            _write_images(bag, take, frame, images)
-            odometry.write(frame.stamp_ns, frame.observation)
+            # A frame that arrives late, or with an earlier stamp, is read after those that arrived before it.
+            arrival_ns = max(arrival_ns + 1, frame.stamp_ns)
+            imu.until(arrival_ns)
+            _write_images(bag, take, frame, images, arrival_ns)
+            odometry.write(frame.stamp_ns, arrival_ns, frame.observation)
         imu.until(int(take.imu_ns[-1]))
 
 
@@ -62,13 +65,17 @@ def _writer(path: Path, storage: str) -> Iterator["Writer"]:
 
 
 class _Bag:
-    """Writes messages to their topics. A topic is added to the bag at its first message."""
+    """Writes messages to their topics. A topic is added to the bag at its first message.
+
+    A bag is read and played in the order of the times of arrival, which may differ from the stamps in the messages.
+    """
 
     def __init__(self, writer: "Writer", messages: Messages) -> None:
         self._writer, self.messages = writer, messages
         self._connections: dict[str, Any] = {}
 
-    def write(self, stamp_ns: int, topic: str, message: Any) -> None:
+    def write(self, arrival_ns: int, topic: str, message: Any) -> None:
+        """Write a message to a topic, with its time of arrival [ns]."""
         kind = message.__msgtype__
         if topic not in self._connections:
             qos = self.messages.latched if topic == "/tf_static" else ()
@@ -76,7 +83,7 @@ class _Bag:
                 topic, kind, typestore=self.messages.types, offered_qos_profiles=qos
             )
         data = self.messages.types.serialize_cdr(message, kind)
-        self._writer.write(self._connections[topic], stamp_ns, data)
+        self._writer.write(self._connections[topic], arrival_ns, data)
 
 
 class _Inertial:
@@ -113,7 +120,7 @@ class _Odometry:
         self._last: Observation | None = None
         self._covariance = np.zeros((6, 6))
 
-    def write(self, stamp_ns: int, seen: Observation) -> None:
+    def write(self, stamp_ns: int, arrival_ns: int, seen: Observation) -> None:
         """Write the odometry of one observation. The covariance of its pose is composed from the increments so far."""
         increment, seconds = np.eye(4), 0.0
         if self._last is not None:
@@ -122,20 +129,20 @@ class _Odometry:
         message = self._bag.messages.odometry(
             stamp_ns, seen.T_O_B, self._covariance, increment, seen.increment_covariance, seconds
         )
-        self._bag.write(stamp_ns, ODOMETRY, message)
+        self._bag.write(arrival_ns, ODOMETRY, message)
         exact = self._bag.messages.matrix(seen.increment_covariance)
-        self._bag.write(stamp_ns, f"{ODOMETRY}/increment_covariance", exact)
+        self._bag.write(arrival_ns, f"{ODOMETRY}/increment_covariance", exact)
         self._last = seen
 
 
-def _write_images(bag: _Bag, take: Take, frame: RecordedFrame, images: str) -> None:
+def _write_images(bag: _Bag, take: Take, frame: RecordedFrame, images: str, arrival_ns: int) -> None:
     for name, image in frame.images.items():
         camera = take.cameras[name]
         info = bag.messages.camera_info(frame.stamp_ns, name, camera, take.cameras["cam0"], take.distortion)
-        bag.write(frame.stamp_ns, f"/{name}/camera_info", info)
+        bag.write(arrival_ns, f"/{name}/camera_info", info)
         if images == "raw":
-            bag.write(frame.stamp_ns, f"/{name}/image_raw", bag.messages.image(frame.stamp_ns, name, image))
+            bag.write(arrival_ns, f"/{name}/image_raw", bag.messages.image(frame.stamp_ns, name, image))
         else:
             content = encoded(image, SUFFIXES[images])
             message = bag.messages.compressed_image(frame.stamp_ns, name, images, content)
-            bag.write(frame.stamp_ns, f"/{name}/image_raw/compressed", message)
+            bag.write(arrival_ns, f"/{name}/image_raw/compressed", message)

@@ -17,8 +17,10 @@ from jaxtyping import Float32, Float64, Int64
 from lexis.inputs import pixels
 from lexis.types import Camera, Image, Observation
 from sim.errors import SimError
-from sim.faults.fault import Fault
+from sim.faults.delivery import Dropped, Duplicated, Late, OutOfOrder
+from sim.faults.fault import Fault, StreamFault
 from sim.faults.poses import Kidnap, OdometryNaN
+from sim.faults.stamps import StampJitter, StampJump, StampOffset
 from sim.harness.scenario import Scenario
 from sim.harness.walk import Walk, walk
 from sim.odometry.imu import GRAVITY_M_S2, Imu, ImuConfig, corrupted, ideal_imu
@@ -28,10 +30,13 @@ from sim.session import Session
 from sim.truth import Truth
 from sim.world_states import FrameRenderer, WorldStates
 
-EPOCH_NS = 10**18
-"""Stamp of the first frame [ns], a time in 2001. Tools that split stamps into s and ns expect stamps of 19 digits."""
+EPOCH_NS = 1_000_000_010 * 10**9
+"""Stamp of the first frame [ns], a time in 2001. Tools that split stamps into s and ns expect stamps of 19 digits, also of
+the IMU data that are earlier."""
 REST_S = 2.0
 """Duration of the rest at the start [s]."""
+_CHANGES_TIMES = Dropped, Duplicated, Late, OutOfOrder, StampOffset, StampJitter, StampJump
+"""Faults that change which frames arrive, their order or their stamps."""
 _MARGIN_S = 0.1
 """Time that the IMU measures before the first frame, and again after the end of the walk [s]."""
 
@@ -113,8 +118,8 @@ class Take:
         """Render and yield the frames in order, beginning with the frames at rest before the walk.
 
         A frame has the images of cam0 and of the further `cameras`. With `depth`, it also has the depth of cam0. Faults of
-        images affect the cameras of the rig, but not a second camera that is added to a single one for stereo. Faults of the
-        world are visible to all cameras.
+        images and frozen images affect the cameras of the rig, but neither the depth nor a second camera that is added to a
+        single one for stereo. Faults of the world are visible to all cameras.
 
         Raises `GraphicsError` if off-screen OpenGL is not available.
         """
@@ -133,24 +138,43 @@ class Take:
                 if name not in of_rig
             }
             ranging = stack.enter_context(closing(FrameRenderer(states, camera, bent))) if depth else None
-            pairs = stack.enter_context(closing(iter(session)))
-            for k, (observation, truth) in enumerate(pairs):
+
+            def recorded(observation: Observation, truth: Truth) -> RecordedFrame:
                 images = {name: painter.rgb(truth.index, truth.T_W_B) for name, painter in painters.items()}
-                frame = RecordedFrame(
+                return RecordedFrame(
                     stamp_ns(observation.stamp),
                     observation,
                     truth,
                     MappingProxyType({**dict(zip(of_rig, pixels(observation), strict=True)), **images}),
                     None if ranging is None else ranging.depth(truth.index, truth.T_W_B),
                 )
-                yield from self._at_rest(frame) if k == 0 else [frame]
 
-    def _at_rest(self, first: RecordedFrame) -> Iterator[RecordedFrame]:
-        """Yield copies of the first frame during the rest, then this frame itself. Their odometry has zero covariance."""
-        still = replace(first.observation, increment_covariance=np.zeros((6, 6)))
-        for k in range(-self.rest_frames, 1):
-            stamp = first.observation.stamp + k * self.frame_s
-            yield replace(first, stamp_ns=stamp_ns(stamp), observation=replace(still, stamp=stamp))
+            pairs = stack.enter_context(closing(iter(session)))
+            for k, (observation, truth) in enumerate(pairs):
+                frame = recorded(observation, truth)
+                if k == 0:
+                    frame = _still(frame) if truth.index == 0 else frame
+                    yield from self._at_rest(frame if truth.index == 0 else _still(recorded(*self._start(rig))))
+                yield frame
+
+    def _start(self, camera: Camera) -> tuple[Observation, Truth]:
+        """Return the first frame of the walk as it is without faults of the stream, which may have lost or delayed it."""
+        of_world = replace(
+            self, config=replace(self.config, faults=tuple(f for f in self.config.faults if not isinstance(f, StreamFault)))
+        )
+        with closing(iter(of_world._session(camera))) as pairs:
+            return next(pairs)
+
+    def _at_rest(self, start: RecordedFrame) -> Iterator[RecordedFrame]:
+        """Yield copies of the first frame of the walk during the rest before it."""
+        for k in range(-self.rest_frames, 0):
+            stamp = start.observation.stamp + k * self.frame_s
+            yield replace(start, stamp_ns=stamp_ns(stamp), observation=replace(start.observation, stamp=stamp))
+
+
+def _still(frame: RecordedFrame) -> RecordedFrame:
+    """Return the frame with odometry that has not moved: the covariance of its increment is zero."""
+    return replace(frame, observation=replace(frame.observation, increment_covariance=np.zeros((6, 6))))
 
 
 def prepare(
@@ -161,11 +185,13 @@ def prepare(
     The cameras are the pinhole cameras of the config's rig. If there is only one, a second camera is added on its right.
     All cameras have the same `distortion`; by default, there is none.
 
-    Raises the errors of `sim.harness.run` and `Lens`, and `SimError` for a camera that is too far from the IMU and for
-    faults that make poses NaN, which no format of recordings can hold.
+    Raises the errors of `sim.harness.run` and `Lens`, and `SimError` for a camera that is too far from the IMU, for faults
+    that make poses NaN, which no format of recordings can hold, and for a kidnap after faults that change the stamps or the
+    delivery of frames: which part of the IMU data it cuts out would depend on them.
     """
     if any(isinstance(fault, OdometryNaN) for fault in config.faults):
         raise SimError(f"fault {OdometryNaN.name}: recordings hold finite poses only; valid: other faults")
+    _check_order(config.faults)
     imu_config, distortion = imu_config or ImuConfig(), distortion or Distortion()
     rig = build_rig(config.rig)
     pinholes = tuple(rig.cameras.values())
@@ -180,6 +206,14 @@ def prepare(
     imu, walk_s = _without_cuts(imu, walked.tour.stamps, config.faults)
     named = {f"cam{k}": camera for k, camera in enumerate(cameras)}
     return Take(config, walked, rig.front, named, imu_config, distortion, imu, walk_s, with_truth)
+
+
+def _check_order(faults: Sequence[Fault]) -> None:
+    """Raise `SimError` for a kidnap after a fault that changes which frames arrive, their order or their stamps."""
+    kidnaps = [k for k, fault in enumerate(faults) if isinstance(fault, Kidnap)]
+    before = [fault for fault in faults[: kidnaps[-1]] if isinstance(fault, _CHANGES_TIMES)] if kidnaps else []
+    if before:
+        raise SimError(f"fault {Kidnap.name} comes after {before[0].name}, so that IMU data would not fit; valid: before it")
 
 
 def _without_cuts(

@@ -13,6 +13,7 @@ from jaxtyping import Float64
 
 from lexis.datasets.tum_rgbd import CAMERA, COVARIANCE, IMAGE_LIST, ODOMETRY, covariance_line, odometry_line, write_camera
 from lexis.maths.quaternions import pose_rows
+from sim.record.image_names import unused
 from sim.record.settings import write_rgbd_settings
 from sim.record.take import RecordedFrame, Take
 from sim.render.image_files import SUFFIXES, encoded, encoded_depth
@@ -44,9 +45,12 @@ def write_tum_rgbd(folder: Path, take: Take, frames: Iterable[RecordedFrame], im
         files = {name: stack.enter_context(open(folder / name, "w", encoding="utf-8")) for name in _HEADERS}
         for name, file in files.items():
             file.write(_HEADERS[name])
+        taken: set[str] = set()
         for frame in frames:
             stamp = _seconds(frame.stamp_ns)
-            colour, depth = f"rgb/{stamp}{suffix}", f"depth/{stamp}.png"
+            name = unused(stamp, suffix, taken)
+            taken.add(name)
+            colour, depth = f"rgb/{name}", f"depth/{name.removesuffix(suffix)}.png"
             (folder / colour).write_bytes(encoded(frame.images["cam0"], suffix))
             if frame.depth is not None:
                 (folder / depth).write_bytes(encoded_depth(frame.depth))

@@ -41,7 +41,7 @@ slam, seen = GeometricRooms(), {}
 recording = open_dataset(Path(sys.argv[1]))
 slam.start(recording.camera, ())
 for observation in recording:
-    if observation.stamp >= 1e9 + 2.0:  # before, the body rests
+    if observation.stamp >= 1e9 + 12.0:  # before, the body rests
         slam.process(observation)
         seen[observation.index] = observation
 claims, out = slam.finish(), Path(sys.argv[2])
@@ -270,6 +270,14 @@ def test_loops_and_candidates_refer_to_the_keyframes(tmp_path):
     assert claimed(tmp_path, range(10), keyframes, {"loops": [loop(7, 3), loop(5, 3.1)]}).loops.weights is None
 
 
+def test_loops_and_candidates_before_the_walk_are_left_out(tmp_path):
+    candidates = [{"query": at(7), "matches": [at(0), at(3)]}, {"query": at(1), "matches": [at(0)]}]
+    claims = {"loops": [loop(7, 0, weight=0.5), loop(7, 3, weight=0.8), loop(1, 0)], "candidates": candidates}
+    estimate = claimed(tmp_path, range(10), loops=claims)
+    assert estimate.loops.query.tolist() == [5] and estimate.loops.match.tolist() == [1]
+    assert estimate.loops.weights.tolist() == [0.8] and estimate.candidates == ((5, (1,)),)
+
+
 def test_an_empty_list_of_loops_is_a_claim_and_candidates_are_optional(tmp_path):
     estimate = claimed(tmp_path, range(10), loops={"loops": []})
     assert len(estimate.loops.query) == 0 and estimate.candidates is None
@@ -284,7 +292,7 @@ def test_an_empty_list_of_loops_is_a_claim_and_candidates_are_optional(tmp_path)
         ([loop(4, 4.6)], "stamp 1000000001.150000 is none of the claimed frames; valid: frames of rooms.json, or"),
         ([loop(3, 40)], "stamp 1000000010.000000 is none of the claimed frames"),
         ([loop(3, 4)], "to 1000000001.000000 s does not lead to an earlier frame; valid: match before query"),
-        ([loop(4, 3, (0.0, 0.0, 0.0, 2.0))], "has not the norm 1; valid: a unit quaternion"),
+        ([loop(4, 3, (0.0, 0.0, 0.0, 2.0))], "qx qy qz qw is no unit quaternion; valid: norm 1"),
         ([loop(4, 3, (1.0,))], "loops.0.T_match_query: "),
         ([loop(4, 3, weight=1.5)], "loops.0.weight: "),
     ],

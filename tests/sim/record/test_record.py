@@ -24,9 +24,10 @@ from lexis.maths.projection import rays
 from lexis.maths.quaternions import poses_of
 from sim.cli import main
 from sim.errors import SimError
-from sim.faults.delivery import Dropped
+from sim.faults.delivery import Dropped, Late, OutOfOrder
 from sim.faults.images import Noise
 from sim.faults.poses import Kidnap, OdometryNaN
+from sim.faults.stamps import StampJitter, StampJump
 from sim.harness import Lexis, Scenario, run
 from sim.odometry.imu import ImuConfig
 from sim.record import record
@@ -259,7 +260,7 @@ def test_tum_is_read_by_evo_and_true_for_the_camera(recordings):
     take = prepare(CONFIG)
     np.testing.assert_allclose(np.array(truth.poses_se3), take.T_W_B @ FRONT.T_B_C, atol=1e-6)
     images = (folder / "rgb.txt").read_text().splitlines()[2:]
-    assert len(images) == len(take) and images[0] == "1000000000.000000 rgb/1000000000.000000.png"
+    assert len(images) == len(take) and images[0] == "1000000010.000000 rgb/1000000010.000000.png"
     accelerations = np.loadtxt(folder / "accelerometer.txt")
     np.testing.assert_allclose(accelerations[:400, 1:].mean(axis=0), [0.0, 0.0, 9.81], atol=0.02)
 
@@ -448,6 +449,55 @@ def test_a_fault_that_no_recording_can_hold_is_refused_before_the_walk():
         prepare(replace(CONFIG, faults=(OdometryNaN(),)))
 
 
+def test_a_kidnap_after_lost_frames_is_refused_and_before_them_is_not():
+    kidnap, dropped = Kidnap(5.0, 4.0), Dropped(0.3)
+    with pytest.raises(
+        SimError, match=r"fault kidnap comes after dropped, so that IMU data would not fit; valid: before it"
+    ):
+        prepare(replace(CONFIG, faults=(dropped, kidnap)))
+    prepare(replace(CONFIG, faults=(kidnap, dropped)))
+
+
+@pytest.mark.parametrize("form", ["ros2", "mcap"])
+@pytest.mark.parametrize(
+    "fault", [OutOfOrder(0.5), Late(), StampJitter(sigma_s=0.2), StampJump(2.0, at_s=5.0)], ids=lambda f: f.name
+)
+def test_a_bag_is_read_in_the_order_in_which_the_frames_arrive(fault, form, tmp_path, unlit):
+    from rosbags.highlevel import AnyReader
+    from rosbags.typesys import Stores, get_typestore
+
+    faulty = replace(CONFIG, faults=(fault,), frame_rate_hz=5.0)
+    record(faulty, tmp_path / "out", form)
+    with AnyReader([tmp_path / "out" / "bag"], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+        odometry = [each for each in reader.connections if each.topic == "/odom"]
+        headers = [reader.deserialize(raw, each.msgtype).header.stamp for each, _, raw in reader.messages(odometry)]
+    stamps = [10**9 * stamp.sec + stamp.nanosec for stamp in headers]
+    assert stamps == [frame.stamp_ns for frame in prepare(faulty).frames()] != sorted(stamps)
+
+
+def test_the_body_rests_at_the_start_of_the_walk_whichever_frame_arrives_first(unlit):
+    take = prepare(replace(CONFIG, faults=(OutOfOrder(1.0),), seed=9))
+    frames = list(take.frames())
+    rest, walked = frames[: take.rest_frames], frames[take.rest_frames :]
+    assert {frame.truth.index for frame in rest} == {0} != {walked[0].truth.index}
+    for frame in rest:
+        np.testing.assert_allclose(frame.observation.T_O_B, take.walk.odometry.T_O_B[0], atol=1e-9)
+        assert frame.stamp_ns < min(each.stamp_ns for each in walked)
+    assert sorted(frame.truth.index for frame in walked) == list(range(len(take.walk.tour.stamps)))
+
+
+@pytest.mark.parametrize(("form", "listed"), [("euroc", "mav0/cam0/data.csv"), ("tum", "rgb.txt")])
+def test_frames_of_one_stamp_have_images_of_their_own(form, listed, tmp_path, unlit):
+    faulty = replace(CONFIG, faults=(StampJump(2.0, at_s=5.0),))
+    record(faulty, tmp_path / "out", form)
+    lines = [line for line in (tmp_path / "out" / listed).read_text().splitlines() if not line.startswith("#")]
+    names = [line.replace(",", " ").split()[1] for line in lines]
+    stamps = [line.replace(",", " ").split()[0] for line in lines]
+    assert len(set(names)) == len(names) == len(prepare(faulty)) > len(set(stamps))
+    images = (tmp_path / "out" / listed).parent
+    assert all((images / name).is_file() or (images / "data" / name).is_file() for name in names)
+
+
 def fails_at_the_tenth(monkeypatch, error):
     count = []
 
@@ -529,11 +579,11 @@ def edit(path, old, new):
         (lambda mav: edit(mav / "cam0" / "sensor.yaml", "pinhole", "omni"), "camera_model pinhole"),
         (lambda mav: edit(mav / "cam0" / "sensor.yaml", "T_BS", "T_SB"), "T_BS"),
         (lambda mav: (mav / "cam0" / "sensor.yaml").write_text("{"), "is not YAML"),
-        (lambda mav: edit(mav / "cam0" / "data.csv", "1000000000100000000", "soon"), r"data\.csv:3: stamp 'soon'"),
-        (lambda mav: edit(mav / "cam0" / "data.csv", "1000000000100000000", "1000000000000000000"), "ascending"),
-        (lambda mav: (mav / "cam0" / "data" / "1000000000200000000.png").unlink(), r"data\.csv:4: there is no file"),
+        (lambda mav: edit(mav / "cam0" / "data.csv", "1000000010100000000", "soon"), r"data\.csv:3: stamp 'soon'"),
+        (lambda mav: edit(mav / "cam0" / "data.csv", "1000000010100000000", "1000000010000000000"), "ascending"),
+        (lambda mav: (mav / "cam0" / "data" / "1000000010200000000.png").unlink(), r"data\.csv:4: there is no file"),
         (lambda mav: shutil.rmtree(mav / "odom0"), r"odom0/data\.csv: cannot be read"),
-        (lambda mav: (mav / "odom0" / "data.csv").write_text("1000000000000000000,1,2,3\n"), "4 columns"),
+        (lambda mav: (mav / "odom0" / "data.csv").write_text("1000000010000000000,1,2,3\n"), "4 columns"),
     ],
 )
 def test_defects_of_euroc_are_named(damage, says, recordings, tmp_path):
