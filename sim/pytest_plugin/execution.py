@@ -10,6 +10,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING
 
 import pytest
+from _pytest._code.code import TracebackEntry
 from _pytest.runner import runtestprotocol
 
 from sim.errors import USER_ERRORS, ClaimError
@@ -196,13 +197,21 @@ def reason_of(item: pytest.Item, error: pytest.ExceptionInfo[BaseException], sla
     """
     own = [entry for entry in error.traceback if _is_own(Path(entry.path), item.config.rootpath)]
     entry = own[-1] if own else error.traceback[-1]
-    file, line, statement = str(entry.path), entry.lineno + 1, str(entry.statement)
+    file, line, statement = str(entry.path), entry.lineno + 1, _statement(entry)
     if not own and isinstance(error.value, ClaimError) and (finish := getattr(type(slam), "finish", None)) is not None:
         file, line, statement = _definition(finish) or (file, line, statement)
     where = f"{relpath(file, item.config.invocation_params.dir)}:{line}"
     lines = error.exconly(tryshort=True).splitlines()
     said = next((k for k, text in enumerate(lines) if text.lstrip().startswith("+")), len(lines))
     return Reason(error.typename, file, line, where, " ".join(statement.split()), "\n".join(lines[:said]), error.value)
+
+
+def _statement(entry: TracebackEntry) -> str:
+    """Return the text of a line in a traceback; "" if it has no source, or none in Python."""
+    try:
+        return str(entry.statement)
+    except (AssertionError, SyntaxError, OSError, IndexError):
+        return ""
 
 
 def _definition(method: Callable[..., object]) -> tuple[str, int, str] | None:

@@ -37,7 +37,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--lexis-budget",
         type=duration_s,
         metavar="TIME",
-        help="go on with further houses inside every test until all tests together have used this time: 90s, 5m or 1h",
+        help="run each test in further houses until all tests together have taken this time: 90s, 5m or 1h",
     )
     group.addoption(
         "--lexis-replay",
@@ -67,7 +67,7 @@ def _seed(text: str) -> int:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Register the markers, and decide on the seed, which the workers of xdist get from the process that starts them."""
+    """Register the markers and choose the seed. Workers of xdist get the seed from the process that starts them."""
     for tier in TIERS:
         config.addinivalue_line("markers", f"{tier}: a test in simulated houses, on the tier {tier!r} of LEXIS-sim")
     config.addinivalue_line("markers", "xdist_group(name): pytest-xdist runs the tests of a group in one process")
@@ -83,9 +83,9 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_configure_node(node: Any) -> None:
-    """Tell a worker of xdist the seed, as all workers have to collect the same tests, and how many workers share the tests.
+    """Send a worker of xdist the seed, because all workers have to collect the same tests, and how many share the tests.
 
-    Other ways of distribution may give all tests to one worker.
+    This number is 1 unless `--dist` is load or worksteal, because other modes may give all tests to one worker.
     """
     shared = node.config.option.dist in ("load", "worksteal")
     node.workerinput["lexis_seed"] = node.config.stash[SEED]

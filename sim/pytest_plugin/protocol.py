@@ -75,7 +75,9 @@ def pytest_runtest_makereport(
     if execution is not None and call.when == "teardown" and execution.world is None:
         del item.stash[EXECUTION]  # a run takes much memory
     elif execution is not None and call.when == "call" and report.failed and call.excinfo is not None:
+        if execution.world is None and execution.tested is None:  # a test that runs no SLAM
+            return report
         execution.failure = reason_of(item, call.excinfo, execution.last.slam)
-        if execution.world is None and execution.tested is not None:
+        if execution.world is None:
             add_text(item, execution, report)
     return report

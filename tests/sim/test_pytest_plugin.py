@@ -655,6 +655,14 @@ def test_counted(scenario, slam):
 """
 
 
+def test_failures_without_python_source_end_no_session(pytester, inner):
+    """Templates rewrite tracebacks to their own files; the plugin is loaded in projects that never use LEXIS-sim, too."""
+    pytester.path.joinpath("page.html").write_text("<p>\n{{ 1 / 0 }}\n")
+    code = "def test_{}():\n    exec(compile('\\n1 / 0', '{}', 'exec'))\n\n"
+    pytester.makepyfile(test_page=code.format("template", "page.html") + code.format("text", "<string>"))
+    inner().assert_outcomes(failed=2)
+
+
 def test_a_budget_is_spent_on_further_houses_until_one_fails(pytester, inner, light, monkeypatch):
     clock = itertools.count()
     monkeypatch.setattr(sim.pytest_plugin.protocol, "time", types.SimpleNamespace(monotonic=lambda: next(clock)))
