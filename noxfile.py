@@ -1,7 +1,7 @@
 """One way to run everything: `nox -s demo | tests | nightly | lint | bench | mutation`, with `-- ARGUMENTS` passed through.
 
-All sessions share one environment (torch makes it several gigabytes). The session `env` makes it of the versions in
-tests/constraints.txt, so that figures repeat, and is a no-op until that file or pyproject.toml changes.
+All sessions share one environment (torch makes it several gigabytes). The session `env` builds it from the versions in
+tests/constraints.txt, so that figures repeat, and does nothing until that file or pyproject.toml changes.
 """
 
 import hashlib
@@ -85,7 +85,7 @@ def mutation(session: nox.Session) -> None:
 
 @nox.session(venv_backend="uv|virtualenv", reuse_venv=True)
 def lock(session: nox.Session) -> None:
-    """Write tests/constraints.txt, one set of versions for all Pythons; it keeps what fits, `-- --upgrade` renews all."""
+    """Write tests/constraints.txt, one set of versions for all Pythons; versions that fit stay, unless `-- --upgrade`."""
     session.install("uv")
     options = ["--universal", "--python-version", SUPPORTED[0], "--fork-strategy", "fewest", "--no-annotate", "--quiet"]
     groups = ["--group", "tests", "--group", "lint"]
@@ -95,7 +95,7 @@ def lock(session: nox.Session) -> None:
 
 
 def pip_constraint() -> str:
-    """The file with which pip is configured to cap versions here, or "": uv does not know it, and pip must agree."""
+    """Return the constraint file in pip's configuration, or "". uv does not read it, but both have to choose the same."""
     command = [sys.executable, "-m", "pip", "config", "get", "global.constraint"]
     return subprocess.run(command, capture_output=True, text=True).stdout.strip()
 
@@ -120,14 +120,16 @@ def ensure_gl(session: nox.Session) -> None:
 
 
 def gl_works(backend: str) -> bool:
-    """Try a back end in a child process, which a broken driver may crash."""
-    return (
-        subprocess.run([sys.executable, "-I", "-S", "sim/render/gl_probe.py", backend], capture_output=True).returncode == 0
-    )
+    """Try a back end in a child process, which a broken driver may crash or hang."""
+    command = [sys.executable, "-I", "-S", "sim/render/gl_probe.py", backend]
+    try:
+        return subprocess.run(command, capture_output=True, timeout=60).returncode == 0
+    except subprocess.TimeoutExpired:
+        return False
 
 
 def root_prefix() -> list[str] | None:
-    """What to put before a command so that it runs as root without asking; None where there is no way."""
+    """Return the words that run apt-get as root without a password; None if there is no way."""
     if shutil.which("apt-get") is None:
         return None
     prefix = [] if os.geteuid() == 0 else ["sudo", "-n"]

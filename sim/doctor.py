@@ -25,6 +25,7 @@ PROBES = "sim.doctor_probes"
 PROBE_TIMEOUT_S = 300.0
 _OTHERS = ("cv2", "opencv", "scipy")
 """Prefixes of the folders of packages that contain their own copy of OpenBLAS. numpy does not use these copies."""
+_PACKAGES = "site-packages"
 _BROKEN = "update the graphics driver and torch, or try another MUJOCO_GL (egl, osmesa)"
 
 
@@ -43,7 +44,7 @@ def examine() -> list[Diagnosis]:
     drawing = probe("off-screen OpenGL", "draw")
     return [
         Diagnosis("python", True, f"{platform.python_version()}, {platform.machine()}"),
-        Diagnosis("cores", (os.cpu_count() or 1) >= 2, f"{os.cpu_count()}; a run uses two"),
+        _cores(usable_cores()),
         _memory(available_bytes()),
         *map(_package, PACKAGES),
         Diagnosis("OpenBLAS kernels", True, _openblas_kernels() or "not found; numpy uses another linear algebra library"),
@@ -55,7 +56,8 @@ def examine() -> list[Diagnosis]:
 def versions() -> dict[str, str | None]:
     """Return what can change the last digits of a result: versions of packages, processor, BLAS kernels and GL back end.
 
-    result.json records these entries. None means that numpy does not use OpenBLAS, or that `MUJOCO_GL` is not set.
+    result.json records these entries. None means that a package is not installed under this name, that numpy does not use
+    OpenBLAS, or that `MUJOCO_GL` is not set.
     """
     return {
         "python": platform.python_version(),
@@ -67,9 +69,19 @@ def versions() -> dict[str, str | None]:
 
 
 @cache
-def _package_versions() -> dict[str, str]:
-    """Return the version of each package. The result is cached: versions do not change while the process runs."""
-    return {package: version(package) for package in PACKAGES}
+def _package_versions() -> dict[str, str | None]:
+    """Return the version of each package, or None if no distribution has its name.
+
+    The result is cached: versions do not change while the process runs.
+    """
+    return {package: _version(package) for package in PACKAGES}
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
 
 
 def _openblas_kernels() -> str | None:
@@ -78,10 +90,15 @@ def _openblas_kernels() -> str | None:
     The result is None if numpy uses another library.
     """
     for library in threadpool_info():
-        folders = Path(library["filepath"]).parent.parts
+        folders = _within_packages(Path(library["filepath"]).parent.parts)
         if library["internal_api"] == "openblas" and not any(folder.startswith(_OTHERS) for folder in folders):
             return str(library["architecture"])
     return None
+
+
+def _within_packages(folders: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the folders below the last site-packages; () for a library that lies elsewhere."""
+    return folders[len(folders) - folders[::-1].index(_PACKAGES) :] if _PACKAGES in folders else ()
 
 
 def _package(name: str) -> Diagnosis:
@@ -105,6 +122,16 @@ def probe(subject: str, *steps: str) -> Diagnosis:
         return Diagnosis(subject, False, f"crashed with {signal.Signals(-done.returncode).name}; {_BROKEN}")
     said = (done.stderr if done.returncode else done.stdout).strip().splitlines()
     return Diagnosis(subject, done.returncode == 0, said[-1] if said else f"ended with {done.returncode}")
+
+
+def usable_cores() -> int:
+    """Return the number of processor cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _cores(usable: int) -> Diagnosis:
+    fine = usable >= 2
+    return Diagnosis("cores", fine, f"{usable}; a run uses two" + ("" if fine else "; give the process a second core"))
 
 
 def available_bytes() -> int | None:

@@ -2,6 +2,7 @@
 
 import os
 import platform
+from pathlib import Path
 
 import pytest
 
@@ -28,7 +29,7 @@ def probing(monkeypatch, tmp_path):
 
 def test_all_is_fine_on_a_machine_with_memory_and_two_cores(monkeypatch):
     monkeypatch.setattr(doctor, "available_bytes", lambda: 4 << 30)
-    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    monkeypatch.setattr(doctor, "usable_cores", lambda: 2)
     assert all(finding.fine for finding in doctor.examine())
 
 
@@ -58,6 +59,27 @@ def test_the_memory_limit_of_a_container_counts(monkeypatch, tmp_path):
     assert doctor.available_bytes() == 2_600_000
     (tmp_path / "max").write_text("max\n")
     assert doctor.available_bytes() == 4_096_000
+
+
+def test_a_distribution_of_another_name_costs_no_result(monkeypatch):
+    """OpenCV may be installed as `opencv-python`, for example."""
+    monkeypatch.setattr(doctor, "PACKAGES", ("numpy", "no-such-distribution"))
+    doctor._package_versions.cache_clear()
+    found = doctor.versions()
+    doctor._package_versions.cache_clear()
+    assert found["no-such-distribution"] is None and found["numpy"] is not None
+
+
+@pytest.mark.parametrize(
+    ("path", "within"),
+    [
+        ("/home/me/opencv_ws/.venv/lib/python3.11/site-packages/numpy.libs", ("numpy.libs",)),
+        ("/home/me/.venv/lib/python3.11/site-packages/scipy.libs", ("scipy.libs",)),
+        ("/opt/conda/envs/scipy/lib", ()),
+    ],
+)
+def test_only_folders_of_packages_tell_whose_library_it_is(path, within):
+    assert doctor._within_packages(Path(path).parts) == within
 
 
 @pytest.mark.parametrize("backend", ["off", "vulkan"])
