@@ -10,10 +10,11 @@ from sim.feature_fitting.fit_loops import fit_loops, joined, try_verification
 from sim.feature_fitting.fit_samples import choices, sample
 from sim.feature_sensor.covisibility_verifier import LoopModel, MeasuredEdges
 from sim.feature_sensor.model import FeatureModel, fingerprint
+from sim.number_checks import check_count
 from sim.training.houses import HouseDraw
 
 FIRST_SEED = 600
-"""Seed of the first house to which a model is fitted. Seeds from here on are reserved for development."""
+"""Seed of the first house to which a model is fitted. The default fit uses the seeds 600 to 671 and 690 to 692."""
 HOUSES, FRAMES = 72, 40
 """Default number of houses to which the model of embeddings is fitted, and number of frames in each house."""
 WALKS = (
@@ -32,7 +33,11 @@ def fit_features(
     """Fit a feature model to frames of `houses` houses, and to runs of LEXIS in the first `walks` houses of `WALKS`.
 
     The same arguments give the same model. `progress` is called with the share of the work that is done, in [0, 1].
+
+    Raises `SimError` for fewer than two houses, since each house is predicted from the others, and for no walk.
     """
+    check_count("fit: houses", houses, 2)
+    check_count("fit: walks", walks, 1)
     trials = []
     for i, choice in enumerate(WALKS[:walks]):
         trials.append(try_verification(choice, encoder, seed=0))

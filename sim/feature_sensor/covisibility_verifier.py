@@ -78,6 +78,8 @@ class LoopModel:
 class TrueView:
     """Ground truth of what one camera of a keyframe sees: its pose, and the depth of its rays [m].
 
+    The camera is taken to be upright, so that the points of a camera that looks down by 20 degrees are up to 6 % off.
+
     For a further camera of a rig, the pose of the body is the pose at which the first camera would look in the direction of
     this camera.
     """

@@ -42,7 +42,7 @@ class Hits:
     """The first hit of each ray."""
 
     depth: Float32[np.ndarray, "n columns rows"]
-    """Depth along the optical axis [m]; infinite if nothing is hit."""
+    """Horizontal distance along the direction of view [m], the depth of an upright camera; infinite if nothing is hit."""
     thing: Int[np.ndarray, "n columns rows"]
     """The thing (surface or object) that each ray hits, as an index into `Surroundings.names`; `NOWHERE` if none."""
 

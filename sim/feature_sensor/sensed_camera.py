@@ -30,7 +30,7 @@ Embed = Callable[[VisibleShares, Poses], Float32[np.ndarray, "n d"]]
 
 
 class SensedCamera:
-    """What one camera of a rig sees along a tour. Each view is computed once."""
+    """What one camera of a rig sees along a tour. Views are computed in chunks when they are needed."""
 
     def __init__(self, camera: Camera, first: Camera, houses: Sequence[House], T_W_B: Poses, embed: Embed) -> None:
         """`first` is the first camera of the rig.

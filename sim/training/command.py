@@ -56,20 +56,20 @@ class TrainingRun(Settings, place="training", error=SimError):
     """Number of further houses, for monitoring the training and for fitting the temperature and the calibration."""
     epochs: tuple[int, int] = (10, 4)
     """Numbers of epochs of stage 1 (dense supervision) and stage 2 (alignment) of the image tower."""
-    settling_steps: int = SETTLING_STEPS
+    settling_steps: Annotated[int, Ge(1)] = SETTLING_STEPS
     """Number of training steps at the end in which only the projection, the image tower's last layer, is trained."""
     seed: int = 0
     work: Path = Path("encoder-training")
     """Folder for frames, text tower and checkpoints. An interrupted training resumes from the files in it."""
     out: Path = MINI_WEIGHTS
     """File of the weights; the model's configuration is written beside it."""
-    workers: int = 2
+    workers: Annotated[int, Ge(1)] = 2
     """Number of rendering processes, and number of threads for training."""
     start: Path | None = None
     """Weights of an earlier `lexis-mini` with which the image tower starts. None: the image tower starts untrained."""
     teacher: Path | None = None
     """Folder with the sentence encoder that the text tower learns to imitate. None: the installed package."""
-    batch: int = 128
+    batch: Annotated[int, Ge(1)] = 128
     """Number of images in a batch."""
     wordings: tuple[int, int] = WORDINGS
     """Numbers of captions that are drawn for each room label, and for each thing."""
@@ -78,12 +78,13 @@ class TrainingRun(Settings, place="training", error=SimError):
     def __post_init__(self) -> None:
         """Raise SimError for values that are not valid."""
         super().__post_init__()
-        if min(self.epochs) < 1:
-            self.refuse("epochs", "at least 1 each")
+        for name in ("epochs", "wordings"):
+            if min(getattr(self, name)) < 1:
+                self.refuse(name, "at least 1 each")
 
 
 def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
-    """Run the steps that are not done yet, and write weights and configuration. Return the progress after each epoch.
+    """Run the steps that are not done yet, and write weights and configuration. Return the progress after their epochs.
 
     Raises `SimError` if the work folder belongs to a run with other settings.
     """
@@ -144,7 +145,7 @@ def _check_settings(run: TrainingRun) -> None:
 
 
 def _deciding(run: TrainingRun) -> dict[str, Any]:
-    """Return all settings that affect the result, without the teacher's folder, because the teacher is always the same."""
+    """Return all settings that affect the result, except the teacher: a text tower that is finished is used as it is."""
     names = ("houses", "tuning_houses", "epochs", "settling_steps", "seed", "batch", "wordings")
     own = {name: getattr(run, name) for name in names} | {"start": run.start and str(run.start)}
     return own | {"distillation": asdict(run.distillation), "text": {**TEXT_CFG, "embed_dim": EMBED_DIM}}

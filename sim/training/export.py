@@ -11,6 +11,7 @@ from open_clip.transformer import TextTransformer
 from safetensors import SafetensorError
 from safetensors.torch import load_file, save_file
 
+from lexis.errors import one_line
 from lexis.files.replace import replaced_file
 from sim.errors import SimError
 from sim.training.align import AlignedTower
@@ -60,5 +61,5 @@ def start_trunk_from(path: Path, tower: DenseTower) -> None:
         trunk = {name.removeprefix(_TRUNK): value.float() for name, value in weights.items() if name.startswith(_TRUNK)}
         tower.trunk.load_state_dict(trunk)
     except (OSError, RuntimeError, SafetensorError) as error:
-        reason = str(error).splitlines()[0]
+        reason = one_line(error, 160)
         raise SimError(f"{path}: no image tower to start from: {reason}; valid: weights of lexis-mini") from None

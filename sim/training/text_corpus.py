@@ -103,9 +103,13 @@ def compositions(words: Sequence[str], near: Sequence[str], count: int, rng: np.
 
 
 def room_scenes(count: int, rng: np.random.Generator) -> tuple[str, ...]:
-    """Draw `count` captions with a trained name of a room and one or two things of the room. Duplicates are removed."""
+    """Draw `count` captions with a trained name of a room and one or two things of the room.
+
+    Duplicates and captions with held-out phrases are removed.
+    """
     labels = tuple(ROOM_NAMES)
-    return tuple(dict.fromkeys(_scene(labels[int(rng.integers(len(labels)))], rng) for _ in range(count)))
+    drawn = (_scene(labels[int(rng.integers(len(labels)))], rng) for _ in range(count))
+    return tuple(text for text in dict.fromkeys(drawn) if not _FORBIDDEN.search(text))
 
 
 def _scene(label: str, rng: np.random.Generator) -> str:
