@@ -158,24 +158,7 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     last.done = 0.0
     with timed("slam_s"), last.calling_slam():
         _start(slam, scenario, session)
-    delivered, refused = [], []
-    given: dict[int, Given] = {}
-    with closing(iter(session)) as pairs:
-        for observation, truth in pairs:
-            delivered.append(truth)
-            last.done = observation.index / len(session)
-            now = Given(observation.stamp, observation.T_O_B.copy())  # the SLAM may write into the observation
-            try:
-                with timed("slam_s"), last.calling_slam():
-                    slam.process(observation)
-                given.setdefault(observation.index, now)
-            except ObservationError as error:
-                if not scenario.faults:
-                    raise
-                refused.append(str(error))
-                last.in_slam = False
-            if progress is not None:
-                progress((observation.index + 1) / len(session))
+    given, delivered, refused = _processed(slam, session, timed, progress)
     last.done = 1.0
     with timed("slam_s"), last.calling_slam():
         estimate = slam.finish()
@@ -187,6 +170,37 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
         scenario, session.house, walked.walkable, session, slam, estimate, given, seconds, tuple(delivered), tuple(refused)
     )
     return last.run
+
+
+def _processed(
+    slam: SlamUnderTest, session: Session, timed: StageTimer, progress: Progress | None
+) -> tuple[dict[int, Given], list[Truth], list[str]]:
+    """Give all observations of a session to a SLAM.
+
+    Return what the SLAM has accepted, by the index of the observation; the truth of all delivered observations; and the
+    messages of those that it has refused, which only a session with faults allows.
+    """
+    last = last_run()
+    given: dict[int, Given] = {}
+    delivered: list[Truth] = []
+    refused: list[str] = []
+    with closing(iter(session)) as pairs:
+        for observation, truth in pairs:
+            delivered.append(truth)
+            last.done = observation.index / len(session)
+            now = Given(observation.stamp, observation.T_O_B.copy())  # the SLAM may write into the observation
+            try:
+                with timed("slam_s"), last.calling_slam():
+                    slam.process(observation)
+                given.setdefault(observation.index, now)
+            except ObservationError as error:
+                if not session.faults:
+                    raise
+                refused.append(str(error))
+                last.in_slam = False
+            if progress is not None:
+                progress((observation.index + 1) / len(session))
+    return given, delivered, refused
 
 
 def scene_of(scenario: Scenario) -> Session:

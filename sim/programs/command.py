@@ -94,24 +94,14 @@ def run_command(
         take = prepare(scenario, with_truth=False)
     with timed("scene_s"):
         session = take.session
-    frames: list[_Frame] = []
     with tempfile.TemporaryDirectory(prefix="lexis-sim-", ignore_cleanup_errors=True) as name:
         work = Path(name)
         folders = {DATASET: work / "dataset", OUT: work / "out"}
-        for folder in folders.values():
-            folder.mkdir()
-
-        def note(frame: RecordedFrame) -> None:
-            frames.append(_Frame.of(frame))
-
-        try:
-            with timed("render_s"):
-                write_take(folders[DATASET], take, format, images, progress, note)
-        except OSError as error:
-            valid = "valid: a TMPDIR with room for the recording"
-            raise SimError(f"recording in {work}: cannot be written: {one_line(error, 160)}; {valid}") from None
         for placeholder, folder in folders.items():
+            folder.mkdir()
             words = [word.replace(placeholder, str(folder)) for word in words]
+        with timed("render_s"):
+            frames = _recorded(take, folders[DATASET], format, images, progress)
         last.done = 0.0
         with timed("slam_s"):
             printed = _execute(words, work, timeout_s, memory_mb)
@@ -132,6 +122,21 @@ def run_command(
         delivered=tuple(frame.truth for frame in walked),
     )
     return last.run
+
+
+def _recorded(take: Take, folder: Path, format: str, images: str, progress: Progress | None) -> "list[_Frame]":
+    """Write a recording to a folder; return what the harness remembers of its frames. Raises what `run_command` raises."""
+    frames: list[_Frame] = []
+
+    def note(frame: RecordedFrame) -> None:
+        frames.append(_Frame.of(frame))
+
+    try:
+        write_take(folder, take, format, images, progress, note)
+    except OSError as error:
+        valid = "valid: a TMPDIR with room for the recording"
+        raise SimError(f"recording in {folder}: cannot be written: {one_line(error, 160)}; {valid}") from None
+    return frames
 
 
 def command_words(command: str) -> list[str]:

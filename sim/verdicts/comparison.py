@@ -1,9 +1,10 @@
 """`compare`: are a SLAM's figures worse or better than another SLAM's on the same scenarios?
 
-Each scenario gives a pair of results, so that differences between houses cancel. Scenarios of one house, such as those
-with several values of openness, count as one, because they are not independent. No distribution of the differences is
-assumed: a figure is compared by the exact sign test, a claim by McNemar's exact test. Both count the scenarios in which one
-SLAM does better. If the SLAMs were equal, each of these scenarios would be like the toss of a fair coin; the p-value is the
+Each scenario gives a pair of results, so that differences between houses cancel. Scenarios of one house and one seed, such
+as those with several values of openness, count as one, because they are not independent. Walks through one house with
+several seeds count as several; their verdict is about that house alone. No distribution of the differences is assumed: a
+figure is compared by the exact sign test, a claim by McNemar's exact test. Both count the scenarios in which one SLAM does
+better. If the SLAMs were equal, each of these scenarios would be like the toss of a fair coin; the p-value is the
 probability that as many tosses give counts at least as unequal. Several figures are compared at once, so p-values are
 corrected by Holm's method: the stated confidence holds for all verdicts together.
 """
@@ -334,7 +335,10 @@ def _completed_change(a: Sequence[RunResult], b: Sequence[RunResult]) -> ClaimCh
 
 
 def _house(result: RunResult) -> Hashable:
-    """Return what identifies the house of a result. Scenarios of one house may differ in openness, light or furniture."""
+    """Return what identifies the house and the seed of a result.
+
+    Scenarios of one house and one seed may differ in openness, light or furniture.
+    """
     return result.seed, result.preset, result.house.floors, result.house.area_m2
 
 
