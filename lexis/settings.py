@@ -7,11 +7,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import asdict, fields, is_dataclass
 from functools import cache
-from numbers import Integral, Real
+from numbers import Integral, Number, Real
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, SupportsFloat, TypeVar, Union, get_args, get_origin, get_type_hints
 
-import numpy as np
 from annotated_types import Ge, Gt, Interval, Le, Lt, MinLen
 
 _UNITS = {
@@ -55,7 +54,8 @@ class Settings:
         Numbers of numpy become numbers of Python, which JSON can hold.
         """
         for name, annotation in _annotations(type(self)).items():  # type: ignore[arg-type]
-            if isinstance(value := getattr(self, name), np.generic):
+            value = getattr(self, name)
+            if isinstance(value, Number) and hasattr(value, "item"):  # a number of numpy, which takes long to import
                 object.__setattr__(self, name, value.item())
             if valid := _what_is_valid(getattr(self, name), annotation, _unit(name)):
                 self.refuse(name, valid)

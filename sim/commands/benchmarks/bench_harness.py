@@ -3,10 +3,11 @@
 import argparse
 import os
 import time
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import astuple
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.progress import Progress
@@ -22,6 +23,9 @@ from sim.commands.earlier_run import EarlierRun
 from sim.durations import duration_s
 from sim.errors import SimError
 from sim.output_files import check_output_file
+
+if TYPE_CHECKING:
+    from sim.bench.mutation.grading import Grade
 
 _OWN_PYTESTS = 10
 """Approximate number of reduced scenarios whose replay tests pytest also runs in a process of its own."""
@@ -54,8 +58,10 @@ def _mutation(arguments: argparse.Namespace) -> int:
         print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  unchanged LEXIS, seed {seed}: {verdict}", flush=True)
         alarms.append(found)
     threads = ThreadPoolExecutor(arguments.processes)  # the work is done in a process of each mutant
-    futures = [threads.submit(graded, mutant, arguments.seed) for mutant in mutants]
-    try:
+    futures: list[Future[Grade]] = []
+    try:  # Ctrl-C may come as soon as the first suite has begun
+        for mutant in mutants:
+            futures.append(threads.submit(graded, mutant, arguments.seed))
         for future in as_completed(futures):
             grades.append(found := future.result())
             verdict = f"caught by {found.caught_by}" if found.is_caught else "not caught"
