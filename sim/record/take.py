@@ -153,9 +153,8 @@ class Take:
             for k, (observation, truth) in enumerate(pairs):
                 frame = recorded(observation, truth)
                 if k == 0:
-                    frame = _still(frame) if truth.index == 0 else frame
-                    yield from self._at_rest(frame if truth.index == 0 else _still(recorded(*self._start(rig))))
-                yield frame
+                    yield from self._at_rest(_still(frame if truth.index == 0 else recorded(*self._start(rig))))
+                yield _still(frame) if k == truth.index == 0 else frame
 
     def _start(self, camera: Camera) -> tuple[Observation, Truth]:
         """Return the first frame of the walk as it is without faults of the stream, which may have lost or delayed it."""
