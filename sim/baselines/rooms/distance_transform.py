@@ -15,7 +15,7 @@ class DistanceTransform:
     """
 
     least_area_m2: float = 0.35
-    """Least area of the centre of a room [m²]: the best of 0.35 to 4 m², tuned on homes 900 to 906 at openness 0 to 0.9, and
+    """Least area of the centre of a room [m²]: the best of 0.05 to 4 m², tuned on homes 900 to 906 at openness 0 to 0.9, and
     the value in Bormann's survey."""
     least_m: float = 0.4
     """Smallest threshold that is tried for the distance to walls [m]; 0.55 m gives the same rooms in the tuning homes."""

@@ -25,27 +25,25 @@ class HydraPlaces:
     """Distance between places [m]."""
     truncation_m: float = 3.0
     """Largest distance to obstacles that is known [m]."""
-    least_dilation_m: float = 0.55
-    """Least dilation [m]: the better of 0.45 m, the value of Hydra, and 0.55 m, tuned on homes 900 to 906
-    at openness 0 to 0.9."""
+    least_dilation_m: float = 0.5
+    """Least dilation [m]: the best of 0.35 to 0.65 m, tuned on homes 900 to 906 at openness 0 to 0.9. Hydra has 0.45 m."""
     most_dilation_m: float = 0.8
-    """Largest dilation [m]: the best of 0.8 to 1.6 m on the tuning homes. Hydra has 1.2 m, which closes too many rooms."""
+    """Largest dilation [m]: the best of 0.6 to 1.6 m on the tuning homes. Hydra has 1.2 m, which closes too many rooms."""
     steps: int = 16
     """Number of dilations that are tried."""
     least_area_m2: float = 0.6
-    """Least area of the places of a component that counts as a room [m²]: the best of 0.6 to 3 m² on the tuning homes."""
+    """Least area of the places of a component that counts as a room [m²]: the best of 0.2 to 2.5 m² on the tuning homes."""
 
     def segments(self, free: Free, resolution_m: float) -> Segments:
         """Divide the free cells of a storey into rooms."""
         stride = max(1, round(self.spacing_m / resolution_m))
-        at = np.argwhere(free[::stride, ::stride])
-        if not len(at):
-            return grown(np.zeros(free.shape, np.int32), free)
-        distances_m = np.minimum(clearance(free, resolution_m), self.truncation_m)[::stride, ::stride][tuple(at.T)]
-        graph = _graph(at, free[::stride, ::stride].shape)
-        rooms = self._rooms(graph, distances_m, self.least_area_m2 / (stride * resolution_m) ** 2)
+        places = np.argwhere(free[::stride, ::stride]) * stride
         seeds = np.zeros(free.shape, np.int32)
-        seeds[tuple((at * stride).T)] = _joined(graph, rooms)
+        if len(places):
+            distances_m = np.minimum(clearance(free, resolution_m)[tuple(places.T)], self.truncation_m)
+            graph = _graph(places, free, stride)
+            rooms = self._rooms(graph, distances_m, self.least_area_m2 / (stride * resolution_m) ** 2)
+            seeds[tuple(places.T)] = _joined(graph, rooms)
         return grown(seeds, free)
 
     def _rooms(self, graph: csr_array, distances_m: Float32[np.ndarray, "n"], least_places: float) -> Int[np.ndarray, "n"]:
@@ -56,19 +54,19 @@ class HydraPlaces:
         return found[_longest_plateau(counts)]
 
 
-def _graph(at: Int[np.ndarray, "n 2"], shape: tuple[int, ...]) -> csr_array:
-    """Edges between places that are neighbours on the grid, with their lengths in grid steps."""
-    number = np.full((shape[0] + 2, shape[1] + 2), -1)
-    number[at[:, 0] + 1, at[:, 1] + 1] = np.arange(len(at))
-    starts, ends, lengths = [], [], []
-    for di, dj in ((1, 0), (0, 1), (1, 1), (1, -1)):
-        other = number[at[:, 0] + 1 + di, at[:, 1] + 1 + dj]
-        start = np.flatnonzero(other >= 0)
-        starts.append(start)
-        ends.append(other[start])
-        lengths.append(np.full(len(start), np.hypot(di, dj)))
-    one_way = csr_array((np.concatenate(lengths), (np.concatenate(starts), np.concatenate(ends))), (len(at), len(at)))
-    return csr_array(one_way + one_way.T)
+def _graph(places: Int[np.ndarray, "n 2"], free: Free, stride: int) -> csr_array:
+    """Edges between places that are neighbours on the grid and have free cells between them, with lengths in grid steps."""
+    count = len(places)
+    number = np.full(np.add(free.shape, 2 * stride), -1)
+    number[tuple((places + stride).T)] = np.arange(count)
+    passable = np.pad(free, stride)
+    graph = csr_array((count, count))
+    for direction in ((1, 0), (0, 1), (1, 1), (1, -1)):
+        cells = [tuple((places + stride + np.multiply(direction, step)).T) for step in range(1, stride + 1)]
+        start = np.flatnonzero(np.all([passable[cell] for cell in cells], axis=0))
+        end = number[cells[-1]][start]
+        graph += csr_array((np.full(len(start), np.hypot(*direction)), (start, end)), (count, count))
+    return csr_array(graph + graph.T)
 
 
 def _components(graph: csr_array, kept: Bool[np.ndarray, "n"], least_places: float) -> Int[np.ndarray, "n"]:
@@ -99,9 +97,11 @@ def _longest_plateau(counts: list[int]) -> int:
 
 
 def _joined(graph: csr_array, rooms: Int[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
-    """Let every place without a room join the closest room along the graph; without any room, all places stay without."""
+    """Let every place without a room join the closest room along the graph; a place that reaches no room stays without."""
     seeds = np.flatnonzero(rooms)
     if not len(seeds):
         return rooms
     distances, _, sources = dijkstra(graph, directed=False, indices=seeds, return_predecessors=True, min_only=True)
-    return np.where(np.isfinite(distances), rooms[sources], 0)
+    joined, reached = np.zeros_like(rooms), np.isfinite(distances)
+    joined[reached] = rooms[sources[reached]]
+    return joined

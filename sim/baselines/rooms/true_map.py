@@ -15,6 +15,8 @@ from worlds.truth import floor_at, room_at
 
 RESOLUTION_M = 0.05
 """Size of a cell [m], as in the survey by Bormann et al."""
+_TOUCHES_M = 1e-6
+"""Cells whose centre is this close to a wall [m] are occupied. Their distance is 0 except for rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +38,7 @@ class TrueMap:
     def of(house: House) -> "TrueMap":
         """Rasterise the walls of a house."""
         space = survey(replace(house, furniture=(), leaves=()), RESOLUTION_M)
-        return TrueMap(house, space.x, space.y, (space.room >= 0) & (space.clearance > 0))
+        return TrueMap(house, space.x, space.y, (space.room >= 0) & (space.clearance > _TOUCHES_M))
 
     def segmented(self, segment: Callable[[Free, float], Segments]) -> Int[np.ndarray, "storeys nx ny"]:
         """Segment every storey. Segments are numbered from 1, with different numbers on different storeys."""

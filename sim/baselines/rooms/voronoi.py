@@ -22,16 +22,16 @@ class Voronoi:
     Small parts, and parts with a long common border, are merged with their neighbours.
     """
 
-    least_turn: float = 0.7
+    least_turn: float = 0.9
     """Least value of (1 - cosine) / 2 at a critical point, for the angle between the directions to its two closest walls; 1
-    means that the walls are on opposite sides."""
+    means that the walls are on opposite sides. The best of 0.5 to 0.99 on the tuning homes."""
     least_width_m: float = 0.4
     """Least width of a passage between rooms [m]. Narrower places are only corners of rooms or rough edges of walls."""
     contrast: float = 1.5
     """Near a critical point, the largest distance of the graph from walls has to be at least this factor times the distance
-    at the point: the best of 1.1 to 1.5, tuned on homes 900 to 906 at openness 0 to 0.9."""
+    at the point: the best of 1.1 to 3, tuned on homes 900 to 906 at openness 0 to 0.9."""
     least_area_m2: float = 1.5
-    """Parts smaller than this are merged with the neighbour that has the longest common border [m²]: the best of 1.5 to 6 m²
+    """Parts smaller than this are merged with the neighbour that has the longest common border [m²]: the best of 0.3 to 6 m²
     on the tuning homes."""
     most_border: float = 0.35
     """Two parts merge if their common border is more than this share of the circumference of one part; 0.2 is as good on the

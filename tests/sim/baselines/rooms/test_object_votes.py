@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sim.baselines.rooms import HydraPlaces, MapRooms, ObjectVotes, Voronoi
-from sim.baselines.rooms.object_scores import Counted, count_objects
+from sim.baselines.rooms.object_scores import Counted, count_rooms
 from sim.harness import Scenario, evaluate, run
 from sim.harness.parts import house_spec
 from worlds.variant import variant
 
 USUAL = Scenario(preset="home", seed=101, fidelity="features", frame_rate_hz=2.0)
 CLOSED = replace(USUAL, house=variant(house_spec(USUAL), openness=0.0))
-TOLD = Counted(count_objects("home", range(101, 102)))
+TOLD = Counted(count_rooms("home", range(101, 102)))
 """Counts of objects in the house itself."""
 
 

@@ -88,3 +88,20 @@ def test_the_true_map_has_the_area_of_the_rooms_less_the_walls():
     assert not true_map.free[:, 0].any() and true_map.free.shape[0] == len(house.storeys)
     bare = replace(house, furniture=())
     assert (TrueMap.of(bare).free == true_map.free).all()
+
+
+def test_a_passage_belongs_to_the_room_with_the_door_and_not_to_the_room_behind_a_thin_wall():
+    free = rectangles(5.0, 0.8, 4.5)
+    free[:, 102:104] = False  # the door between the first room and the passage
+    found = HydraPlaces().segments(free, RESOLUTION_M)
+    room, passage, behind_the_door = (set(found[:, part][free[:, part]]) for part in np.s_[:102, 104:120, 122:])
+    assert len(room) == 1 and passage == behind_the_door and passage.isdisjoint(room)
+
+
+def test_places_that_reach_no_room_become_a_segment_of_their_own():
+    free = rectangles(5.0)
+    free = np.pad(free, ((0, 0), (0, 30)))
+    free[8:12, -20:-4] = True  # a strip that is too narrow to be a room, and has no connection to the room
+    found = HydraPlaces().segments(free, RESOLUTION_M)
+    strip = set(found[8:12, -20:-4].ravel())
+    assert len(strip) == 1 and 0 not in strip and strip.isdisjoint(found[:, :100][free[:, :100]])
