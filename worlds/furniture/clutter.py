@@ -16,7 +16,7 @@ _TOPS = (
     "dining table", "breakfast table", "coffee table", "side table", "sideboard", "console table", "dresser", "desk",
     "double desk", "small desk", "toy shelf", "nightstand", "kitchen counter", "kitchen island", "tv stand",
     "bookshelf", "reading table", "meeting table", "school desk", "teacher's desk", "lab bench", "copy counter",
-    "file cabinet", "workbench", "washing machine", "tumble dryer", "shoe rack", "reception desk", "vanity",
+    "file cabinet", "washing machine", "tumble dryer", "shoe rack",
 )  # fmt: skip
 
 
@@ -248,7 +248,7 @@ def stowed_boxes(s: Size, rng: Generator) -> Parts:
     depth=(0.22, 0.3),
     height=(0.08, 0.24),
     rooms=_each((*_LIVED_IN, "kitchen", "corridor", "entrance hall"), 0.6)
-    | _each((*_WORKED_IN, "garage", "laundry room", "lobby", "storage room"), 0.6),
+    | _each((*_WORKED_IN, "laundry room", "lobby", "storage room"), 0.6),
     place=OnTop(_TOPS),
 )
 def odds_and_ends(s: Size, rng: Generator) -> Parts:

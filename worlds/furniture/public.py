@@ -479,7 +479,7 @@ def gas_cylinder(s: Size, rng: Generator) -> Parts:
     depth=(0.42, 0.5),
     height=(0.35, 0.45),
     rooms={"laboratory": (1, 1)},
-    place=OnTop(("lab bench", "workbench")),
+    place=OnTop(("lab bench",)),
 )
 def analyser(s: Size, rng: Generator) -> Parts:
     """A laboratory instrument with a display and a panel of buttons."""
