@@ -66,17 +66,16 @@ def cosines(seen: SeenKeyframes) -> Float64[np.ndarray, "n n"]:
 
 
 def _enhanced(similarities: Float64[np.ndarray, "n n"], seen: SeenKeyframes, reach: int) -> Float64[np.ndarray, "n n"]:
-    """Normalise each row by mean and standard deviation over a window along the row, of keyframes before the query only."""
+    """Normalise each row by mean and standard deviation over the eligible keyframes in a window; others become 0."""
     n = len(similarities)
-    known = np.tril(np.ones((n, n), bool))
-    values = np.where(known, similarities, 0.0)
+    values = np.where(seen.eligible, similarities, 0.0)
     first, last = np.maximum(np.arange(n) - reach, 0), np.minimum(np.arange(n) + reach + 1, n)
 
     def windowed(rows: Float64[np.ndarray, "n n"]) -> Float64[np.ndarray, "n n"]:
         sums = np.pad(np.cumsum(rows, axis=1), ((0, 0), (1, 0)))
         return np.asarray(sums[:, last] - sums[:, first])
 
-    count = np.maximum(windowed(known.astype(float)), 1.0)
+    count = np.maximum(windowed(seen.eligible.astype(float)), 1.0)
     mean = windowed(values) / count
     spread = np.sqrt(np.maximum(windowed(values**2) / count - mean**2, 0.0)) + _LEAST_SPREAD
-    return np.asarray(np.where(known, (similarities - mean) / spread, 0.0))
+    return np.asarray(np.where(seen.eligible, (similarities - mean) / spread, 0.0))

@@ -14,7 +14,9 @@ from jaxtyping import Bool, Float, Float32, Int, UInt8
 from scipy.special import softmax
 
 from lexis.evaluation import calibration_error
-from sim.baselines.orb_words import OrbWords
+from sim.baselines.places.bag_of_words import l1_scores
+from sim.baselines.places.descriptors import strongest_orb
+from sim.baselines.places.word_tree import WordTree
 from sim.bench.encoders.ceiling import Ceiling, own_room, own_room_prevails
 from sim.bench.encoders.questions import HELD_OUT_WORDS, TOPICS, TRAINED, AnsweredQuestion, ask, share_right
 from sim.bench.encoders.retrieval import found_at_1, share
@@ -99,15 +101,16 @@ class References:
     """The methods that encoders are compared with."""
 
     ceiling: Ceiling | None = None
-    orb: OrbWords | None = None
+    orb: WordTree | None = None
+    """The vocabulary of the ORB bag-of-words."""
 
     def of(self, run: EncoderRun) -> "ReferenceAnswers":
         """Return the answers of the reference methods on one run. These answers do not depend on the encoder."""
         right = None if self.ceiling is None else self.ceiling(run.frames) == run.frames.rooms
         if self.orb is None:
             return ReferenceAnswers(right, {})
-        words = np.array([self.orb.described(image) for image in run.frames.images])
-        return ReferenceAnswers(right, {"recall_orb": found_at_1(words, run.T_W_B, run.stamps)})
+        earlier = l1_scores(self.orb.histograms([strongest_orb(image) for image in run.frames.images]))
+        return ReferenceAnswers(right, {"recall_orb": found_at_1(earlier + earlier.T, run.T_W_B, run.stamps)})
 
 
 class ReferenceAnswers(NamedTuple):
@@ -138,8 +141,8 @@ def _measured(run: EncoderRun, encoder: ImageTextEncoder, texts: EmbeddedTexts, 
     confidence = softmax(similarities / encoder.temperature, axis=1).max(axis=1)
     asked = ask(run, images, texts)
     found = {
-        "recall": found_at_1(images, run.T_W_B, run.stamps),
-        "recall_in_room": found_at_1(images, run.T_W_B, run.stamps, said),
+        "recall": found_at_1(images @ images.T, run.T_W_B, run.stamps),
+        "recall_in_room": found_at_1(images @ images.T, run.T_W_B, run.stamps, said),
         **beside.found,
     }
     trained_names, held_out_names = (

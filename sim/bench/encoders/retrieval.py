@@ -10,7 +10,7 @@ from lexis.types import Poses
 
 
 def found_at_1(
-    descriptors: Float[np.ndarray, "n d"],
+    similarities: Float[np.ndarray, "n n"],
     T_W_B: Poses,
     stamps: Float64[np.ndarray, "n"],
     groups: Int[np.ndarray, "n"] | None = None,
@@ -22,7 +22,7 @@ def found_at_1(
     query.
 
     Args:
-        descriptors: descriptors of all keyframes, unit norm, compared by cosine similarity.
+        similarities: similarities of all pairs of keyframes; the match with the largest one is the best.
         T_W_B: true poses.
         stamps: time stamps [s].
         groups: if given, the candidates are restricted to the query's group, such as the
@@ -32,7 +32,7 @@ def found_at_1(
     eligible = np.abs(stamps[queries, None] - stamps[None, :]) >= REVISIT_S
     if groups is not None:
         eligible &= groups[queries, None] == groups[None, :]
-    best = np.where(eligible, descriptors[queries] @ descriptors.T, -np.inf).argmax(axis=1)
+    best = np.where(eligible, similarities[queries], -np.inf).argmax(axis=1)
     return np.asarray(_same_place(T_W_B, queries, best) & eligible.any(axis=1))
 
 

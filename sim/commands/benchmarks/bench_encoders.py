@@ -70,18 +70,18 @@ ARGUMENTS = (
 def tables(arguments: argparse.Namespace) -> Iterator[Table]:
     """Yield tables for every preset and encoder, then one of accuracy and times like Table I of the LEXIS paper."""
     from lexis.encoder.open_clip_encoder import load_encoder
-    from sim.baselines.orb_vocabulary import flat_orb_words
     from sim.bench.encoders.ceiling import ceiling_of
     from sim.bench.encoders.measure import References, measure
     from sim.bench.encoders.runs import encoder_runs
     from sim.bench.encoders.table import Accuracy, draw_plot, write_csv
+    from sim.bench.peers.place_methods import ORB_LEVELS, word_tree
     from sim.training.houses import TEST_SEEDS
 
     _check(arguments)
     work: Path | None = arguments.work
     models: list[str] = arguments.encoders
     encoders = [load_encoder(model) for model in models]
-    references = References(ceiling_of(work) if work and (work / "frames").is_dir() else None, flat_orb_words(work))
+    references = References(ceiling_of(work) if work and (work / "frames").is_dir() else None, word_tree(ORB_LEVELS))
     seeds = TEST_SEEDS[arguments.seed : arguments.seed + arguments.houses]
     accuracy: dict[str, dict[str, Accuracy]] = {model: {} for model in models}
     for preset in arguments.presets:

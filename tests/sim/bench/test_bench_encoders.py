@@ -10,9 +10,12 @@ from helpers.painted_runs import painted, painted_run
 
 from lexis.encoder.prompts import prompts
 from lexis.errors import EncoderError
+from sim.baselines.places.descriptors import strongest_orb
+from sim.baselines.places.word_tree import WordTree
 from sim.bench.encoders import times as encoder_times
 from sim.bench.encoders.ceiling import by_own_room, ceiling_of, own_room, own_room_prevails
 from sim.bench.encoders.measure import References, measure, overall_calibration_error, worst_names
+from sim.bench.encoders.retrieval import found_at_1
 from sim.bench.encoders.table import RANDOM, TRAINED, Accuracy, TableRow, draw_plot, write_csv
 from sim.bench.encoders.times import Timing, example_image, random_weights, timed
 from sim.cli import main
@@ -71,6 +74,18 @@ def test_what_an_encoder_knows_counts_and_what_it_does_not_know_is_chance():
         assert row.ceiling is None and row.recall_orb is None
         assert row.calibration_error < 1e-3
         assert row.recall is not None and row.recall < 1.0  # the room can be recognised, but not the place within it
+
+
+def test_orb_words_find_a_revisit_by_the_words_that_images_share(rng):
+    coarse = rng.integers(0, 256, (len(RUNS[0].frames.images), 12, 16, 3), np.uint8)
+    run = replace(RUNS[0], frames=replace(RUNS[0].frames, images=coarse.repeat(8, axis=1).repeat(8, axis=2)))
+    descriptors = [strongest_orb(image) for image in run.frames.images]
+    tree = WordTree.learned(descriptors, rng, depth=2)
+    words = tree.histograms(descriptors)
+    shared = np.minimum(words[:, None], words[None]).sum(axis=2)
+    found = References(orb=tree).of(run).found["recall_orb"]
+    assert 0 < found.sum() < len(found)
+    np.testing.assert_array_equal(found, found_at_1(shared, run.T_W_B, run.stamps))
 
 
 def test_low_confidence_in_correct_labels_is_a_calibration_error():
@@ -176,7 +191,7 @@ def test_an_architecture_that_cannot_be_made_costs_its_own_row_alone(tmp_path, c
     monkeypatch.setattr("open_clip.create_model", unreachable)
     monkeypatch.setattr("lexis.encoder.open_clip_encoder.load_encoder", lambda model: Knowing(0.1))
     monkeypatch.setattr("sim.bench.encoders.runs.encoder_runs", lambda *_: RUNS)
-    monkeypatch.setattr("sim.baselines.orb_vocabulary.flat_orb_words", lambda work: None)
+    monkeypatch.setattr("sim.bench.peers.place_methods.word_tree", lambda levels: None)
     monkeypatch.setattr(encoder_times, "timed", lambda model, way, image: Timing(1.0, 2.0, 3.0))
     csv_file, plot = tmp_path / "table.csv", tmp_path / "plot.png"
     asked = ["--presets", "uh2-apt", "--architectures", "roberta-ViT-B-32", "--csv", str(csv_file), "--plot", str(plot)]

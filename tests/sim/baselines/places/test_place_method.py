@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers.two_laps import PLACES, first_keyframes, two_laps
+from helpers.two_laps import PLACES, first_keyframes, replace_embeddings, two_laps
 
 from sim.baselines.places import (
     BagOfWords,
@@ -55,6 +55,16 @@ def test_later_keyframes_do_not_change_earlier_answers(name, methods, rng):
     seen, count = two_laps(rng), PLACES + 6
     beginning = methods[name].scores(first_keyframes(seen, count))
     np.testing.assert_allclose(methods[name].scores(seen)[:count, :count], beginning, rtol=1e-5, atol=1e-6)
+
+
+def test_contrast_compares_with_eligible_keyframes_only(rng):
+    seen, method = two_laps(rng), SequenceMatching(length=1, contrast=3)
+    query = PLACES + 4
+    recent = np.flatnonzero(~seen.eligible[query])[1:]  # the query itself and those just before and after it
+    changed = seen.embeddings.copy()
+    changed[recent[recent != query]] *= -1.0
+    found, other = method.scores(seen)[query], method.scores(replace_embeddings(seen, changed))[query]
+    np.testing.assert_allclose(found[seen.eligible[query]], other[seen.eligible[query]])
 
 
 def test_all_methods_are_tested(methods):
