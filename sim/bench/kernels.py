@@ -18,7 +18,7 @@ from lexis.graph.pose_graph import PoseGraph
 from lexis.types import Keyframe, LoopEdge, Poses
 from sim.bench.houses import configs
 from sim.bench.injected_loops import KINDS, injected
-from sim.bench.row_files import draw_panels
+from sim.bench.row_files import Curve, draw_panels, grouped, mean_and_std
 from sim.harness import Scenario, run
 from sim.harness.adapters import Lexis
 from sim.harness.loops import edge_truth
@@ -50,31 +50,35 @@ class KernelRun:
     kind: str
     share: float
     kernel: str
-    ate_m: float
-    """Absolute trajectory error of the keyframes [m]."""
-    true_rejected: float
-    """Share of LEXIS's own true loops that are rejected."""
-    false_trusted: float
-    """Share of the injected loops that are not rejected; 0 without injected loops."""
+    ate_m: float | None
+    """Absolute trajectory error of the keyframes [m]; None for fewer than 3 keyframes."""
+    true_rejected: float | None
+    """Share of LEXIS's own true loops that are rejected; None without true loops."""
+    false_trusted: float | None
+    """Share of the injected loops that are not rejected; None without injected loops."""
 
 
 @dataclass(frozen=True)
 class KernelRow:
-    """Means and standard deviations over all houses, for one kernel, one kind and one share of injected loops."""
+    """Means and standard deviations over the houses, for one kernel, one kind and one share of injected loops.
+
+    Each figure is over the houses that have it; see `mean_and_std`.
+    """
 
     kind: str
     share: float
     kernel: str
     houses: int
-    ate_m: float
-    ate_std_m: float
-    growth: float
+    """Number of houses into whose graph these loops were injected."""
+    ate_m: float | None
+    ate_std_m: float | None
+    growth: float | None
     """How much the injected loops increase the ATE with this kernel, as a mean over the houses: 0.1 if the ATE is 10 %
     larger than without injected loops."""
-    true_rejected: float
-    true_rejected_std: float
-    false_trusted: float
-    untouched: float
+    true_rejected: float | None
+    true_rejected_std: float | None
+    false_trusted: float | None
+    untouched: float | None
     """Share of the houses in which no true loop is rejected."""
 
 
@@ -95,19 +99,24 @@ def mapped_houses(preset: str, seeds: Sequence[int], settings: Config | None = N
 def kernel_runs(house: MappedHouse, settings: PoseGraphConfig | None = None) -> Iterator[KernelRun]:
     """Optimise the graph of a house with every kernel, kind and share of injected loops.
 
-    `settings` are those of the graph, except for the kernel; None: defaults.
+    A share above 0 is left out if no loop can be injected: for example, if LEXIS found no loop in the house. `settings` are
+    those of the graph, except for the kernel; None: defaults.
     """
     for kind in KINDS:
         for share in SHARES:
             rng = np.random.default_rng((house.seed, list(KINDS).index(kind), round(100 * share)))
             count = round(share / (1.0 - share) * len(house.loops))
             false = injected(kind, count, house.true_poses, house.loops, rng)
+            if share and not false:
+                continue
             for kernel in KERNELS:
                 config = replace(settings or PoseGraphConfig(), kernel=kernel)
                 yield KernelRun(house.seed, kind, share, kernel, *_optimised(house, false, config))
 
 
-def _optimised(house: MappedHouse, false: Sequence[LoopEdge], config: PoseGraphConfig) -> tuple[float, float, float]:
+def _optimised(
+    house: MappedHouse, false: Sequence[LoopEdge], config: PoseGraphConfig
+) -> tuple[float | None, float | None, float | None]:
     """Optimise the graph with the loops `false` added, starting at the odometry.
 
     Returns the ATE [m], the share of LEXIS's own true loops that are rejected, and the share of `false` that are not.
@@ -119,36 +128,41 @@ def _optimised(house: MappedHouse, false: Sequence[LoopEdge], config: PoseGraphC
     graph.optimise_if_due(final=True)
     rejected = graph.loop_weights < REJECTED
     own, added = rejected[: len(house.loops)][house.is_true], rejected[len(house.loops) :]
-    ate_m = ate_rmse(graph.T_W_B[:, :3, 3], house.true_poses[:, :3, 3]) or 0.0
-    return ate_m, float(own.mean()) if len(own) else 0.0, float((~added).mean()) if len(added) else 0.0
+    ate_m = ate_rmse(graph.T_W_B[:, :3, 3], house.true_poses[:, :3, 3])
+    return ate_m, float(own.mean()) if len(own) else None, float((~added).mean()) if len(added) else None
 
 
 def summarised(runs: Sequence[KernelRun]) -> Iterator[KernelRow]:
     """Yield means and standard deviations over the houses, in the order of kinds, shares and kernels."""
     clean = {(each.seed, each.kind, each.kernel): each.ate_m for each in runs if each.share == 0.0}
-    groups: dict[tuple[str, float, str], list[KernelRun]] = {}
-    for each in runs:
-        groups.setdefault((each.kind, each.share, each.kernel), []).append(each)
-    for (kind, share, kernel), found in groups.items():
-        ate, rejected = np.array([each.ate_m for each in found]), np.array([each.true_rejected for each in found])
-        growth = ate / [clean[each.seed, kind, kernel] for each in found] - 1.0
-        trusted = np.mean([each.false_trusted for each in found])
-        figures = ate.mean(), ate.std(), growth.mean(), rejected.mean(), rejected.std(), trusted, (rejected == 0).mean()
-        yield KernelRow(kind, share, kernel, len(found), *map(float, figures))
+    for (kind, share, kernel), found in grouped(runs, "kind", "share", "kernel").items():
+        rejected = [each.true_rejected for each in found]
+        growth, _ = mean_and_std(_growth(each.ate_m, clean[each.seed, kind, kernel]) for each in found)
+        trusted, _ = mean_and_std(each.false_trusted for each in found)
+        untouched, _ = mean_and_std(None if each is None else each == 0.0 for each in rejected)
+        ate_m, ate_std_m = mean_and_std(each.ate_m for each in found)
+        figures = ate_m, ate_std_m, growth, *mean_and_std(rejected), trusted, untouched
+        yield KernelRow(kind, share, kernel, len(found), *figures)
+
+
+def _growth(ate_m: float | None, clean_m: float | None) -> float | None:
+    """Relative increase of an ATE from its value without injected loops [m]; None if that is 0 or one of them is None."""
+    return None if ate_m is None or not clean_m else ate_m / clean_m - 1.0
 
 
 def draw_kernels(rows: Sequence[KernelRow], path: Path) -> None:
-    """Draw the ATE and the share of rejected true loops against the share of injected loops, as PNG or SVG."""
+    """Draw the ATE and the share of rejected true loops against the share of injected loops, as PNG or SVG.
 
-    def curves(kind: str, figure: str, spread: str) -> dict[str, list[tuple[float, float, float]]]:
-        return {
-            kernel: [
-                (row.share, getattr(row, figure), getattr(row, spread))
-                for row in rows
-                if (row.kind, row.kernel) == (kind, kernel)
-            ]
-            for kernel in KERNELS
-        }
+    A figure that is None is not drawn.
+    """
+
+    def curve(kind: str, kernel: str, figure: str, spread: str) -> Curve:
+        mine = [row for row in rows if (row.kind, row.kernel) == (kind, kernel)]
+        points = [(row.share, getattr(row, figure), getattr(row, spread)) for row in mine]
+        return [(x, y, half) for x, y, half in np.array(points, float).tolist()]  # None becomes NaN
+
+    def curves(kind: str, figure: str, spread: str) -> dict[str, Curve]:
+        return {kernel: curve(kind, kernel, figure, spread) for kernel in KERNELS}
 
     figures = ("ate_m", "ate_std_m"), ("true_rejected", "true_rejected_std")
     panels = [[(f"{kind} false loops", curves(kind, *names)) for kind in KINDS] for names in figures]

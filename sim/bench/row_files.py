@@ -1,4 +1,4 @@
-"""Groups the rows of a benchmark, and writes them as a CSV file and curves with error bars as a picture."""
+"""Groups and averages the rows of a benchmark, and writes them as a CSV file and curves with error bars as a picture."""
 
 import csv
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -6,6 +6,8 @@ from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeVar
+
+import numpy as np
 
 from lexis.files.replace import replaced_file
 from sim.errors import SimError
@@ -24,6 +26,15 @@ def grouped(rows: Iterable[_Row], *names: str) -> dict[tuple[Any, ...], list[_Ro
     for row in rows:
         found.setdefault(tuple(getattr(row, name) for name in names), []).append(row)
     return found
+
+
+def mean_and_std(figures: Iterable[float | None]) -> tuple[float | None, float | None]:
+    """Return the mean and the standard deviation of one figure over several runs.
+
+    A figure that a run does not have (None) is left out. If no run has the figure, mean and standard deviation are None.
+    """
+    known = [figure for figure in figures if figure is not None]
+    return (float(np.mean(known)), float(np.std(known))) if known else (None, None)
 
 
 def write_rows(rows: Sequence[Any], path: Path) -> None:

@@ -4,10 +4,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass
 from typing import Any
 
-import numpy as np
-
 from lexis.config import Config
 from sim.bench.houses import configs
+from sim.bench.row_files import mean_and_std
 from sim.harness import Scenario, evaluate, run, try_plans
 from sim.harness.adapters import Lexis
 from sim.harness.loops import edge_truth
@@ -60,7 +59,7 @@ def run_houses(
                 result.floors.accuracy,
                 result.trajectory.ate_odometry_m,
                 result.trajectory.ate_m,
-                result.loops.false or 0,
+                int((~is_true).sum()),
                 int((loops.weights[~is_true] > 0.5).sum()),
                 result.loops.recall,
                 result.planning.success,
@@ -74,5 +73,5 @@ def mean_and_spread(rows: Sequence[Any]) -> tuple[list[float | None], list[float
     `rows` are dataclasses with one figure per field. A figure that is None is left out. If a field has no figures, its mean
     and standard deviation are None.
     """
-    columns = [[value for value in column if value is not None] for column in zip(*map(astuple, rows), strict=True)]
-    return [float(np.mean(c)) if c else None for c in columns], [float(np.std(c)) if c else None for c in columns]
+    columns = [mean_and_std(column) for column in zip(*map(astuple, rows), strict=True)]
+    return [mean for mean, _ in columns], [std for _, std in columns]

@@ -146,7 +146,7 @@ def _loops(run: Run) -> LoopFigures:
     if loops is None:
         return LoopFigures()
     proposed = sum(len(matches) for _, matches in candidates or ())
-    scores = score_loops(proposed, loops.query, loops.match, loops.T_match_query, run.true_poses, run.stamps)
+    scores = score_loops(proposed, loops.query, loops.match, loops.T_match_query, run.true_poses, run.true_stamps)
     return LoopFigures(**asdict(scores) | ({} if candidates is not None else {"proposed": None}))
 
 
@@ -155,7 +155,7 @@ def _place_recognition(run: Run) -> dict[str, MatchFigures]:
     if candidates is None:
         return {str(n): MatchFigures() for n in MATCHES}
     path_m = arc_length(run.odometry_poses[:, :3, 3])
-    eligible = old_enough(np.arange(len(path_m))[:, None], run.stamps, path_m, _REVISIT)
+    eligible = old_enough(np.arange(len(path_m))[:, None], run.true_stamps, path_m, _REVISIT)
     right = at_one_place(run.true_poses)
     counts = {str(n): count_matches(candidates, eligible, right, n) for n in MATCHES}
     return {n: MatchFigures(**asdict(count), precision=count.precision) for n, count in counts.items()}

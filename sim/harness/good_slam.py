@@ -102,7 +102,7 @@ def with_true_loops(run: Run) -> Poses:
     every = max(1, math.ceil(count / _MOST))
     rows, last = np.arange(0, count, every), np.arange(count) // every
     chosen, truth = odometry[rows], run.true_poses[rows]
-    query, match = _revisits(truth, chosen, run.stamps[rows])
+    query, match = _revisits(truth, chosen, run.true_stamps[rows])
     if not len(query):
         return odometry
     graph = GraphOptimiser(chosen[0], PoseGraphConfig(kernel="none"))

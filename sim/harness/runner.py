@@ -76,6 +76,12 @@ class Run:
         return np.array([self.given[frame].stamp for frame in self.estimate.frames.tolist()])
 
     @property
+    def true_stamps(self) -> Float64[np.ndarray, "n"]:
+        """True times of the frames [s], which no fault of the clock changes; see `Truth.stamp`."""
+        stamps = {truth.index: truth.stamp for truth in self.delivered}
+        return np.array([stamps[frame] for frame in self.estimate.frames.tolist()])
+
+    @property
     def true_poses(self) -> Float64[np.ndarray, "n 4 4"]:
         """True poses of the body in the world, `T_W_B`."""
         return np.asarray(self.session.tour.T_W_B[self.estimate.frames])

@@ -92,7 +92,7 @@ def loops_join_visits(run: Run) -> CheckFinding:
         "loop closures": [] if loops is None else np.stack([loops.query, loops.match], axis=1),
         "proposed revisits": [(query, match) for query, matches in proposed or () for match in matches],
     }
-    shares = {what: _of_two_visits(run.stamps[np.array(rows)]) for what, rows in pairs.items() if len(rows)}
+    shares = {what: _of_two_visits(run.true_stamps[np.array(rows)]) for what, rows in pairs.items() if len(rows)}
     if not shares:
         return CheckFinding(None, "the SLAM claims no loop closure and proposes no revisit")
     found = " and ".join(f"{share:.1%} of the {what}" for what, share in shares.items())

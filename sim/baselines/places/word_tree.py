@@ -27,7 +27,9 @@ class WordTree:
     """Descriptors of the nodes by level, from the children of the root. The children of node i are the nodes
     i * branching to (i + 1) * branching - 1 of the next level. Superfluous nodes are copies that no descriptor reaches."""
     weights: Float64[np.ndarray, "words"]
-    """Inverse document frequency of every word: log(number of images / number of images with the word)."""
+    """Inverse document frequency of every word: log(number of images / number of images with the word).
+
+    The weight of a word that occurs in no training image is 0, as in DBoW2: nothing is known about how rare the word is."""
 
     @staticmethod
     def learned(images: Sequence[Descriptors], rng: np.random.Generator, branching: int = 10, depth: int = 4) -> "WordTree":
@@ -46,7 +48,7 @@ class WordTree:
             levels.append(level.reshape(-1, 32))
         images_of = np.repeat(np.arange(len(images)), [len(each) for each in images])
         having = np.bincount(np.unique(np.stack([nodes, images_of], axis=1), axis=0)[:, 0], minlength=len(levels[-1]))
-        return WordTree(tuple(levels), np.log(len(images) / np.maximum(having, 1)))
+        return WordTree(tuple(levels), np.where(having > 0, np.log(len(images) / np.maximum(having, 1)), 0.0))
 
     def words(self, descriptors: Descriptors) -> Int[np.ndarray, "n"]:
         """The word of every descriptor."""

@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import numpy as np
+from jaxtyping import Float64
 
 from sim.baselines.rooms import (
     LEXIS_VARIANTS,
@@ -24,7 +25,7 @@ from sim.baselines.rooms import (
 )
 from sim.bench.houses import configs, varied
 from sim.bench.peers.side_by_side import run_side_by_side
-from sim.bench.row_files import grouped, is_picture, picture, write_rows
+from sim.bench.row_files import grouped, is_picture, mean_and_std, picture, write_rows
 from sim.fidelity import Fidelity
 from sim.harness import Scenario, SlamUnderTest, evaluate
 from sim.harness.adapters import GeometricRooms, Lexis
@@ -131,11 +132,11 @@ class SweepRow:
     seed: int
     labels: float | None
     """Share of the keyframes with the right label; None for a method that claims no labels."""
-    pq: float
-    """Panoptic quality of rooms."""
-    splits: int
+    pq: float | None
+    """Panoptic quality of rooms; None, as are the next two, for a run that has no figures of rooms."""
+    splits: int | None
     """Number of surplus rooms in one true room; see `lexis.evaluation.rooms.RoomScores`."""
-    merges: int
+    merges: int | None
     """Number of surplus true rooms in one found room."""
 
 
@@ -161,31 +162,32 @@ def sweep(
             slams = {name: difficulty.adjusted(METHODS[name](changed), value) for name in difficulty.methods}
             for name, finished in run_side_by_side(changed, slams).items():
                 found = evaluate(finished)
-                rooms = found.rooms.pq or 0.0, found.rooms.splits or 0, found.rooms.merges or 0
+                rooms = found.rooms.pq, found.rooms.splits, found.rooms.merges
                 yield SweepRow(name, value, scenario.seed, found.labels.accuracy, *rooms)
 
 
 @dataclass(frozen=True)
 class SweepMean:
-    """Figures of one method at one value: means over houses, and the standard deviation of the panoptic quality."""
+    """Figures of one method at one value: means over houses, and the standard deviation of the panoptic quality.
+
+    Each figure is over the houses that have it; see `mean_and_std`.
+    """
 
     labels: float | None
-    pq: float
-    pq_std: float
-    splits: float
-    merges: float
+    pq: float | None
+    pq_std: float | None
+    splits: float | None
+    merges: float | None
 
 
 def means(rows: Sequence[SweepRow]) -> dict[str, dict[Value, SweepMean]]:
     """Average the rows of all houses, by method and value."""
     found: dict[str, dict[Value, SweepMean]] = {}
     for (method, value), mine in grouped(rows, "method", "value").items():
-        pq, splits, merges = np.mean([(row.pq, row.splits, row.merges) for row in mine], axis=0).tolist()
-        labels = [row.labels for row in mine if row.labels is not None]
-        spread = float(np.std([row.pq for row in mine]))
-        found.setdefault(method, {})[value] = SweepMean(
-            float(np.mean(labels)) if labels else None, pq, spread, splits, merges
+        (labels, _), (pq, pq_std), (splits, _), (merges, _) = (
+            mean_and_std(getattr(row, name) for row in mine) for name in ("labels", "pq", "splits", "merges")
         )
+        found.setdefault(method, {})[value] = SweepMean(labels, pq, pq_std, splits, merges)
     return found
 
 
@@ -201,16 +203,22 @@ def write_sweep(rows: Sequence[SweepRow], name: str, path: Path) -> None:
 
 
 def draw_sweep(found: Mapping[str, Mapping[Value, SweepMean]], x_name: str, path: Path) -> None:
-    """Draw panoptic quality, splits and merges against the values of a difficulty, as PNG or SVG."""
+    """Draw panoptic quality, splits and merges against the values of a difficulty, as PNG or SVG.
+
+    A figure that is None is not drawn.
+    """
+
+    def drawn(points: Mapping[Value, SweepMean], figure: str) -> Float64[np.ndarray, "values"]:
+        return np.array([getattr(each, figure) for each in points.values()], float)  # None becomes NaN
+
     with picture(path, (13.0, 4.6)) as figure:
         panels = figure.subplots(1, 3)
         for name, points in found.items():
             style = {"linestyle": "-" if name.startswith("LEXIS") else "--", "linewidth": 2.6 if name == "LEXIS" else 1.3}
             values = list(points)
-            spread = [points[each].pq_std for each in values]
-            panels[0].errorbar(values, [points[each].pq for each in values], spread, capsize=2, label=name, **style)
+            panels[0].errorbar(values, drawn(points, "pq"), drawn(points, "pq_std"), capsize=2, label=name, **style)
             for panel, what in zip(panels[1:], ("splits", "merges"), strict=True):
-                panel.plot(values, [getattr(points[each], what) for each in values], marker="o", markersize=3, **style)
+                panel.plot(values, drawn(points, what), marker="o", markersize=3, **style)
         for panel, title in zip(panels, ("panoptic quality of rooms", "splits per house", "merges per house"), strict=True):
             panel.set(title=title, xlabel=x_name)
             panel.grid(alpha=0.25)

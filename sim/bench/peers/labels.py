@@ -11,10 +11,10 @@ from lexis.config import PAPER
 from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.perception import TextEncoder
 from sim.baselines.rooms import HydraPlaces, ObjectVotes
-from sim.baselines.rooms.object_scores import Counted, ObjectScores, RelativeSimilarity, Similarity, count_objects
+from sim.baselines.rooms.object_scores import Counted, ObjectScores, RelativeSimilarity, Similarity, count_rooms
 from sim.bench.houses import configs
 from sim.bench.peers.side_by_side import run_side_by_side
-from sim.bench.row_files import grouped
+from sim.bench.row_files import grouped, mean_and_std
 from sim.errors import SimError
 from sim.fidelity import Fidelity
 from sim.harness import Run, Scenario, SlamUnderTest, evaluate
@@ -53,18 +53,21 @@ class LabelRow:
     preset: str
     seed: int
     method: str
-    accuracy: float
-    """Share of keyframes with the right label."""
+    accuracy: float | None
+    """Share of keyframes with the right label; None: no labels are claimed."""
     rooms: float | None
     """Share of found rooms with the right label (see `room_accuracy`), as Hydra is evaluated; None: no rooms are claimed."""
 
 
 @dataclass(frozen=True)
 class LabelMean:
-    """Labels by one method over the houses of one preset: mean and standard deviation of the accuracy, mean over rooms."""
+    """Labels by one method over the houses of one preset: mean and standard deviation of the accuracy, mean over rooms.
 
-    accuracy: float
-    std: float
+    Each figure is over the houses that have it; see `mean_and_std`.
+    """
+
+    accuracy: float | None
+    std: float | None
     rooms: float | None
 
 
@@ -79,7 +82,7 @@ def methods(scenario: Scenario, encoder: TextEncoder) -> dict[str, SlamUnderTest
         "LEXIS": Lexis(encoder),
         "Hydra-like, similarity": hydra(Similarity(encoder)),
         "Hydra-like, relative similarity": hydra(RelativeSimilarity(encoder)),
-        _COUNTED: hydra(Counted(count_objects(scenario.preset, TRAINING_SEEDS))),
+        _COUNTED: hydra(Counted(count_rooms(scenario.preset, TRAINING_SEEDS))),
     }
 
 
@@ -99,18 +102,18 @@ def compare_labels(presets: Sequence[str], seeds: Sequence[int], fidelity: Fidel
         for scenario in configs(Scenario(preset=preset, fidelity=fidelity, frame_rate_hz=usual_rate_hz(fidelity)), seeds):
             runs = run_side_by_side(scenario, methods(scenario, encoder))
             found = {
-                "LEXIS, baseline (paper)": (evaluate(runs[_REFINED]).labels.accuracy_baseline or 0.0, None),
+                "LEXIS, baseline (paper)": (evaluate(runs[_REFINED]).labels.accuracy_baseline, None),
                 **{name: _figures(each) for name, each in runs.items()},
                 "Hydra-like, best labels": _figures(with_best_labels(runs[_COUNTED])),
             }
             yield [LabelRow(preset, scenario.seed, name, *figures) for name, figures in found.items()]
 
 
-def _figures(run: Run) -> tuple[float, float | None]:
+def _figures(run: Run) -> tuple[float | None, float | None]:
     """Accuracy over keyframes and over found rooms."""
     labels, rooms = run.estimate.labels, run.estimate.rooms
     over_rooms = None if labels is None or rooms is None else room_accuracy(labels, rooms, run.true_labels)
-    return evaluate(run).labels.accuracy or 0.0, over_rooms
+    return evaluate(run).labels.accuracy, over_rooms
 
 
 def with_best_labels(run: Run) -> Run:
@@ -138,7 +141,6 @@ def means(rows: Sequence[LabelRow]) -> dict[str, dict[str, LabelMean]]:
     """Average over houses, by method and preset."""
     found: dict[str, dict[str, LabelMean]] = {}
     for (method, preset), mine in grouped(rows, "method", "preset").items():
-        accuracy, rooms = [row.accuracy for row in mine], [row.rooms for row in mine if row.rooms is not None]
-        over_rooms = float(np.mean(rooms)) if rooms else None
-        found.setdefault(method, {})[preset] = LabelMean(float(np.mean(accuracy)), float(np.std(accuracy)), over_rooms)
+        over_rooms, _ = mean_and_std(row.rooms for row in mine)
+        found.setdefault(method, {})[preset] = LabelMean(*mean_and_std(row.accuracy for row in mine), over_rooms)
     return found

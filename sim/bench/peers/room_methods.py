@@ -4,12 +4,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-import numpy as np
-
 from lexis.config import PAPER, Config
 from sim.bench.houses import configs
+from sim.bench.row_files import mean_and_std
 from sim.harness import Scenario, evaluate, run
 from sim.harness.adapters import Lexis
+from sim.harness.results import RunResult
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
 
 METHODS: Mapping[str, Config] = MappingProxyType(
@@ -25,16 +25,19 @@ METHODS: Mapping[str, Config] = MappingProxyType(
 
 @dataclass(frozen=True)
 class MethodRow:
-    """Figures of one method over several houses: means, and standard deviations where named."""
+    """Figures of one method over several houses: means, and standard deviations where named.
+
+    Each figure is over the houses that have it; see `mean_and_std`.
+    """
 
     method: str
-    labels: float
+    labels: float | None
     """Label accuracy."""
-    labels_std: float
-    rooms: float
+    labels_std: float | None
+    rooms: float | None
     """Panoptic quality of rooms."""
-    rooms_std: float
-    splits_and_merges: float
+    rooms_std: float | None
+    splits_and_merges: float | None
     """Number of surplus rooms by splitting and by merging, per house; see `lexis.evaluation.rooms.RoomScores`."""
 
 
@@ -45,12 +48,16 @@ def compare_methods(preset: str, seeds: Sequence[int], openness: float | None = 
     """
     usual = Scenario(preset=preset, fidelity="features", frame_rate_hz=FEATURES_FRAME_RATE_HZ)
     slams = {name: Lexis(config=config) for name, config in METHODS.items()}
-    found: dict[str, list[tuple[float, float, int]]] = {name: [] for name in METHODS}
+    found: dict[str, list[RunResult]] = {name: [] for name in METHODS}
     for scenario in configs(usual, seeds, openness):
         for name, slam in slams.items():
-            result = evaluate(run(scenario, slam), [])
-            wrong = (result.rooms.splits or 0) + (result.rooms.merges or 0)
-            found[name].append((result.labels.accuracy or 0.0, result.rooms.pq or 0.0, wrong))
-    for name, rows in found.items():
-        (labels, rooms, wrong), (labels_std, rooms_std, _) = np.mean(rows, axis=0), np.std(rows, axis=0)
-        yield MethodRow(name, float(labels), float(labels_std), float(rooms), float(rooms_std), float(wrong))
+            found[name].append(evaluate(run(scenario, slam), []))
+    for name, results in found.items():
+        labels, rooms = (mean_and_std(each[figure] for each in results) for figure in ("labels.accuracy", "rooms.pq"))
+        wrong, _ = mean_and_std(_splits_and_merges(each) for each in results)
+        yield MethodRow(name, *labels, *rooms, wrong)
+
+
+def _splits_and_merges(result: RunResult) -> int | None:
+    splits, merges = result.rooms.splits, result.rooms.merges
+    return None if splits is None or merges is None else splits + merges

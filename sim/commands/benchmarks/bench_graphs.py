@@ -20,6 +20,7 @@ from sim.commands.benchmarks.bench_options import (
     PRESET,
     printing,
     seeds_of,
+    spread,
     tracked,
 )
 
@@ -45,6 +46,7 @@ def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
     from lexis.config import Config, read_config
     from sim.bench.kernels import draw_kernels, kernel_runs, mapped_houses, summarised
     from sim.bench.row_files import PICTURES, check_files, write_rows
+    from sim.report.figures import shown
 
     check_files(arguments.csv, valid=(".csv",))
     check_files(arguments.plot, valid=PICTURES)
@@ -56,12 +58,13 @@ def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
     houses = mapped_houses(arguments.preset, seeds, settings)
     rows = list(summarised([each for house in houses for each in kernel_runs(house, graph)]))
     title = f"{arguments.preset}, seeds {seeds[0]} to {seeds[-1]}, features: mean ± std over houses"
-    headers = ("ATE, m", "growth of the ATE", "true loops rejected", "houses without", "false loops trusted")
+    headers = ("houses", "ATE, m", "growth of the ATE", "true loops rejected", "houses without", "false loops trusted")
     table = Table("false loops", "share", "kernel", *headers, title=title)
     for row in rows:
         table.add_row(
-            *(row.kind, f"{row.share:.0%}", row.kernel, f"{row.ate_m:.3f} ± {row.ate_std_m:.3f}", f"{row.growth:.1%}"),
-            *(f"{row.true_rejected:.1%} ± {row.true_rejected_std:.1%}", f"{row.untouched:.0%}", f"{row.false_trusted:.1%}"),
+            *(row.kind, f"{row.share:.0%}", row.kernel, str(row.houses), spread(row.ate_m, row.ate_std_m, "{:.3f}")),
+            *(shown(row.growth, "{:.1%}"), spread(row.true_rejected, row.true_rejected_std, "{:.1%}")),
+            *(shown(row.untouched, "{:.0%}"), shown(row.false_trusted, "{:.1%}")),
             end_section=row.kernel == rows[-1].kernel,
         )
     yield table

@@ -22,6 +22,7 @@ from sim.commands.arguments import (
     seeing_encoder,
 )
 from sim.fidelity import FIDELITIES
+from sim.report.figures import shown
 from worlds.presets import PRESETS
 
 _Item = TypeVar("_Item")
@@ -58,6 +59,11 @@ def tracked(items: Iterable[_Item], total: int, description: str) -> Iterator[_I
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         yield from bar.track(items, total=total, description=description)
+
+
+def spread(mean: float | None, std: float | None, form: str) -> str:
+    """Return the text of a mean and its standard deviation, each in the format `form`, or a dash if both are None."""
+    return shown(mean, form) if mean is None else f"{shown(mean, form)} ± {shown(std, form)}"
 
 
 def printing(tables: Tables) -> Command:

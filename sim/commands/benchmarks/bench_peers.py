@@ -19,6 +19,7 @@ from sim.commands.benchmarks.bench_options import (
     SEVERAL_PRESETS,
     printing,
     seeds_of,
+    spread,
     tracked,
 )
 from sim.errors import SimError
@@ -55,7 +56,8 @@ def _sweep(
     table = Table("rooms by", *(f"{over} {each}" for each in difficulty.values), title=title)
     for name, found in means(rows).items():
         cells = (
-            f"{each.pq:.3f} ± {each.pq_std:.3f} ({each.splits:.1f} / {each.merges:.1f}) {shown(each.labels, '{:.3f}')}"
+            f"{spread(each.pq, each.pq_std, '{:.3f}')} ({shown(each.splits, '{:.1f}')} / {shown(each.merges, '{:.1f}')}) "
+            f"{shown(each.labels, '{:.3f}')}"
             for each in found.values()
         )
         table.add_row(name, *cells)
@@ -73,8 +75,8 @@ def _table2(arguments: argparse.Namespace) -> Iterator[Table]:
     title = f"seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: label accuracy over keyframes (over found rooms) in %"
     table = Table("method", *presets, title=title)
     for method, found in means(rows).items():
-        spreads = ((_percent(each.accuracy, each.std), each.rooms) for each in found.values())
-        table.add_row(method, *(spread if rooms is None else f"{spread} ({100 * rooms:.0f})" for spread, rooms in spreads))
+        shares = ((_percent(each.accuracy, each.std), each.rooms) for each in found.values())
+        table.add_row(method, *(share if rooms is None else f"{share} ({100 * rooms:.0f})" for share, rooms in shares))
     table.add_section()
     for method, paper in PAPER_ACCURACY.items():
         table.add_row(f"paper: {method}", *(_percent(*paper[each]) if each in paper else "" for each in presets))
@@ -83,9 +85,10 @@ def _table2(arguments: argparse.Namespace) -> Iterator[Table]:
         write_rows(rows, arguments.csv)
 
 
-def _percent(mean: float, std: float) -> str:
+def _percent(mean: float | None, std: float | None) -> str:
     """A share and its standard deviation in per cent."""
-    return f"{100 * mean:.1f} ± {100 * std:.1f}"
+    percent, percent_std = (None if share is None else 100 * share for share in (mean, std))
+    return spread(percent, percent_std, "{:.1f}")
 
 
 def _table3(arguments: argparse.Namespace) -> Iterator[Table]:

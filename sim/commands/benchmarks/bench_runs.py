@@ -22,6 +22,7 @@ from sim.commands.benchmarks.bench_options import (
     SEVERAL_PRESETS,
     printing,
     seeds_of,
+    spread,
     tracked,
 )
 from sim.fidelity import FIDELITIES
@@ -94,12 +95,13 @@ def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
 
 def _rooms(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.peers.room_methods import compare_methods
+    from sim.report.figures import shown
 
     table = Table("labels, rooms by", "labels", "room PQ", "splits and merges", title=f"{_houses(arguments)}, features")
     seeds = seeds_of(arguments)
     for row in compare_methods(arguments.preset, seeds, arguments.openness):
-        spreads = f"{row.labels:.3f} ± {row.labels_std:.3f}", f"{row.rooms:.3f} ± {row.rooms_std:.3f}"
-        table.add_row(row.method, *spreads, f"{row.splits_and_merges:.1f}")
+        spreads = (spread(*each, "{:.3f}") for each in ((row.labels, row.labels_std), (row.rooms, row.rooms_std)))
+        table.add_row(row.method, *spreads, shown(row.splits_and_merges, "{:.1f}"))
     yield table
 
 

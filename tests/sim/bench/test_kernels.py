@@ -56,7 +56,8 @@ def test_without_injected_loops_all_kernels_agree_within_a_centimetre(runs):
     clean = [run for run in runs if run.share == 0.0]
     assert len(clean) == len(KINDS) * len(KERNELS)
     assert np.ptp([run.ate_m for run in clean]) < 0.01
-    assert all(run.true_rejected == run.false_trusted == 0.0 for run in clean if run.kernel in ("dcs", "none"))
+    assert all(run.true_rejected == 0.0 for run in clean if run.kernel in ("dcs", "none"))
+    assert all(run.false_trusted is None for run in clean)
 
 
 def test_robust_kernels_withstand_half_of_false_loops_that_spoil_least_squares(runs):
@@ -126,6 +127,35 @@ def test_the_loops_of_a_cluster_agree_with_each_other(house, rng):
 def test_walks_without_a_pair_that_fits_get_no_false_loops(house, rng):
     assert injected("local", 5, np.tile(np.eye(4), (50, 1, 1)), house.loops, rng) == []
     assert injected("random", 5, house.true_poses, [], rng) == []
+
+
+def test_a_house_into_whose_graph_no_false_loops_can_be_injected_has_rows_without_them_only(house):
+    alone = replace(house, loops=(), is_true=np.zeros(0, bool))
+    few = replace(house, loops=house.loops[:1], is_true=house.is_true[:1])  # 10 % of one loop are no loop
+    for unlike, shares in ((alone, {0.0}), (few, {0.0, 0.4, 0.5})):
+        runs = list(kernel_runs(unlike))
+        assert {run.share for run in runs} == shares and {run.kind for run in runs} == set(KINDS)
+    together = [*kernel_runs(alone), *kernel_runs(replace(few, seed=1))]
+    assert {row.share: row.houses for row in summarised(together)} == {0.0: 2, 0.4: 1, 0.5: 1}
+
+
+def test_a_house_without_loops_has_no_share_of_rejected_loops(house, runs):
+    alone = list(kernel_runs(replace(house, seed=1, loops=(), is_true=np.zeros(0, bool))))
+    assert all(run.true_rejected is run.false_trusted is None for run in alone)
+    for with_loops, with_both in zip(summarised(runs), summarised([*runs, *alone]), strict=True):
+        for name in ("true_rejected", "true_rejected_std", "false_trusted", "untouched"):
+            assert getattr(with_both, name) == getattr(with_loops, name)
+
+
+def test_a_walk_of_two_keyframes_has_no_ate(house, runs, tmp_path):
+    brief = replace(house, seed=1, keyframes=house.keyframes[:2], true_poses=house.true_poses[:2])
+    found = list(kernel_runs(replace(brief, loops=(), is_true=np.zeros(0, bool))))
+    assert found and {run.ate_m for run in found} == {None}
+    for row, usual in zip(summarised([*runs, *found]), summarised(runs), strict=True):
+        assert (row.ate_m, row.ate_std_m, row.growth) == (usual.ate_m, usual.ate_std_m, usual.growth)
+    rows = list(summarised(found))
+    assert {(row.ate_m, row.ate_std_m, row.growth, row.untouched) for row in rows} == {(None,) * 4}
+    draw_kernels(rows, tmp_path / "nothing.svg")
 
 
 def test_rows_become_a_csv_file_and_pictures(runs, tmp_path):

@@ -12,6 +12,10 @@ import pytest
 from helpers.command_line import status_of
 
 from lexis.config import Config, PlannerConfig
+from sim.bench.kernels import KernelRow
+from sim.bench.peers.difficulty_sweep import SweepRow
+from sim.bench.peers.labels import LabelRow
+from sim.bench.peers.room_methods import MethodRow
 from sim.bench.segmentation import SegmentationRow
 from sim.bench.speed import Section, SpeedFigure
 from sim.cli import main
@@ -149,6 +153,23 @@ def test_a_benchmark_shows_a_figure_that_a_house_does_not_have(monkeypatch, caps
     monkeypatch.setattr("sim.bench.segmentation.run_houses", lambda config, seeds, *rest: ((seed, row) for seed in seeds))
     assert status_of(["bench", "segmentation", "--houses", "2"]) == 0
     assert "–" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("benchmark", "results"),
+    [
+        ("rooms", {"peers.room_methods.compare_methods": [MethodRow("a", *[None] * 5)]}),
+        ("openness", {"peers.difficulty_sweep.sweep": [SweepRow("a", 0.0, 1, *[None] * 4)]}),
+        ("table2", {"peers.labels.compare_labels": [[LabelRow("home", 1, "a", None, None)]]}),
+        ("kernels", {"kernels.mapped_houses": [], "kernels.summarised": [KernelRow("local", 0.0, "dcs", 1, *[None] * 7)]}),
+    ],
+)
+def test_a_benchmark_of_figures_that_no_house_has_shows_dashes_and_no_zeros(benchmark, results, monkeypatch, capsys):
+    for name, result in results.items():
+        monkeypatch.setattr(f"sim.bench.{name}", lambda *_, result=result: iter(result))
+    assert status_of(["bench", benchmark]) == 0
+    shown = capsys.readouterr().out
+    assert "–" in shown and not re.search(r"None|nan|0\.000|0\.0%|[│(±] ?0\.0", shown)
 
 
 SECTION = Section("scene", "ms", (SpeedFigure("House to MjModel", 1.0, 2.0, 3, "<= 500"),))

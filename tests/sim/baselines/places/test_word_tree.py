@@ -1,4 +1,4 @@
-"""The vocabulary tree: similar descriptors share a word, common words weigh nothing, and histograms have unit sum."""
+"""The vocabulary tree: similar descriptors share a word, common and unseen words weigh nothing, histograms have unit sum."""
 
 import numpy as np
 import pytest
@@ -41,10 +41,19 @@ def test_weights_are_inverse_document_frequencies_of_all_images(rng):
     images = [drawn(rng, 200) for _ in range(5)]
     tree = WordTree.learned(images, rng, branching=4, depth=2)
     having = np.array([[word in tree.words(image) for word in range(16)] for image in images]).sum(axis=0)
-    np.testing.assert_allclose(tree.weights, np.log(5 / np.maximum(having, 1)))
+    assert having.all()
+    np.testing.assert_allclose(tree.weights, np.log(5 / having))
     common = drawn(rng, 4)
     both = WordTree.learned([common, common], rng, branching=4, depth=1)
     assert not both.weights.any() and not both.histograms([common]).any()
+
+
+def test_a_word_in_no_training_image_weighs_nothing_as_in_dbow2(rng):
+    few = drawn(rng, 3)
+    tree = WordTree.learned([few[:2], few[2:]], rng, branching=3, depth=2)
+    unseen = np.setdiff1d(np.arange(9), tree.words(few))
+    assert len(unseen) == 6 and not tree.weights[unseen].any()
+    np.testing.assert_allclose(tree.weights[tree.words(few)], np.log(2))
 
 
 def test_histograms_have_unit_sum_or_are_empty(rng):

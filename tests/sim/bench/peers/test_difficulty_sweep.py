@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 from sim.bench.peers import difficulty_sweep as module
-from sim.bench.peers.difficulty_sweep import DIFFICULTIES, METHODS, SweepRow, means, sweep, write_sweep
+from sim.bench.peers.difficulty_sweep import DIFFICULTIES, METHODS, SweepMean, SweepRow, means, sweep, write_sweep
 from sim.harness import Scenario
-from sim.harness.adapters import GeometricRooms, Lexis
+from sim.harness.adapters import GeometricRooms, Lexis, OdometryOnly
 from sim.harness.parts import house_spec, tour_config
 
 
@@ -67,11 +67,35 @@ def test_means_are_over_the_houses_of_a_method_at_one_value():
     assert found.labels == pytest.approx(0.8) and means(rows)["b"][0.0].labels is None
 
 
+def test_figures_of_rooms_that_a_run_does_not_have_are_left_out_of_the_means():
+    rows = [
+        SweepRow("a", 0.0, 1, None, 0.4, 2, 0),
+        SweepRow("a", 0.0, 2, None, None, None, None),
+        SweepRow("b", 0.0, 1, None, None, None, None),
+    ]
+    assert means(rows) == {
+        "a": {0.0: SweepMean(None, 0.4, 0.0, 2.0, 0.0)},
+        "b": {0.0: SweepMean(None, None, None, None, None)},
+    }
+
+
+def test_a_method_that_claims_no_rooms_has_no_figures_of_rooms(monkeypatch):
+    monkeypatch.setattr(module, "METHODS", {"silent": lambda scenario: OdometryOnly()})
+    closed = replace(DIFFICULTIES["openness"], values=(0.0,), methods=("silent",))
+    assert list(sweep("home", (901,), closed)) == [SweepRow("silent", 0.0, 901, None, None, None, None)]
+
+
 @pytest.mark.parametrize("values", [(0.0, 0.3), ("day", "dim")])
 def test_files_hold_the_rows_and_drawings(values, tmp_path):
     rows = [SweepRow("a", value, 1, None, 0.5, 2, 0) for value in values]
+    rows.append(SweepRow("a", values[0], 2, None, None, None, None))
+    rows += [
+        SweepRow("b", value, 1, None, *figures) for value, figures in zip(values, ((0.5, 2, 0), (None,) * 3), strict=True)
+    ]
     for name in ("rows.csv", "plot.png", "plot.svg"):
         write_sweep(rows, "light", tmp_path / name)
     with (tmp_path / "rows.csv").open() as file:
-        assert [row["value"] for row in csv.DictReader(file)] == [str(value) for value in values]
+        assert [(row["value"], row["pq"]) for row in csv.DictReader(file)] == [
+            (str(row.value), "" if row.pq is None else str(row.pq)) for row in rows
+        ]
     assert (tmp_path / "plot.png").read_bytes().startswith(b"\x89PNG") and "<svg" in (tmp_path / "plot.svg").read_text()

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from sim.bench.peers import labels as module
 from sim.bench.peers.labels import PAPER_ACCURACY, LabelRow, compare_labels, means, room_accuracy
 from sim.errors import SimError
+from sim.harness.adapters import OdometryOnly
 from worlds.presets import PRESETS
 
 
@@ -29,6 +31,20 @@ def test_means_are_over_the_houses_of_one_preset_and_rooms_may_be_unknown():
     found = means(rows)["a"]
     assert (found["home"].accuracy, found["home"].rooms, found["ori"].rooms) == (0.5, None, 0.5)
     assert found["home"].std == pytest.approx(0.1)
+
+
+def test_a_missing_accuracy_is_left_out_of_the_mean():
+    rows = [LabelRow("home", 1, "a", 0.4, None), LabelRow("home", 2, "a", None, None), LabelRow("ori", 1, "a", None, None)]
+    found = means(rows)["a"]
+    assert (found["home"].accuracy, found["home"].std) == (0.4, 0.0)
+    assert found["ori"].accuracy is found["ori"].std is None
+
+
+def test_a_method_without_labels_has_no_accuracy(monkeypatch):
+    names = "LEXIS, refined (paper)", "Hydra-like, counts"
+    monkeypatch.setattr(module, "methods", lambda scenario, encoder: {name: OdometryOnly() for name in names})
+    (rows,) = compare_labels(("home",), (120,), "features")
+    assert len(rows) == 4 and {row.accuracy for row in rows} == {None}
 
 
 def test_the_papers_figures_are_shares_of_known_presets():
