@@ -35,7 +35,7 @@ def mutual_matches(
     """Match two arrays of descriptors; return pairs of row numbers, the first in `first` and the second in `second`.
 
     The two rows are nearest neighbours of each other by Hamming distance. The row of `first` must also pass Lowe's ratio
-    test: its distance to the nearest row is at most `ratio` times its distance to the second-nearest.
+    test: its distance to the nearest row is less than to the second-nearest, and at most `ratio` times the latter.
 
     With `allowed`, only the pairs that it marks are compared. A wrong pair may then have no second-nearest row and pass the
     ratio test, so bound the distance of pairs by `max_distance` [bits].
@@ -48,7 +48,7 @@ def mutual_matches(
     nearest = forward_ids[:, 0]
     found = (nearest >= 0) & (forward[:, 0] <= max_distance)
     mutual = backward_ids[nearest, 0] == rows
-    distinct = forward[:, 0] <= ratio * forward[:, 1]
+    distinct = (forward[:, 0] < forward[:, 1]) & (forward[:, 0] <= ratio * forward[:, 1])
     keep = found & mutual & distinct
     return np.stack([rows[keep], nearest[keep]], axis=1)
 

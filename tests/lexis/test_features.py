@@ -65,3 +65,10 @@ def test_a_lone_candidate_has_to_be_near():
     first, second = np.zeros((1, 61), np.uint8), np.full((1, 61), 255, np.uint8)
     assert len(mutual_matches(first, second, 0.8)) == 1
     assert len(mutual_matches(first, second, 0.8, max_distance=100)) == 0
+
+
+def test_a_descriptor_that_equals_two_others_is_ambiguous(rng):
+    first = rng.integers(0, 256, (3, 61), np.uint8)
+    twice = np.concatenate([first, first[:1]])
+    assert mutual_matches(first, twice, 0.8)[:, 0].tolist() == [1, 2]
+    assert mutual_matches(first, first, 0.8).tolist() == [[0, 0], [1, 1], [2, 2]]

@@ -24,7 +24,7 @@ IMAGE_MUTANTS = (
     Mutant(
         "descriptors are matched without the ratio test",
         "features.py",
-        "distinct = forward[:, 0] <= ratio * forward[:, 1]",
+        "distinct = (forward[:, 0] < forward[:, 1]) & (forward[:, 0] <= ratio * forward[:, 1])",
         "distinct = np.ones(len(rows), bool)",
     ),
     Mutant(
