@@ -73,8 +73,9 @@ class LabelConfig(Settings, place="labels", error=ConfigError):
     7 to 12), and after every optimisation. Only place recognition by room needs this; with the other methods, labels are
     refined only when a map is made."""
     stairs_name: Annotated[str, MinLen(1)] = "stairs"
-    """The room name that keyframes on stairs and in a moving lift get, in any case ("Stairs"). If the user's room names lack
-    it, these keyframes are labelled like all others, and get the nearest floor."""
+    """The room name that keyframes on stairs and in a moving lift get, in any case ("Stairs"). These keyframes are on no
+    floor, and separate floors. If the user's room names lack this name, they are labelled like all others, and get the
+    nearest floor."""
     stairs_window_m: Annotated[float, Gt(0)] = 2.0
     """Length of the path over which the change of height is measured, centred on the keyframe [m]."""
     stairs_min_height_m: Annotated[float, Gt(0)] = 0.5
@@ -93,8 +94,6 @@ class SegmentationConfig(Settings, place="segmentation", error=ConfigError):
     adjacency_m: Annotated[float, Gt(0)] = 1.5
     """Two clusters of the same label merge if a keyframe of one is within this distance of a keyframe of the other and no
     other room lies between the two keyframes [m]. Clusters that contain consecutive keyframes merge at any distance."""
-    stairs_name: Annotated[str, MinLen(1)] = "stairs"
-    """The label of stairs; keyframes with this label are on no floor and separate floors."""
 
 
 @dataclass(frozen=True)
@@ -328,10 +327,6 @@ class Config(Settings, place="lexis", error=ConfigError):
         if self.landmarks.min_views > views:
             self.landmarks.refuse(
                 "min_views", f"up to the {views} images that keyframes.supports leaves, or there is no landmark"
-            )
-        if self.segmentation.stairs_name != self.labels.stairs_name:
-            self.segmentation.refuse(
-                "stairs_name", f"{self.labels.stairs_name!r}, as labels.stairs_name, or no floor is found"
             )
 
 

@@ -11,7 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from lexis.config import SegmentationConfig
+from lexis.config import LabelConfig, SegmentationConfig
 from lexis.floors import NO_FLOOR, floor_levels
 from lexis.maths.stretches import consecutive_pairs
 from lexis.maths.ties import DECIMALS
@@ -44,6 +44,7 @@ def segment(
     config: SegmentationConfig,
     cluster: Clustering | None = None,
     sessions: PerKeyframe | None = None,
+    stairs_name: str = LabelConfig.stairs_name,
 ) -> Segmentation:
     """Group labelled keyframes into room instances and floors.
 
@@ -59,12 +60,13 @@ def segment(
         labels: index of every keyframe into `room_names`.
         positions: positions of the keyframes in W, in the order of the walk [m].
         room_names: the vocabulary.
-        config: the two distances, and the name of the stairs.
+        config: the two distances.
         cluster: how keyframes are grouped, in place of steps 2 and 3; None: as the paper does.
         sessions: the sessions of the keyframes; None: they are all of one.
+        stairs_name: the room name of stairs, as in `LabelConfig`.
     """
     sessions = np.zeros(len(labels), int) if sessions is None else sessions
-    stairs = np.array([same_name(name, config.stairs_name) for name in room_names])[labels]
+    stairs = np.array([same_name(name, stairs_name) for name in room_names])[labels]
     floors = floor_levels(stairs, positions, sessions)
     if cluster is None:
         groups = _by_distance(labels, floors, stairs, positions, sessions, config)

@@ -139,7 +139,8 @@ def derive(
             sees=largest(sees),
             config=config.sight,
         )
-    rooms = segment(refined, positions, room_names, config.segmentation, cluster, views.sessions)
+    stairs_name = config.labels.stairs_name
+    rooms = segment(refined, positions, room_names, config.segmentation, cluster, views.sessions, stairs_name)
     return Semantics(views.pooled, labels.baseline, rooms.labels, probabilities, rooms.floors, rooms.rooms)
 
 

@@ -4,9 +4,11 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
+from typing import Annotated
 
 import cv2
 import numpy as np
+from annotated_types import Ge, Gt
 from jaxtyping import Float64, UInt8
 from scipy.spatial.transform import Rotation, Slerp
 
@@ -15,6 +17,7 @@ from lexis.datasets.image_header import image_size
 from lexis.errors import DatasetError, one_line
 from lexis.files.reading import FileKind, read_bytes
 from lexis.inputs import MAX_POSITION_M
+from lexis.settings import Settings
 from lexis.types import Camera, Image, Poses
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg")
@@ -25,7 +28,7 @@ _MAX_COEFFICIENT = 1e4
 
 
 @dataclass(frozen=True)
-class DatasetConfig:
+class DatasetConfig(Settings, place="dataset", error=DatasetError):
     """Settings for reading a dataset: which contents to use, and assumptions where the dataset states nothing."""
 
     odometry: str | None = None
@@ -33,12 +36,12 @@ class DatasetConfig:
     camera: str | None = None
     """The camera: a file (TUM), a sensor's folder (EuRoC) or the namespace of topics (ROS 2). None: the default name. A list
     of names, separated by commas, makes a rig of several cameras (EuRoC and ROS 2)."""
-    max_odometry_gap_s: float = 0.5
+    max_odometry_gap_s: Annotated[float, Gt(0)] = 0.5
     """Longest gap between odometry poses that is interpolated [s]."""
-    rotation_sigma: float = 0.003
+    rotation_sigma: Annotated[float, Ge(0)] = 0.003
     """Standard deviation to assume for the drift of the orientation after one metre of path, if the dataset has no
     covariances [rad/√m]."""
-    translation_sigma: float = 0.015
+    translation_sigma: Annotated[float, Ge(0)] = 0.015
     """Standard deviation to assume for the drift of the position after one metre of path, if the dataset has no covariances
     [m/√m]."""
 

@@ -46,7 +46,7 @@ def _check(arguments: argparse.Namespace) -> int:
     from sim.harness import Claim, evaluate, write_run
     from sim.harness.crash import Crash, attempt, attempt_plans
     from sim.harness.failure_signature import CRASH
-    from sim.harness.outputs import MARKERS
+    from sim.harness.outputs import MARKERS, REPORT
 
     if CRASH in arguments.fails:
         raise SimError(
@@ -70,12 +70,13 @@ def _check(arguments: argparse.Namespace) -> int:
         write_run(finished, result, trials, arguments.out)
     print_result(finished, result, nulls=False, keys=True)
     if arguments.out is not None:
-        print(f"report: {arguments.out / 'report.html'}")
-    failures = [line for claim in claims if (line := failure(claim, result))]
-    print(*failures, sep="\n", end="\n" if failures else "", file=sys.stderr)
-    if true := [claim for claim in claims if claim.outcome(result) == "holds"]:
-        print(_next_step(true[0], arguments), file=sys.stderr)
-    return 1 if failures else 0
+        print(f"report: {arguments.out / REPORT}")
+    failed = [(claim, outcome) for claim in claims if (outcome := claim.outcome(result)) != "fails"]
+    for claim, _ in failed:
+        print(_failure(claim, result), file=sys.stderr)
+    if (true := next((claim for claim, outcome in failed if outcome == "holds"), None)) is not None:
+        print(_next_step(true, arguments), file=sys.stderr)
+    return 1 if failed else 0
 
 
 def _next_step(fails: "Claim", arguments: argparse.Namespace) -> str:
@@ -91,23 +92,24 @@ def _next_step(fails: "Claim", arguments: argparse.Namespace) -> str:
 def _crashed(crash: "Crash", arguments: argparse.Namespace) -> int:
     """Print the traceback of a crash and one line about it, and write its folder if `--out` is given; return status 1."""
     from sim.harness.failures.failure_folder import replay_test
-    from sim.harness.failures.why_page import crash_page
+    from sim.harness.failures.why_page import WHY, crash_page
     from sim.harness.outputs import write_crash
+    from sim.harness.world_tests import TEST_REPLAY
 
     print(crash.traceback, end="", file=sys.stderr)
     print(one_line(f"failed: {crash.sentence}", MAX_LINE), file=sys.stderr)
     if arguments.out is not None:
         replay = replay_test(None, replay_of(arguments))
         page = crash_page(f"The SLAM {crash.what}", crash)
-        write_crash(crash, arguments.out, {"test_replay.py": replay.encode(), **page.files})
-        print(f"why: {arguments.out / 'why.md'}")
+        write_crash(crash, arguments.out, {TEST_REPLAY: replay.encode(), **page.files})
+        print(f"why: {arguments.out / WHY}")
     return 1
 
 
-def failure(fails: "Claim", result: "RunResult") -> str:
-    """Return one line that says that the condition `fails` is true or cannot be judged; "" (empty) if it is false."""
+def _failure(fails: "Claim", result: "RunResult") -> str:
+    """Return one line that says that the condition `fails` is true, or that it cannot be judged."""
     value = fails.value(result)
     if value is None:
         null = " or ".join(fails.figures)
         return f"failed: {null} is null, because the run has no such figure; it cannot be judged by {str(fails)!r}"
-    return f"failed: {fails.figure} is {value:g}, and fails if {fails}" if fails.outcome(result) == "holds" else ""
+    return f"failed: {fails.figure} is {value:g}, and fails if {fails}"

@@ -62,7 +62,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
 def _run_and_report(scenario: "Scenario", slam: "SlamUnderTest | None", out: Path) -> int:
     from sim.harness import evaluate, run, try_plans, write_run
-    from sim.harness.outputs import MARKERS
+    from sim.harness.outputs import MARKERS, REPORT
     from sim.report.findings import coverage_gap, idle_faults
 
     warn_of_replacement(out, *MARKERS)
@@ -77,7 +77,7 @@ def _run_and_report(scenario: "Scenario", slam: "SlamUnderTest | None", out: Pat
             print(f"warning: {text}")
     if result.planning.success not in (None, 1.0):
         print("Not every plan reached its room: the report lists and draws those that failed.")
-    print(f"report: {out / 'report.html'}")
+    print(f"report: {out / REPORT}")
     return 0
 
 

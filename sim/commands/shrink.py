@@ -41,18 +41,19 @@ def add_to(commands: Commands) -> None:
 
 def _shrink(arguments: argparse.Namespace) -> int:
     from sim.harness import Scenario, blame
-    from sim.harness.blame_table import BlameTable
     from sim.harness.failure_signature import FailureTest, check_fails
     from sim.harness.failures.failure_folder import write_failure
+    from sim.harness.failures.why_page import WHY
     from sim.harness.outputs import MARKERS
     from sim.harness.reducer import DEADLINE_S, reduce
     from sim.harness.reductions import STEPS
+    from sim.harness.world_tests import SCENARIO
 
     test = FailureTest.parse(arguments.fails, runner_of(arguments))
     if test.claim is not None:
         check_claimable(arguments, test.claim)
     path = arguments.scenario
-    scenario = Scenario.load(path / "scenario.json" if path.is_dir() else path)
+    scenario = Scenario.load(path / SCENARIO if path.is_dir() else path)
     if unknown := [name for name in arguments.keep if name not in STEPS]:
         raise SimError(f"--keep {unknown[0]!r:.80}: no such step; valid: {', '.join(STEPS)}")
     steps = {name: step for name, step in STEPS.items() if name not in arguments.keep}
@@ -61,17 +62,14 @@ def _shrink(arguments: argparse.Namespace) -> int:
     tell = _print_progress if sys.stderr.isatty() else None
     deadline_s = arguments.deadline or (DEADLINE_S if arguments.program is None else _PROGRAM_DEADLINE_S)
     reduction = reduce(scenario, test, deadline_s, tell, steps=steps)
-    if reduction.ended == "interrupted":
-        blamed = BlameTable(())
-    else:
-        blamed = blame(reduction.scenario, test, is_lexis(arguments), None if tell is None else _print_substitution)
+    blamed = blame(reduction, test, is_lexis(arguments), None if tell is None else _print_substitution)
     if tell is not None:
         print(file=sys.stderr)
     write_failure(arguments.out, reduction, test, blamed, replay_of(arguments))
     old, new = reduction.sizes
     print(f"{old} -> {new}. {reduction.note}")
     print(str(blamed))
-    print(f"why: {arguments.out / 'why.md'}")
+    print(f"why: {arguments.out / WHY}")
     return 0
 
 

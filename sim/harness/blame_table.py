@@ -13,8 +13,8 @@ from sim.harness.adapters.true_stages import TrueStages
 from sim.harness.failure_signature import FailureTest, Observed, Signature
 from sim.harness.house_reductions import keep_furniture
 from sim.harness.parts import house_spec
-from sim.harness.reducer import Fails
-from sim.harness.reductions import with_features, with_listed_house
+from sim.harness.reducer import Fails, Reduction
+from sim.harness.reductions import with_features
 from sim.harness.runner import run
 from sim.harness.scenario import Scenario
 from sim.harness.wording import joined
@@ -66,6 +66,7 @@ class BlameTable:
     """The effects of all substitutions on a failure."""
 
     rows: tuple[BlameRow, ...]
+    """One row for each substitution; empty if the user interrupted the search for the smallest scenario, or `blame`."""
 
     def named(self, effect: Effect) -> tuple[str, ...]:
         """Return the names of the substitutions with the given effect."""
@@ -78,7 +79,7 @@ class BlameTable:
             return f"mended by: {mending or 'nothing'}." + (f" Not mended by: {others}." if others else "")
         if self.named("cannot be told"):
             return "it cannot be told what mends it."
-        return f"the failure needs {self.not_needed}." if self.not_needed else "no change was tried."
+        return f"the failure needs {self.not_needed}." if self.not_needed else "nothing is known about what mends it."
 
     @property
     def not_needed(self) -> str:
@@ -91,47 +92,56 @@ class BlameTable:
 
 
 def blame(
-    scenario: Scenario, test: FailureTest, is_lexis: bool = False, on_row: Callable[[BlameRow], None] | None = None
+    reduction: Reduction, fails: Fails, is_lexis: bool = False, on_row: Callable[[BlameRow], None] | None = None
 ) -> BlameTable:
-    """Run a failing scenario again with one part at a time replaced by the truth or left out, and tabulate what changes.
+    """Run the smallest failing scenario of a search again, each time with one part replaced by the truth or left out.
 
-    `is_lexis` says whether the SLAM of the test is LEXIS. If so, the stages of LEXIS are replaced as well, one at a time, in
-    copies of the LEXIS that failed. `on_row` is called with every finished row. If the test has not kept the failing run,
-    the run is repeated, and exceptions of this run are passed on. Raises `WorldsError` if the house cannot be built.
+    The table says which replacements mend the failure. It is empty if the user interrupted the search, or interrupts these
+    runs.
+
+    `fails` is the function with which `reduce` searched, and `is_lexis` says whether it runs LEXIS. If so, and if `fails` is
+    a `FailureTest`, the stages of LEXIS are replaced as well, one at a time, in copies of the LEXIS that failed. If the test
+    has not kept the failing run, the run is repeated for this, and its exceptions are passed on. With any other function,
+    the encoder is the only part of LEXIS that is replaced. `on_row` is called with every finished row.
+
+    Raises `WorldsError` if the house cannot be built.
     """
-    listed = with_listed_house(scenario)
-    signature = test(listed)
-    rows = []
-    for substitution in substitutions(listed, _lexis_of(listed, test) if is_lexis else None):
-        rows.append(_row(listed, substitution, lambda each: _judged(each, test, signature)))
-        if on_row is not None:
-            on_row(rows[-1])
+    if reduction.ended == "interrupted":
+        return BlameTable(())
+    rows: list[BlameRow] = []
+    try:
+        for substitution in _tried(reduction.scenario, fails, is_lexis):
+            rows.append(_row(reduction, substitution, fails))
+            if on_row is not None:
+                on_row(rows[-1])
+    except KeyboardInterrupt:
+        return BlameTable(())
     return BlameTable(tuple(rows))
 
 
-def blame_outside(scenario: Scenario, fails: Fails, signature: Signature, knows_encoder: bool = False) -> BlameTable:
-    """Try the substitutions that need no access to the SLAM, for a failure of any kind.
-
-    `scenario` lists its whole house and fails with `signature`; `fails` runs a scenario, as for `reduce`. `knows_encoder`
-    says that the SLAM uses the encoder that the scenario names, so that the oracle may take its place.
-    """
-    tried = list(_outside(scenario))
-    if knows_encoder:
-        tried.append(Substitution("oracle encoder", replace(with_features(scenario), encoder=ORACLE)))
-    return BlameTable(tuple(_row(scenario, each, lambda one: _compared(one, fails, signature)) for each in tried))
+def _tried(scenario: Scenario, fails: Fails, is_lexis: bool) -> Iterator[Substitution]:
+    """Yield the substitutions that `blame` tries. Only a `FailureTest` can run a changed SLAM."""
+    if isinstance(fails, FailureTest):
+        yield from substitutions(scenario, _lexis_of(scenario, fails) if is_lexis else None)
+        return
+    yield from _outside(scenario)
+    if is_lexis:
+        yield Substitution("oracle encoder", replace(with_features(scenario), encoder=ORACLE))
 
 
-def _row(scenario: Scenario, substitution: Substitution, judged: Callable[[Substitution], BlameRow]) -> BlameRow:
-    """Return the row of a substitution. `judged` runs it and makes the row, unless the substitution changes nothing."""
-    if substitution.slam is None and substitution.scenario == scenario:
+def _row(reduction: Reduction, substitution: Substitution, fails: Fails) -> BlameRow:
+    """Run a substitution and return its row; a substitution that changes nothing is not run."""
+    if substitution.slam is None and substitution.scenario == reduction.scenario:
         return BlameRow(substitution.name, "changes nothing")
     try:
-        return judged(substitution)
+        if isinstance(fails, FailureTest):
+            return _tested(substitution, fails, reduction.signature)
+        return _compared(substitution, fails, reduction.signature)
     except USER_ERRORS as error:  # raised by the scenario or by any SLAM
         return BlameRow(substitution.name, "cannot be told", detail=f"{type(error).__name__}: {error}")
 
 
-def _compared(substitution: Substitution, fails: Fails, signature: Signature | None) -> BlameRow:
+def _compared(substitution: Substitution, fails: Fails, signature: Signature) -> BlameRow:
     """Return the row of a substitution for a failure that no figure describes.
 
     These failures are compared by their signatures only.
@@ -142,9 +152,9 @@ def _compared(substitution: Substitution, fails: Fails, signature: Signature | N
     return BlameRow(substitution.name, "mends" if found is None else "does not mend")
 
 
-def _differently(found: Signature, signature: Signature | None) -> str:
+def _differently(found: Signature, signature: Signature) -> str:
     """Return why a failure with another signature than `signature` tells nothing about the blame."""
-    if signature is not None and found == signature.unavoidable:
+    if found == signature.unavoidable:
         return "a good SLAM fails there, too"
     return f"it fails differently: {found}"
 
@@ -201,7 +211,7 @@ def _of_lexis(scenario: Scenario, lexis: Lexis) -> Iterator[Substitution]:
         yield Substitution(name, scenario, changed)
 
 
-def _judged(substitution: Substitution, test: FailureTest, signature: Signature | None) -> BlameRow:
+def _tested(substitution: Substitution, test: FailureTest, signature: Signature) -> BlameRow:
     name, slam = substitution.name, substitution.slam
     runner = test.runner if slam is None else lambda scenario, progress: run(scenario, slam, progress)
     changed = replace(test, runner=runner)  # a copy, so that the test keeps the run of the failure

@@ -11,13 +11,14 @@ from lexis.files.tum_trajectory import write_tum
 from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.planning import Trial
 from sim.harness.report_data import report_data
-from sim.harness.results import RunResult
+from sim.harness.results import RESULT, RunResult
 from sim.harness.runner import Run
 from sim.harness.slam_under_test import SavesFiles
-from sim.harness.world_tests import TEST_REPLAY
+from sim.harness.world_tests import SCENARIO, TEST_REPLAY
 from sim.report import ShownFailure, write_report
 
-MARKERS = ("result.json", TRACEBACK, TEST_REPLAY)
+REPORT = "report.html"
+MARKERS = (RESULT, TRACEBACK, TEST_REPLAY)
 """Files that identify a folder as the output of a run, of a crash or of a failed check, which a new run may replace."""
 _NO_FILES: Mapping[str, bytes] = MappingProxyType({})
 
@@ -61,20 +62,20 @@ def _folder_with(more: Mapping[str, bytes], out: Path) -> Iterator[Path]:
 def fill_crash_folder(crash: Crash, folder: Path) -> None:
     """Write the files of `write_crash` into an existing folder."""
     (folder / TRACEBACK).write_text(crash.traceback)
-    crash.scenario.save(folder / "scenario.json")
+    crash.scenario.save(folder / SCENARIO)
 
 
 def fill_run_folder(
     run: Run, result: RunResult, trials: Sequence[Trial], folder: Path, failure: ShownFailure | None = None
 ) -> None:
     """Write the files of `write_run` into an existing folder."""
-    (folder / "result.json").write_text(json.dumps(result.data(), indent=1) + "\n")
+    (folder / RESULT).write_text(json.dumps(result.data(), indent=1) + "\n")
     (folder / "house.json").write_text(run.house.spec.to_json())
-    run.scenario.save(folder / "scenario.json")
+    run.scenario.save(folder / SCENARIO)
     if run.estimate.T_W_B is not None:
         write_tum(folder / "trajectory.tum", run.stamps, run.estimate.T_W_B)
     write_tum(folder / "ground_truth.tum", run.stamps, run.true_poses)
     write_tum(folder / "odometry.tum", run.stamps, run.odometry_poses)
     if isinstance(run.slam, SavesFiles):
         run.slam.save(folder)
-    write_report(folder / "report.html", report_data(run, result, trials, failure))
+    write_report(folder / REPORT, report_data(run, result, trials, failure))

@@ -7,6 +7,8 @@ from typing import Any, get_type_hints
 
 from sim.errors import SimError
 
+RESULT = "result.json"
+"""File with the result of a run, in the run's folder."""
 SCHEMA = 1
 MATCHES = (1, 3, 5)
 """Least numbers of right matches for which a query counts as a true positive; `RunResult.place_recognition` has figures for

@@ -9,10 +9,8 @@ from sim.errors import SimError
 from sim.pytest_plugin.execution import Execution, execute
 
 if TYPE_CHECKING:
-    from sim.harness.blame_table import BlameTable
     from sim.harness.failure_signature import Signature
     from sim.harness.failures.failed_test import Search
-    from sim.harness.reducer import Fails, Reduction
     from sim.harness.results import RunResult
     from sim.harness.scenario import Scenario
 
@@ -37,6 +35,8 @@ def shrunk(
     Returns the execution of the test in this scenario, and the search. If the failure does not recur, `found` and None are
     returned. After Ctrl-C, the smallest failure so far is returned, and pytest is told to stop after this test.
     """
+    from sim.harness.adapters.lexis import Lexis
+    from sim.harness.blame_table import blame
     from sim.harness.failures.failed_test import Search
     from sim.harness.good_slam import Reference
     from sim.harness.reducer import reduce
@@ -68,11 +68,10 @@ def shrunk(
         return found, None
     if last.scenario != reduction.scenario and fails(reduction.scenario) != signature:
         return found, None
-    smallest, blamed = last, None
-    if reduction.ended == "interrupted":
+    smallest = last  # kept, because `fails` may change `last` in the runs of `blame`
+    blamed = blame(reduction, fails, smallest.run is not None and isinstance(smallest.run.slam, Lexis))
+    if not blamed.rows:  # interrupted
         _stop(item)
-    else:
-        blamed = _blamed(item, smallest, reduction, fails)
     return smallest, Search(scenario, found.failure.text if found.failure else "", _place(found), reduction, blamed)
 
 
@@ -82,18 +81,6 @@ def _place(found: Execution) -> str:
         return found.first_wrong
     except Exception:  # whatever it is, the failure of the test must not be lost
         return ""
-
-
-def _blamed(item: pytest.Item, smallest: Execution, reduction: "Reduction", fails: "Fails") -> "BlameTable | None":
-    from sim.harness.adapters.lexis import Lexis
-    from sim.harness.blame_table import blame_outside
-
-    is_lexis = smallest.run is not None and isinstance(smallest.run.slam, Lexis)
-    try:
-        return blame_outside(reduction.scenario, fails, reduction.signature, is_lexis)
-    except KeyboardInterrupt:
-        _stop(item)
-        return None
 
 
 def _stop(item: pytest.Item) -> None:

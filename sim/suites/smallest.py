@@ -8,10 +8,11 @@ from lexis.errors import LexisError, one_line
 from lexis.files.replace import replaced_folder
 from sim.errors import USER_ERRORS, SimError
 from sim.harness.adapters.lexis import Lexis
-from sim.harness.blame_table import BlameTable, blame
+from sim.harness.blame_table import blame
 from sim.harness.crash import Runner
 from sim.harness.failure_signature import FailureTest, Signature
 from sim.harness.failures.failure_folder import LEXIS_REPLAY, Replay, not_reproduced, write_failure
+from sim.harness.failures.why_page import WHY
 from sim.harness.outputs import MARKERS
 from sim.harness.reducer import DEADLINE_S, Reduction, reduce
 from sim.harness.reductions import with_listed_house
@@ -103,9 +104,9 @@ def _written(
     scenario = verdict.failures[0].scenario
     if (test := _failure_test(check, scenario, runner)) is not None:
         reduction = reduce(scenario, test, DEADLINE_S)
-        blamed = BlameTable(()) if reduction.ended == "interrupted" else blame(reduction.scenario, test, is_lexis)
+        blamed = blame(reduction, test, is_lexis)
         write_failure(folder, reduction, test, blamed, replay)
-        found = f"{blamed}\n  why: {folder / 'why.md'}"
+        found, interrupted = f"{blamed}\n  why: {folder / WHY}", not blamed.rows
     else:
         reduction = smallest_failure(check, scenario, new_slam)
         imports = "" if replay == LEXIS_REPLAY else replay.imports
@@ -115,11 +116,11 @@ def _written(
             raise not_reproduced(reduction)
         with replaced_folder(folder, *MARKERS) as beside:
             reduction.scenario.save(beside / SCENARIO)
-            (beside / "why.md").write_text(_why(verdict, smallest.measured, reduction))
+            (beside / WHY).write_text(_why(verdict, smallest.measured, reduction))
             (beside / TEST_REPLAY).write_text(_REPLAY.format(**names, imports=imports, new_slam=replay.new_slam))
-        found = f"replay: pytest {folder / TEST_REPLAY}"
+        found, interrupted = f"replay: pytest {folder / TEST_REPLAY}", reduction.ended == "interrupted"
     old, new = reduction.sizes
-    return f"{verdict.name}: {old} -> {new}\n  {found}", reduction.ended == "interrupted"
+    return f"{verdict.name}: {old} -> {new}\n  {found}", interrupted
 
 
 def _failure_test(check: Check | None, scenario: Scenario, runner: Runner) -> FailureTest | None:

@@ -14,12 +14,10 @@ from lexis.files.reading import FileKind, read_json
 from lexis.files.replace import replaced_file
 from sim.errors import SimError
 from sim.harness.claims import Claim
-from sim.harness.results import SCHEMA, RunResult
+from sim.harness.results import RESULT, SCHEMA, RunResult
 from sim.verdicts.comparison import Comparison, compare_results
 
 FORMAT = "lexis-results"
-RESULT = "result.json"
-"""Name of the file with the result of a run, in the run's folder."""
 _FILE = FileKind("a file of results, as `lexis-sim check --json` writes it, or result.json of a run", 500_000_000, SimError)
 
 

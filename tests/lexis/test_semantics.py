@@ -76,3 +76,15 @@ def test_offices_of_two_sessions_are_not_one_because_nobody_walked_from_one_to_t
     config = Config(segmentation=SegmentationConfig(method=method))
     found = [(room.label, room.keyframes, room.floor) for room in derive(seen, NAMES, config).rooms]
     assert found == [("office", tuple(range(10)), 0), ("office", tuple(range(10, 20)), 0)]
+
+
+def test_stairs_separate_floors_under_the_name_that_the_settings_give_them():
+    """Six keyframes in a kitchen, ten on stairs up 3 m, and six in an office."""
+    T = np.tile(np.eye(4), (22, 1, 1))
+    T[:, 0, 3], T[:, 2, 3] = 0.5 * np.arange(22), np.interp(np.arange(22), [5, 16], [0.0, 3.0])
+    seen = views(np.repeat(TEXT[:2], 11, axis=0), T)
+    config = Config(labels=LabelConfig(stairs_name="staircase"))
+    usual = derive(seen, NAMES, Config()).floors
+    assert set(usual.tolist()) == {-1, 0, 1}
+    np.testing.assert_array_equal(derive(seen, (*NAMES[:2], "staircase"), config).floors, usual)
+    assert set(derive(seen, NAMES, config).floors.tolist()) != {-1, 0, 1}

@@ -65,7 +65,7 @@ def _graph(places: Int[np.ndarray, "n 2"], free: Free, stride: int) -> csr_array
         cells = [tuple((places + stride + np.multiply(direction, step)).T) for step in range(1, stride + 1)]
         start = np.flatnonzero(np.all([passable[cell] for cell in cells], axis=0))
         end = number[cells[-1]][start]
-        graph += csr_array((np.full(len(start), np.hypot(*direction)), (start, end)), (count, count))
+        graph = csr_array(graph + csr_array((np.full(len(start), np.hypot(*direction)), (start, end)), (count, count)))
     return csr_array(graph + graph.T)
 
 

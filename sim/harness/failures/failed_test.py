@@ -76,9 +76,8 @@ class Search:
     found_place: str
     """Where the original run first went wrong: room, time and kind of error; empty if it is not known."""
     reduction: Reduction
-    blamed: BlameTable | None
-    """The changes that mend the failure in the smallest scenario, and the changes that do not. None if the user interrupted
-    the test before the changes were tried."""
+    blamed: BlameTable
+    """The changes that mend the failure in the smallest scenario, and the changes that do not."""
 
 
 def folder_of(out: Path, name: str, scenario: Scenario, parameters: str = "") -> Path:

@@ -13,6 +13,7 @@ from sim.harness.failures.first_wrong import shown_failure
 from sim.harness.failures.why_page import why_page
 from sim.harness.outputs import write_crash, write_run
 from sim.harness.reducer import Reduction
+from sim.harness.world_tests import TEST_REPLAY
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ def write_failure(
     if test.signature_of(smallest) != reduction.signature:
         raise not_reproduced(reduction)
     original = json.dumps(reduction.original.data(), indent=1) + "\n"
-    files = {"original.json": original.encode(), "test_replay.py": replay_test(test.claim, replay).encode()}
+    files = {"original.json": original.encode(), TEST_REPLAY: replay_test(test.claim, replay).encode()}
     files |= why_page(reduction, test, blamed, smallest).files
     if isinstance(smallest, Crash):
         write_crash(smallest, out, files)

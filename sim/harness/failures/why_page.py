@@ -20,6 +20,7 @@ from sim.render.image_files import encoded
 from sim.report.frame_picture import FrameClaims, place_image
 from sim.session import Session
 
+WHY = "why.md"
 _LISTED = 8
 """Largest number of listed changes by which the failure goes away."""
 _IMAGE, _PLAN = "first-wrong.png", "first-wrong-plan.png"
@@ -52,7 +53,7 @@ class Page:
     @property
     def files(self) -> dict[str, bytes]:
         """Contents of why.md and of the picture files, by file name."""
-        return {"why.md": ("\n".join(self.lines) + "\n").encode(), **self.pictures}
+        return {WHY: ("\n".join(self.lines) + "\n").encode(), **self.pictures}
 
 
 def why_page(reduction: Reduction, test: FailureTest, blamed: BlameTable, smallest: Observed | Crash) -> Page:
@@ -78,9 +79,9 @@ def failed_test_page(
     """Make the page about a test that fails.
 
     `figure` is the figure that the failing assertion is about, such as "floors.accuracy"; None if it is unknown.
-    `reduction` is None if no smaller scenario was searched for. `blamed` is None if no change was tried that could mend the
-    failure. `message` is what pytest says about the failure, if it is known, and `found` what it said in the scenario in
-    which the failure was found; `found_place` says where that run first went wrong.
+    `reduction` and `blamed` are None if no smaller scenario was searched for. `message` is what pytest says about the
+    failure, if it is known, and `found` what it said in the scenario in which the failure was found; `found_place` says
+    where that run first went wrong.
     """
     head = [f"# {name} fails", *_under_test(_name_of(run)), *_quoted(message)]
     if found and found != message:
@@ -111,8 +112,7 @@ def _quoted(message: str) -> list[str]:
 def crash_page(title: str, crash: Crash, reduction: Reduction | None = None, blamed: BlameTable | None = None) -> Page:
     """Make the page about a crash of the SLAM.
 
-    `reduction` is None if no smaller scenario was searched for. `blamed` is None if no change was tried that could mend the
-    failure.
+    `reduction` and `blamed` are None if no smaller scenario was searched for.
     """
     more = f" More is in `{TRACEBACK}`." if crash.traceback else ""
     head = [f"# {title}", *_under_test(crash.slam), "", f"`{crash.message.replace('`', '')}`.{more}"]
@@ -193,13 +193,12 @@ def _frame_page(
 def _search_sections(reduction: Reduction | None, blamed: BlameTable | None, figure: str = "") -> Iterator[str]:
     """Yield the lines on what mends the failure, what the failure needs, and how small the scenario has become.
 
-    Without `blamed`, the first part is left out. Without a `reduction`, there was no search, and there are no lines.
+    Both arguments are None if there was no search; there are no lines then.
     """
-    if reduction is None:
+    if reduction is None or blamed is None:
         return
-    if blamed is not None:
-        yield from _mends(blamed, figure)
-        yield ""
+    yield from _mends(blamed, figure)
+    yield ""
     yield from _needs(reduction)
     yield ""
     yield from _sizes(reduction, figure)

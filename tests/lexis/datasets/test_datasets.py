@@ -69,6 +69,12 @@ def test_without_covariances_drift_grows_with_the_root_of_the_path(recorded):
     np.testing.assert_allclose(np.sqrt(np.diag(far[1])), [0.006] * 3 + [0.03] * 3)
 
 
+@pytest.mark.parametrize("setting", ["max_odometry_gap_s", "rotation_sigma", "translation_sigma"])
+def test_a_setting_for_reading_is_refused_by_name(setting):
+    with pytest.raises(DatasetError, match=f"dataset.{setting} is -1.0; valid: >"):
+        DatasetConfig(**{setting: -1.0})
+
+
 def edited(folder, name, old, new):
     text = (folder / name).read_text()
     assert old in text

@@ -1,7 +1,21 @@
-"""The commands of feature fidelity: bad input gives one line."""
+"""The commands of feature fidelity: bad input gives one line, and a fitted model can be read."""
 
 import pytest
 from helpers.command_line import status_of
+
+from lexis.encoder.open_clip_encoder import load_encoder
+from sim.feature_fitting import fit
+from sim.feature_sensor.model import load_features
+
+
+@pytest.mark.slow
+def test_fit_features_writes_a_model_of_the_encoder(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(fit, "WALKS", fit.WALKS[:1])
+    file = tmp_path / "mini.npz"
+    assert status_of(["fit-features", "--houses", "2", "--out", file]) == 0
+    model = load_features(file)
+    model.check(load_encoder("mini"), str(file))
+    assert f"loops: {len(model.loops.true_edges.inliers)} true and" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

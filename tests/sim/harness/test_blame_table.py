@@ -7,12 +7,12 @@ from lexis.evaluation.loops import true_edges
 from lexis.types import LoopEdge
 from lexis.verification import Verification
 from sim.feature_sensor.oracle import Oracle
-from sim.harness import Claim, FailureTest, Scenario, blame, run
+from sim.harness import Claim, FailureTest, Scenario, Signature, blame, reduce, run
 from sim.harness.adapters import Lexis
 from sim.harness.adapters.true_stages import TrueStages
 from sim.harness.blame_table import BlameRow, BlameTable, substitutions
 from sim.harness.house_reductions import keep_furniture
-from sim.harness.reductions import with_listed_house
+from sim.harness.reductions import STEPS, with_listed_house
 from worlds.presets import sample_from_rooms
 from worlds.validation import built_and_checked
 
@@ -54,8 +54,8 @@ def blamed(claim, **stages):
     """What the table says of each stage of a LEXIS in which some stages are replaced."""
     settings = {"encoder": "oracle"} | stages
     test = FailureTest(Claim.parse(claim), lambda scenario, progress: run(scenario, Lexis(**settings), progress))
-    assert test(SCENARIO) is not None
-    return {row.substitution: row.effect for row in blame(SCENARIO, test, is_lexis=True).rows}
+    reduction = reduce(SCENARIO, test, steps={})
+    return {row.substitution: row.effect for row in blame(reduction, test, is_lexis=True).rows}
 
 
 def test_an_encoder_that_swaps_two_labels():
@@ -80,6 +80,37 @@ def test_labels_that_are_lost_before_clustering():
     assert {name for name in STAGES if said[name] == "mends"} == {"true labels"}
 
 
+class Drifting:
+    """Fails where the odometry drifts; counts the runs, and is interrupted in one of them."""
+
+    def __init__(self, stop_at=None):
+        self.runs, self.stop_at = 0, stop_at
+
+    def __call__(self, scenario):
+        self.runs += 1
+        if self.runs == self.stop_at:
+            raise KeyboardInterrupt
+        return None if scenario.odometry == "perfect" else Signature("drifts")
+
+
+def test_a_failure_of_any_kind_is_blamed_without_access_to_the_slam():
+    fails = Drifting()
+    reduction = reduce(SCENARIO, fails, steps={})
+    rows = blame(reduction, fails).rows
+    assert [(row.substitution, row.effect) for row in rows if row.effect != "changes nothing"] == [
+        ("perfect odometry", "mends")
+    ]
+    assert [row.substitution for row in blame(reduction, fails, is_lexis=True).rows][len(rows) :] == ["oracle encoder"]
+
+
+@pytest.mark.parametrize("stop_at", [2, 3])
+def test_after_an_interruption_of_the_search_or_of_blame_nothing_more_is_run(stop_at):
+    fails = Drifting(stop_at)
+    reduction = reduce(SCENARIO, fails, steps={"drop drift": STEPS["drop drift"]})
+    assert (reduction.ended == "interrupted") == (stop_at == 2)
+    assert blame(reduction, fails).rows == () and fails.runs == stop_at
+
+
 @pytest.mark.parametrize(
     ("effects", "summary"),
     [
@@ -87,7 +118,7 @@ def test_labels_that_are_lost_before_clustering():
         (["does not mend", "changes nothing"], "mended by: nothing. Not mended by: a."),
         (["cannot be told", "changes nothing"], "it cannot be told what mends it."),
         (["changes nothing", "changes nothing"], "the failure needs no error of a or error of b."),
-        ([], "no change was tried."),
+        ([], "it was not tried what mends the failure, because the search was interrupted."),
     ],
 )
 def test_the_summary_says_no_more_than_the_table(effects, summary):

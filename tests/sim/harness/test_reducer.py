@@ -41,7 +41,7 @@ def test_a_planted_bug_is_shrunk_and_blamed(name):
     assert after.storeys == (2 if name == "floors" else 1)
     assert after.drift == (name == "drift")
     assert reduction.ended == "smallest" and test(reduction.scenario) == reduction.signature == Signature(str(test.claim))
-    assert set(blame(reduction.scenario, test).named("mends")) == BUGS[name][3]
+    assert set(blame(reduction, test).named("mends")) == BUGS[name][3]
 
 
 def odometry_alone(scenario, progress):
@@ -55,7 +55,7 @@ def test_a_failure_to_be_better_than_the_odometry_is_shrunk_to_a_scenario_where_
     after = size(reduction.scenario)
     assert after.rooms == 1 and after.drift == 1 and after.length_m < size(reduction.original).length_m
     assert test.claim.outcome(evaluate(run(reduction.scenario, Lexis("oracle")))) == "fails"
-    assert "perfect odometry" in blame(reduction.scenario, test).named("cannot be told")
+    assert "perfect odometry" in blame(reduction, test).named("cannot be told")
 
 
 def test_accepted_scenarios_shrink_all_the_way_and_are_valid():

@@ -31,4 +31,4 @@ def test_a_program_with_a_planted_bug_is_shrunk_and_blamed(bug, tmp_path):
     assert before.rooms >= 10 and after.storeys <= storeys and after.rooms <= rooms and after.length_m <= 20.0
     assert reduction.searched_on == "render" and reduction.on_features == "cannot run"
     assert test(reduction.scenario) == reduction.signature
-    assert set(blame(reduction.scenario, test).named("mends")) == mends
+    assert set(blame(reduction, test).named("mends")) == mends

@@ -8,7 +8,8 @@ from helpers.map_builder import ENCODER
 from scipy.special import expit
 from sklearn.metrics import roc_auc_score
 
-from lexis.query.calibration import Calibration, familiarity, load_calibration
+from lexis.encoder.open_clip_encoder import load_encoder
+from lexis.query.calibration import Calibration, familiarity, find_calibration, load_calibration
 from sim.cli import main
 from sim.errors import SimError
 from sim.training import query_calibration, query_questions
@@ -135,6 +136,14 @@ def test_a_calibration_is_written_beside_its_weights_only_once(views, tmp_path, 
         write_calibration(HashingEncoder(), tmp_path / "mini.safetensors", 3, 0)
     assert len(walked) == 3
     assert load_calibration(tmp_path / "mini.calibration.json").fingerprint == ENCODER.fingerprint
+
+
+def test_the_command_writes_a_calibration_with_which_mini_answers_questions(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(query_questions, "_MOST", 12)
+    file = tmp_path / "mini.json"
+    assert main(["calibrate-queries", "--houses", "1", "--out", str(file)]) == 0
+    found = find_calibration(load_encoder("mini"), file)  # raises an error if another encoder was calibrated
+    assert f"{file}: threshold {found.base:.3f} + {found.slope:.3f} familiarity" in capsys.readouterr().out
 
 
 def test_without_houses_there_is_no_fit():

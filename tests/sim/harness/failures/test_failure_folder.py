@@ -21,7 +21,7 @@ def failure(tmp_path_factory):
     test = FailureTest(Claim.parse("labels.accuracy < 0.9"), planted(open_plan))
     reduction = reduce(OPEN_FLAT, test, 1e9)
     replay = Replay("from sim.bench.planted_bugs import no_bug, open_plan, planted", "planted(open_plan)(scenario, None)")
-    write_failure(out, reduction, test, blame(reduction.scenario, test), replay)
+    write_failure(out, reduction, test, blame(reduction, test), replay)
     return out, reduction
 
 
