@@ -79,7 +79,9 @@ class BlameTable:
             return f"mended by: {mending or 'nothing'}." + (f" Not mended by: {others}." if others else "")
         if self.named("cannot be told"):
             return "it cannot be told what mends it."
-        return f"the failure needs {self.not_needed}." if self.not_needed else "nothing is known about what mends it."
+        if self.not_needed:
+            return f"the failure needs {self.not_needed}."
+        return "it was not tried what mends the failure, because the search was interrupted."
 
     @property
     def not_needed(self) -> str:
