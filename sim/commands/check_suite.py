@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from lexis.files.replace import replaced_file
 from sim.commands.arguments import given_options_of_a_run, whole_number
-from sim.commands.earlier_run import EarlierRun
+from sim.commands.earlier_results import EarlierResults
 from sim.commands.run import progress_bar
 from sim.commands.slams import is_lexis, program_of, refuse_program_options, replay_of, runner_of, slam_factory
 from sim.durations import duration_s
@@ -80,7 +80,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
     new_slam, workers = _new_slam(arguments), arguments.workers or os.cpu_count() or 1
     suite = _suite(arguments)
     _check_output_files(arguments)
-    before = None if arguments.against is None else EarlierRun.read(arguments.against)
+    before = None if arguments.against is None else EarlierResults.read(arguments.against)
     if before is not None:
         before.refuse_other_scenarios(runnable(suite, new_slam), arguments.seed)
     with progress_bar("checking by the suite") as progress:

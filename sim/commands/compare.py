@@ -31,10 +31,10 @@ def add_to(commands: Commands) -> None:
 
 def _compare(arguments: argparse.Namespace) -> int:
     from sim.harness import Claim
-    from sim.verdicts import StoredRun
+    from sim.verdicts import SuiteResults
 
     claims = [Claim.parse(text) for text in arguments.claim]
-    a, b = StoredRun.load(arguments.a), StoredRun.load(arguments.b, may_be_empty=True)
+    a, b = SuiteResults.load(arguments.a), SuiteResults.load(arguments.b, may_be_empty=True)
     comparison = a.compared_with(b, claims, arguments.confidence)
     if comparison is None:
         if not a.completed & b.known:

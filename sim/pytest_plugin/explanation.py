@@ -16,7 +16,7 @@ from sim.pytest_plugin.options import loading_options, out_folder, replayed_file
 
 if TYPE_CHECKING:
     from sim.harness.crash import Crash
-    from sim.harness.failures.failed_test import FailedTest, FinishedRun, Search
+    from sim.harness.failures.failed_test import FailedPytest, FinishedRun, Search
     from sim.harness.scenario import Scenario
 
 
@@ -100,13 +100,13 @@ def _folder(item: pytest.Item, execution: Execution, outcome: "FinishedRun | Cra
     return folder
 
 
-def _failed_test(item: pytest.Item, execution: Execution) -> "FailedTest":
-    from sim.harness.failures.failed_test import FailedTest
+def _failed_test(item: pytest.Item, execution: Execution) -> "FailedPytest":
+    from sim.harness.failures.failed_test import FailedPytest
 
     failure, options = execution.failure, tuple(loading_options(item.config))
     if failure is None:
-        return FailedTest(name_of(item), replayed_name(item), options)
-    return FailedTest(name_of(item), replayed_name(item), options, failure.figure, failure.text)
+        return FailedPytest(name_of(item), replayed_name(item), options)
+    return FailedPytest(name_of(item), replayed_name(item), options, failure.figure, failure.text)
 
 
 def _is_in_its_folder(item: pytest.Item, scenario: "Scenario") -> bool:

@@ -5,6 +5,6 @@ from .mean import MeanVerdict as MeanVerdict
 from .mean import assert_mean as assert_mean
 from .rate import RateVerdict as RateVerdict
 from .rate import assert_rate as assert_rate
-from .stored_results import StoredRun as StoredRun
+from .stored_results import SuiteResults as SuiteResults
 from .stored_results import load_results as load_results
 from .stored_results import save_results as save_results

@@ -51,7 +51,7 @@ def load_results(path: Path | str) -> tuple[RunResult, ...]:
 
 
 @dataclass(frozen=True)
-class StoredRun:
+class SuiteResults:
     """The results of a run of a suite, and the scenarios that it began, some of which may have no result."""
 
     results: tuple[RunResult, ...]
@@ -59,7 +59,7 @@ class StoredRun:
     """Hashes of the scenarios that were begun; None if this is not known."""
 
     @classmethod
-    def load(cls, path: Path | str, may_be_empty: bool = False) -> "StoredRun":
+    def load(cls, path: Path | str, may_be_empty: bool = False) -> "SuiteResults":
         """Read a file or a folder as `load_results` does. Only files of suites say which scenarios were begun.
 
         With `may_be_empty`, a suite of which no scenario was completed is not refused.
@@ -75,7 +75,7 @@ class StoredRun:
         return cls(_results_of(data, path), begun)
 
     def compared_with(
-        self, later: "StoredRun", claims: Sequence[Claim | str] = (), confidence: float = 0.95
+        self, later: "SuiteResults", claims: Sequence[Claim | str] = (), confidence: float = 0.95
     ) -> Comparison | None:
         """Compare the results of a later run with these, as `compare_results` does.
 
@@ -97,7 +97,7 @@ class StoredRun:
         """Hashes of the scenarios that were begun, as far as this is known."""
         return self.completed | (self.begun or frozenset())
 
-    def comparable_with(self, other: "StoredRun") -> tuple[RunResult, ...]:
+    def comparable_with(self, other: "SuiteResults") -> tuple[RunResult, ...]:
         """Return the results of this run without those of scenarios that the other run never began.
 
         A run that stopped early, for example because its budget was used up, thus does not look like one that crashed.

@@ -19,7 +19,7 @@ from sim.commands.arguments import SEED, argument, folder
 from sim.commands.benchmarks.bench_options import (
     console,
 )
-from sim.commands.earlier_run import EarlierRun
+from sim.commands.earlier_results import EarlierResults
 from sim.durations import duration_s
 from sim.errors import SimError
 from sim.output_files import check_output_file
@@ -44,7 +44,7 @@ def _mutation(arguments: argparse.Namespace) -> int:
     if arguments.out is not None:
         check_output_file(arguments.out)
     if before is not None:
-        EarlierRun.read(before).refuse_other_scenarios(chosen, arguments.seed)
+        EarlierResults.read(before).refuse_other_scenarios(chosen, arguments.seed)
     graded = partial(grade, suite=arguments.suite, workers=1, laws=laws, smallest=arguments.smallest, before=before)
     suite = arguments.suite if laws else f"{arguments.suite} without laws"
     kept = [] if arguments.out is None else read_grades(arguments.out)

@@ -30,8 +30,8 @@ def test_replay():
 
 
 @dataclass(frozen=True)
-class FailedTest:
-    """A test of the user that fails, and how to run it again."""
+class FailedPytest:
+    """A pytest test of the user that failed, and how to run it again."""
 
     name: str
     """File and function as pytest names them, such as "tests/test_slam.py::test_rooms"."""
@@ -90,13 +90,13 @@ def folder_of(out: Path, name: str, scenario: Scenario, parameters: str = "") ->
     return out / f"{slug_of(name)}{variant}-{scenario.content_hash}"
 
 
-def holds_failure(folder: Path, test: FailedTest, scenario: Scenario) -> bool:
+def holds_failure(folder: Path, test: FailedPytest, scenario: Scenario) -> bool:
     """Return whether a folder, which the user may have renamed, holds the failure of the test in this scenario."""
     replay = folder / TEST_REPLAY
     return replay.is_file() and replay.read_text() == test.replay and Scenario.load(folder / SCENARIO) == scenario
 
 
-def write_failed_test(folder: Path, test: FailedTest, outcome: FinishedRun | Crash, search: Search | None = None) -> None:
+def write_failed_test(folder: Path, test: FailedPytest, outcome: FinishedRun | Crash, search: Search | None = None) -> None:
     """Write scenario.json, why.md and test_replay.py, and either the files of `write_run` or the traceback of a crash.
 
     `search` is the search that found the scenario, if there was one. An earlier folder of the same failure is replaced.

@@ -10,7 +10,7 @@ from helpers.results import RESULT
 from sim.cli import main
 from sim.errors import SimError
 from sim.harness.results import FaultFigures, MatchFigures
-from sim.verdicts.stored_results import StoredRun, load_results, results_data, save_results
+from sim.verdicts.stored_results import SuiteResults, load_results, results_data, save_results
 
 MANY = tuple(
     replace(
@@ -42,7 +42,7 @@ def test_a_path_may_be_text(tmp_path):
     (tmp_path / "run" / "result.json").write_text(json.dumps(MANY[0].data()))
     for name, results in (("all.json", MANY), ("run", MANY[:1])):
         path = str(tmp_path / name)
-        assert load_results(path) == StoredRun.load(path).results == results
+        assert load_results(path) == SuiteResults.load(path).results == results
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def stored(path, results, begun):
 
 
 def comparable(first, second):
-    a, b = StoredRun.load(first), StoredRun.load(second)
+    a, b = SuiteResults.load(first), SuiteResults.load(second)
     return a.comparable_with(b), b.comparable_with(a)
 
 
@@ -116,10 +116,10 @@ def test_results_of_other_scenarios_are_refused_with_their_numbers(tmp_path, cap
 
 
 def test_a_run_that_was_stopped_before_it_reached_an_earlier_scenario_cannot_be_compared():
-    earlier = StoredRun(MANY[:2], frozenset(each.scenario for each in MANY[:2]))
-    stopped = StoredRun(MANY[2:3], frozenset({MANY[2].scenario}))
+    earlier = SuiteResults(MANY[:2], frozenset(each.scenario for each in MANY[:2]))
+    stopped = SuiteResults(MANY[2:3], frozenset({MANY[2].scenario}))
     assert earlier.compared_with(stopped) is None
-    assert earlier.compared_with(StoredRun(MANY[1:3])).scenarios == 1
+    assert earlier.compared_with(SuiteResults(MANY[1:3])).scenarios == 1
 
 
 def test_a_slam_is_not_worse_than_one_that_completes_none_of_its_scenarios(tmp_path, capsys):

@@ -1,4 +1,4 @@
-"""`EarlierRun`: the stored results of a suite with which a later run of the suite is compared."""
+"""`EarlierResults`: the stored results of a suite with which a later run of the suite is compared."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,23 +9,23 @@ from sim.errors import SimError
 if TYPE_CHECKING:
     from sim.suites.report import SuiteReport
     from sim.suites.suite import Suite
-    from sim.verdicts import StoredRun
+    from sim.verdicts import SuiteResults
     from sim.verdicts.comparison import Comparison
 
 
 @dataclass(frozen=True)
-class EarlierRun:
+class EarlierResults:
     """The results of an earlier version of a SLAM, as `lexis-sim check --suite --json` writes them."""
 
     path: Path
-    stored: "StoredRun"
+    stored: "SuiteResults"
 
     @classmethod
-    def read(cls, path: Path) -> "EarlierRun":
+    def read(cls, path: Path) -> "EarlierResults":
         """Read a file of results, or a folder of runs. Raises `SimError` if there is no result, or one that is not valid."""
-        from sim.verdicts import StoredRun
+        from sim.verdicts import SuiteResults
 
-        return cls(path, StoredRun.load(path))
+        return cls(path, SuiteResults.load(path))
 
     def refuse_other_scenarios(self, suite: "Suite", seed: int) -> None:
         """Raise `SimError` unless the earlier run has a scenario of this suite and seed."""
@@ -42,7 +42,7 @@ class EarlierRun:
 
         The result is None if no scenario was completed in both runs.
         """
-        from sim.verdicts import StoredRun
+        from sim.verdicts import SuiteResults
 
-        later = StoredRun(report.results, frozenset(each.scenario.content_hash for each in report.examined))
+        later = SuiteResults(report.results, frozenset(each.scenario.content_hash for each in report.examined))
         return self.stored.compared_with(later)
