@@ -12,6 +12,8 @@ FLOOR_PATH_M = 4.0
 """Least length of a level stretch of the walk that certainly lies on a floor and not on a landing [m]."""
 FLOOR_TOLERANCE_M = 0.4
 """Smallest height difference between a half landing and the nearest floor [m]."""
+LEVEL_M = 0.03
+"""A keyframe next to the stairs is level with the floor if its height differs less from that of the next keyframe [m]."""
 RIDE_M = 1.2
 """Smallest change of height of a ride in a lift [m]."""
 RIDE_SLOPE = 1.3
@@ -30,8 +32,10 @@ def on_stairs(
 
     A keyframe climbs if the height changes by at least `stairs_min_height_m` over `stairs_window_m` of path centred on it.
     Odometry drift over that path is an order of magnitude smaller. At the foot and the top of a flight, half of the window
-    covers the flight. With the defaults (2 m, stairs of 30-37 degrees), the detected stairs therefore begin at the first
-    step and end at the last. A ride in a lift divides the path into walks, so that no window reaches across the ride.
+    covers the flight. With the defaults (2 m, stairs of 30-37 degrees), the climb therefore begins close to the first step
+    and ends close to the last; steep flights reach up to 0.2 m farther. A keyframe there is not on the stairs if it is as
+    high as the next keyframe off the stairs. A ride in a lift divides the path into walks, so that no window reaches across
+    the ride.
 
     `sessions` are the sessions of the keyframes; None: they are all of one. A step in height between two sessions is no
     climb, because nobody walked from one to the other.
@@ -92,7 +96,21 @@ def _on_flights(positions: Float64[np.ndarray, "n 3"], config: LabelConfig) -> B
     stairs = np.asarray(climbs != 0)
     for landing in _landings(climbs, path, height):
         stairs[landing] = True
-    return stairs
+    return stairs & ~_level_ends(stairs, height)
+
+
+def _level_ends(stairs: Bool[np.ndarray, "n"], height: PerKeyframe) -> Bool[np.ndarray, "n"]:
+    """Whether each keyframe is at an end of the stairs and as high as the next keyframe off the stairs."""
+    level = np.zeros(len(stairs), bool)
+    for run in stretches_of(stairs):
+        if not stairs[run.start]:
+            continue
+        own = height[run.slice]
+        if run.start > 0:
+            level[run.slice] |= np.logical_and.accumulate(np.abs(own - height[run.start - 1]) < LEVEL_M)
+        if run.stop < len(stairs):
+            level[run.slice] |= np.logical_and.accumulate(np.abs(own - height[run.stop])[::-1] < LEVEL_M)[::-1]
+    return level
 
 
 def _landings(climbs: PerKeyframe, path: PerKeyframe, height: PerKeyframe) -> list[slice]:

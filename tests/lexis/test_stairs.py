@@ -22,6 +22,14 @@ def test_flights_and_their_landing_are_stairs_and_nothing_else(pitch, spacing, l
     np.testing.assert_array_equal(stairs[~at_border], truly[~at_border])
 
 
+@given(pitch=st.floats(28.0, 42.0), spacing=st.floats(0.1, 0.7), sign=st.sampled_from([-1, 1]))
+def test_no_keyframe_on_a_level_floor_is_on_the_stairs(pitch, spacing, sign):
+    positions, leg = profile((8, 0), (2.8 / np.tan(np.radians(pitch)), sign * 2.8), (8, 0), spacing=spacing)
+    stairs = on_stairs(positions, LabelConfig())
+    assert not stairs[leg != 1].any()
+    assert stairs[leg == 1][1:-1].all()
+
+
 def test_a_floor_between_two_flights_stays_a_floor():
     """A long level stretch elsewhere has the same height, so this one is a floor and not a landing."""
     upstairs = ((5, 0), (4.2, 2.9), (2.5, 0), (4.2, 2.9), (5, 0), (4.2, -2.9), (6, 0))
