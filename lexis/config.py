@@ -79,7 +79,8 @@ class LabelConfig(Settings, place="labels", error=ConfigError):
     stairs_window_m: Annotated[float, Gt(0)] = 2.0
     """Length of the path over which the change of height is measured, centred on the keyframe [m]."""
     stairs_min_height_m: Annotated[float, Gt(0)] = 0.5
-    """Least change of height over `stairs_window_m` for a keyframe to count as on stairs [m]."""
+    """Least change of height over `stairs_window_m` for a keyframe to count as on stairs [m]. At either end of the stairs, a
+    keyframe that is as high as the next one off the stairs does not count."""
 
 
 @dataclass(frozen=True)
