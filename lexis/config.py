@@ -74,8 +74,8 @@ class LabelConfig(Settings, place="labels", error=ConfigError):
     refined only when a map is made."""
     stairs_name: Annotated[str, MinLen(1)] = "stairs"
     """The room name that keyframes on stairs and in a moving lift get, in any case ("Stairs"). These keyframes are on no
-    floor, and separate floors. If the user's room names lack this name, they are labelled like all others, and get the
-    nearest floor."""
+    floor, and separate floors. If the user's room names lack this name, these keyframes are labelled like all others, and
+    get the nearest floor."""
     stairs_window_m: Annotated[float, Gt(0)] = 2.0
     """Length of the path over which the change of height is measured, centred on the keyframe [m]."""
     stairs_min_height_m: Annotated[float, Gt(0)] = 0.5

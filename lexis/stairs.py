@@ -13,7 +13,8 @@ FLOOR_PATH_M = 4.0
 FLOOR_TOLERANCE_M = 0.4
 """Smallest height difference between a half landing and the nearest floor [m]."""
 LEVEL_M = 0.03
-"""A keyframe next to the stairs is level with the floor if its height differs less from that of the next keyframe [m]."""
+"""A keyframe at an end of the stairs is on the floor if its height differs from that of the next keyframe off the stairs by
+less than this [m]."""
 RIDE_M = 1.2
 """Smallest change of height of a ride in a lift [m]."""
 RIDE_SLOPE = 1.3
@@ -33,9 +34,9 @@ def on_stairs(
     A keyframe climbs if the height changes by at least `stairs_min_height_m` over `stairs_window_m` of path centred on it.
     Odometry drift over that path is an order of magnitude smaller. At the foot and the top of a flight, half of the window
     covers the flight. With the defaults (2 m, stairs of 30-37 degrees), the climb therefore begins close to the first step
-    and ends close to the last; steep flights reach up to 0.2 m farther. A keyframe there is not on the stairs if it is as
-    high as the next keyframe off the stairs. A ride in a lift divides the path into walks, so that no window reaches across
-    the ride.
+    and ends close to the last; on steep flights, it reaches up to 0.25 m beyond the steps. A keyframe there is not on the
+    stairs if it is as high as the next keyframe, and that one is on a floor. A ride in a lift divides the path into walks,
+    so that no window reaches across the ride.
 
     `sessions` are the sessions of the keyframes; None: they are all of one. A step in height between two sessions is no
     climb, because nobody walked from one to the other.
@@ -96,21 +97,30 @@ def _on_flights(positions: Float64[np.ndarray, "n 3"], config: LabelConfig) -> B
     stairs = np.asarray(climbs != 0)
     for landing in _landings(climbs, path, height):
         stairs[landing] = True
-    return stairs & ~_level_ends(stairs, height)
+    return np.asarray(stairs & ~_level_ends(stairs, path, height))
 
 
-def _level_ends(stairs: Bool[np.ndarray, "n"], height: PerKeyframe) -> Bool[np.ndarray, "n"]:
-    """Whether each keyframe is at an end of the stairs and as high as the next keyframe off the stairs."""
-    level = np.zeros(len(stairs), bool)
-    for run in stretches_of(stairs):
-        if not stairs[run.start]:
-            continue
-        own = height[run.slice]
-        if run.start > 0:
-            level[run.slice] |= np.logical_and.accumulate(np.abs(own - height[run.start - 1]) < LEVEL_M)
-        if run.stop < len(stairs):
-            level[run.slice] |= np.logical_and.accumulate(np.abs(own - height[run.stop])[::-1] < LEVEL_M)[::-1]
+def _level_ends(stairs: Bool[np.ndarray, "n"], path: PerKeyframe, height: PerKeyframe) -> Bool[np.ndarray, "n"]:
+    """Whether each keyframe is at an end of the stairs, but as high as the next keyframe, which is on a floor.
+
+    If no keyframe would be left on the stairs, their images were lost, and all of their keyframes stay: they are all that
+    tells that two floors are apart.
+    """
+    level, runs = np.zeros(len(stairs), bool), stretches_of(stairs)
+    is_floor = [not stairs[run.start] and _is_floor(run, path) for run in runs]
+    for k, run in enumerate(runs):
+        own, ends = height[run.slice], level[run.slice]
+        if k > 0 and is_floor[k - 1]:
+            ends |= np.logical_and.accumulate(np.abs(own - height[run.start - 1]) < LEVEL_M)
+        if k + 1 < len(runs) and is_floor[k + 1]:
+            ends |= np.logical_and.accumulate(np.abs(own - height[run.stop])[::-1] < LEVEL_M)[::-1]
+        ends &= not ends.all()
     return level
+
+
+def _is_floor(run: Stretch, path: PerKeyframe) -> bool:
+    """Whether a level stretch is too long for a half landing, or is the beginning or end of the walk."""
+    return run.start == 0 or run.stop == len(path) or bool(path[run.stop - 1] - path[run.start] >= FLOOR_PATH_M)
 
 
 def _landings(climbs: PerKeyframe, path: PerKeyframe, height: PerKeyframe) -> list[slice]:

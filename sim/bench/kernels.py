@@ -135,7 +135,10 @@ def _optimised(
 def summarised(runs: Sequence[KernelRun]) -> Iterator[KernelRow]:
     """Yield means and standard deviations over the houses, in the order of kinds, shares and kernels."""
     clean = {(each.seed, each.kind, each.kernel): each.ate_m for each in runs if each.share == 0.0}
-    for (kind, share, kernel), found in grouped(runs, "kind", "share", "kernel").items():
+    groups = grouped(runs, "kind", "share", "kernel")
+    kinds = list(KINDS)
+    for kind, share, kernel in sorted(groups, key=lambda key: (kinds.index(key[0]), key[1], KERNELS.index(key[2]))):
+        found = groups[kind, share, kernel]
         rejected = [each.true_rejected for each in found]
         growth, _ = mean_and_std(_growth(each.ate_m, clean[each.seed, kind, kernel]) for each in found)
         trusted, _ = mean_and_std(each.false_trusted for each in found)
@@ -146,7 +149,7 @@ def summarised(runs: Sequence[KernelRun]) -> Iterator[KernelRow]:
 
 
 def _growth(ate_m: float | None, clean_m: float | None) -> float | None:
-    """Relative increase of an ATE from its value without injected loops [m]; None if that is 0 or one of them is None."""
+    """Relative increase of an ATE; None if the ATE without injected loops is 0, or if either of the two [m] is None."""
     return None if ate_m is None or not clean_m else ate_m / clean_m - 1.0
 
 

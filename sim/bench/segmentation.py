@@ -67,7 +67,7 @@ def run_houses(
         )
 
 
-def mean_and_spread(rows: Sequence[Any]) -> tuple[list[float | None], list[float | None]]:
+def means_and_stds(rows: Sequence[Any]) -> tuple[list[float | None], list[float | None]]:
     """Return the means and the standard deviations of all fields of `rows`, in the order of the fields.
 
     `rows` are dataclasses with one figure per field. A figure that is None is left out. If a field has no figures, its mean

@@ -23,6 +23,7 @@ from sim.harness.failures.failure_folder import Replay, write_failure
 from sim.harness.reducer import Reduction, is_valid, reduce
 from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
+from sim.harness.world_tests import TEST_REPLAY
 from sim.processes import process_pool
 
 _PYTEST_FAILED = 1
@@ -153,7 +154,7 @@ def broken_laws(reduction: Reduction, test: FailureTest, bug: str, folder: Path,
 
 def broken_replays(folder: Path, bug: str, own_pytest: bool) -> Iterator[str]:
     """Yield, in words, the laws that the test_replay.py of a failure folder breaks; see `broken_laws`."""
-    replay = folder / "test_replay.py"
+    replay = folder / TEST_REPLAY
     if not _fails(replay):
         yield "replays: test_replay.py passes, although the bug is there"
     mended = folder / "test_mended.py"

@@ -66,7 +66,9 @@ class BlameTable:
     """The effects of all substitutions on a failure."""
 
     rows: tuple[BlameRow, ...]
-    """One row for each substitution; empty if the user interrupted the search for the smallest scenario, or `blame`."""
+    """One row for each substitution that was tried."""
+    interrupted: bool = False
+    """Whether the user interrupted the search for the smallest scenario, or `blame`, so that rows are missing."""
 
     def named(self, effect: Effect) -> tuple[str, ...]:
         """Return the names of the substitutions with the given effect."""
@@ -81,7 +83,7 @@ class BlameTable:
             return "it cannot be told what mends it."
         if self.not_needed:
             return f"the failure needs {self.not_needed}."
-        return "it was not tried what mends the failure, because the search was interrupted."
+        return "what mends it is unknown, because Ctrl-C ended the search." if self.interrupted else "no change was tried."
 
     @property
     def not_needed(self) -> str:
@@ -98,8 +100,8 @@ def blame(
 ) -> BlameTable:
     """Run the smallest failing scenario of a search again, each time with one part replaced by the truth or left out.
 
-    The table says which replacements mend the failure. It is empty if the user interrupted the search, or interrupts these
-    runs.
+    The table says which replacements mend the failure. After an interruption of the search, nothing is run; after an
+    interruption of these runs, the table has the rows that are finished.
 
     `fails` is the function with which `reduce` searched, and `is_lexis` says whether it runs LEXIS. If so, and if `fails` is
     a `FailureTest`, the stages of LEXIS are replaced as well, one at a time, in copies of the LEXIS that failed. If the test
@@ -109,7 +111,7 @@ def blame(
     Raises `WorldsError` if the house cannot be built.
     """
     if reduction.ended == "interrupted":
-        return BlameTable(())
+        return BlameTable((), interrupted=True)
     rows: list[BlameRow] = []
     try:
         for substitution in _tried(reduction.scenario, fails, is_lexis):
@@ -117,7 +119,7 @@ def blame(
             if on_row is not None:
                 on_row(rows[-1])
     except KeyboardInterrupt:
-        return BlameTable(())
+        return BlameTable(tuple(rows), interrupted=True)
     return BlameTable(tuple(rows))
 
 

@@ -37,7 +37,7 @@ FEATURES_FRAME_RATE_HZ, RENDER_FRAME_RATE_HZ = 2.0, 10.0
 """Default frame rates of runs with fidelity "features" and "render" [Hz]. Only landmarks need a high rate, and LEXIS
 triangulates no landmarks on features."""
 SCENARIO = "scenario.json"
-"""File that identifies a folder as the output of a failed test."""
+"""File of a run, of a failure or of a crash: what was run. It identifies the folder of a failed test."""
 TEST_REPLAY = "test_replay.py"
 """File with a test that replays the failure of its folder."""
 _ENCODERS_ON_FEATURES = ("mini", ORACLE)

@@ -70,7 +70,7 @@ def shrunk(
         return found, None
     smallest = last  # kept, because `fails` may change `last` in the runs of `blame`
     blamed = blame(reduction, fails, smallest.run is not None and isinstance(smallest.run.slam, Lexis))
-    if not blamed.rows:  # interrupted
+    if blamed.interrupted:
         _stop(item)
     return smallest, Search(scenario, found.failure.text if found.failure else "", _place(found), reduction, blamed)
 

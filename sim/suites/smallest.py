@@ -106,7 +106,7 @@ def _written(
         reduction = reduce(scenario, test, DEADLINE_S)
         blamed = blame(reduction, test, is_lexis)
         write_failure(folder, reduction, test, blamed, replay)
-        found, interrupted = f"{blamed}\n  why: {folder / WHY}", not blamed.rows
+        found, interrupted = f"{blamed}\n  why: {folder / WHY}", blamed.interrupted
     else:
         reduction = smallest_failure(check, scenario, new_slam)
         imports = "" if replay == LEXIS_REPLAY else replay.imports

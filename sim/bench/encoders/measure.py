@@ -22,6 +22,7 @@ from sim.bench.encoders.questions import HELD_OUT_WORDS, TOPICS, TRAINED, Answer
 from sim.bench.encoders.retrieval import found_at_1, share
 from sim.bench.encoders.runs import EncoderRun
 from sim.bench.encoders.texts import EmbeddedTexts, ImageTextEncoder
+from sim.bench.row_files import mean_and_std
 from sim.training.phrases import HELD_OUT_NAMES, ROOM_NAMES, Table
 from worlds.labels import ROOM_LABELS
 
@@ -157,7 +158,7 @@ def _measured(run: EncoderRun, encoder: ImageTextEncoder, texts: EmbeddedTexts, 
         things=things,
         typical_things=typical_things,
         activities=activities,
-        held_out_questions=_mean([share_right(asked, topic, HELD_OUT_WORDS)[0] for topic in TOPICS]),
+        held_out_questions=mean_and_std(share_right(asked, topic, HELD_OUT_WORDS)[0] for topic in TOPICS)[0],
         trained_looks=_in_looks(encoder, run.trained_looks, rooms, own[run.looked_at]),
         held_out_looks=_in_looks(encoder, run.held_out_looks, rooms, own[run.looked_at]),
         trained_variants=_in_looks(encoder, run.trained_variants, rooms, own[run.looked_at]),
@@ -230,8 +231,3 @@ def worst_names(houses: Sequence[EncoderFigures]) -> list[tuple[str, str, float]
             losses[key].append(loss)
     means = ((label, name, float(np.mean(each))) for (label, name), each in losses.items())
     return sorted((row for row in means if row[2] > 0.0), key=lambda row: -row[2])
-
-
-def _mean(shares: Sequence[float | None]) -> float | None:
-    known = [share for share in shares if share is not None]
-    return float(np.mean(known)) if known else None

@@ -25,7 +25,8 @@ from sim.bench.peers.place_walks import PlaceWalk
 
 _SEED = 5
 ORB_LEVELS = 5
-"""Levels of the vocabulary tree of ORB words, which has 100 000 words: the best of 3 to 5."""
+"""Number of levels of the vocabulary tree of ORB words: the best of 3 to 5. With ten branches per node, there are 100 000
+words."""
 
 
 @dataclass(frozen=True)

@@ -125,12 +125,12 @@ def _of_preset(title: str, houses: Sequence["EncoderFigures"], worst: int | None
 def _houses(title: str, houses: Sequence["EncoderFigures"]) -> Table:
     from sim.bench.encoders.measure import EncoderRow, overall_calibration_error
     from sim.bench.encoders.retrieval import share
-    from sim.bench.segmentation import mean_and_spread
+    from sim.bench.segmentation import means_and_stds
 
     table = Table("seed", *(field.name.replace("_", " ") for field in fields(EncoderRow)), title=escape(title))
     for house in houses:
         table.add_row(str(house.seed), *_shares(astuple(house.row)), end_section=house is houses[-1])
-    for name, figures in zip(("mean", "std"), mean_and_spread([house.row for house in houses]), strict=True):
+    for name, figures in zip(("mean", "std"), means_and_stds([house.row for house in houses]), strict=True):
         table.add_row(name, *_shares(figures))
     found = {name: np.concatenate([house.found[name] for house in houses]) for name in houses[0].found}
     recalls = ", ".join(f"{name.replace('_', ' ')} {shown(share(answers), '{:.3f}')}" for name, answers in found.items())

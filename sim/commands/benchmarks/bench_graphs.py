@@ -18,9 +18,9 @@ from sim.commands.benchmarks.bench_options import (
     HOUSES,
     PLOT,
     PRESET,
+    mean_std_text,
     printing,
     seeds_of,
-    spread,
     tracked,
 )
 
@@ -62,8 +62,8 @@ def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
     table = Table("false loops", "share", "kernel", *headers, title=title)
     for row in rows:
         table.add_row(
-            *(row.kind, f"{row.share:.0%}", row.kernel, str(row.houses), spread(row.ate_m, row.ate_std_m, "{:.3f}")),
-            *(shown(row.growth, "{:.1%}"), spread(row.true_rejected, row.true_rejected_std, "{:.1%}")),
+            *(row.kind, f"{row.share:.0%}", row.kernel, str(row.houses), mean_std_text(row.ate_m, row.ate_std_m, "{:.3f}")),
+            *(shown(row.growth, "{:.1%}"), mean_std_text(row.true_rejected, row.true_rejected_std, "{:.1%}")),
             *(shown(row.untouched, "{:.0%}"), shown(row.false_trusted, "{:.1%}")),
             end_section=row.kernel == rows[-1].kernel,
         )

@@ -61,7 +61,7 @@ def tracked(items: Iterable[_Item], total: int, description: str) -> Iterator[_I
         yield from bar.track(items, total=total, description=description)
 
 
-def spread(mean: float | None, std: float | None, form: str) -> str:
+def mean_std_text(mean: float | None, std: float | None, form: str) -> str:
     """Return the text of a mean and its standard deviation, each in the format `form`, or a dash if both are None."""
     return shown(mean, form) if mean is None else f"{shown(mean, form)} ± {shown(std, form)}"
 

@@ -17,9 +17,9 @@ from sim.commands.benchmarks.bench_options import (
     PRESET,
     RATE,
     SEVERAL_PRESETS,
+    mean_std_text,
     printing,
     seeds_of,
-    spread,
     tracked,
 )
 from sim.errors import SimError
@@ -56,8 +56,8 @@ def _sweep(
     table = Table("rooms by", *(f"{over} {each}" for each in difficulty.values), title=title)
     for name, found in means(rows).items():
         cells = (
-            f"{spread(each.pq, each.pq_std, '{:.3f}')} ({shown(each.splits, '{:.1f}')} / {shown(each.merges, '{:.1f}')}) "
-            f"{shown(each.labels, '{:.3f}')}"
+            f"{mean_std_text(each.pq, each.pq_std, '{:.3f}')} "
+            f"({shown(each.splits, '{:.1f}')} / {shown(each.merges, '{:.1f}')}) {shown(each.labels, '{:.3f}')}"
             for each in found.values()
         )
         table.add_row(name, *cells)
@@ -88,7 +88,7 @@ def _table2(arguments: argparse.Namespace) -> Iterator[Table]:
 def _percent(mean: float | None, std: float | None) -> str:
     """A share and its standard deviation in per cent."""
     percent, percent_std = (None if share is None else 100 * share for share in (mean, std))
-    return spread(percent, percent_std, "{:.1f}")
+    return mean_std_text(percent, percent_std, "{:.1f}")
 
 
 def _table3(arguments: argparse.Namespace) -> Iterator[Table]:

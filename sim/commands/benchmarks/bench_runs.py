@@ -20,9 +20,9 @@ from sim.commands.benchmarks.bench_options import (
     PRESET,
     RATE,
     SEVERAL_PRESETS,
+    mean_std_text,
     printing,
     seeds_of,
-    spread,
     tracked,
 )
 from sim.fidelity import FIDELITIES
@@ -70,7 +70,7 @@ def _houses(arguments: argparse.Namespace) -> str:
 
 def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
     from lexis.config import read_config
-    from sim.bench.segmentation import SegmentationRow, mean_and_spread, run_houses
+    from sim.bench.segmentation import SegmentationRow, means_and_stds, run_houses
     from sim.harness import Scenario
     from sim.report.figures import shown
 
@@ -88,7 +88,7 @@ def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
     for house, row in run_houses(config, seeds, arguments.openness, settings):
         rows.append(row)
         table.add_row(str(house), *(shown(value, "{:.3g}") for value in astuple(row)), end_section=house == seeds[-1])
-    for name, values in zip(("mean", "std"), mean_and_spread(rows), strict=True):
+    for name, values in zip(("mean", "std"), means_and_stds(rows), strict=True):
         table.add_row(name, *(shown(value, "{:.3g}") for value in values))
     yield table
 
@@ -100,7 +100,7 @@ def _rooms(arguments: argparse.Namespace) -> Iterator[Table]:
     table = Table("labels, rooms by", "labels", "room PQ", "splits and merges", title=f"{_houses(arguments)}, features")
     seeds = seeds_of(arguments)
     for row in compare_methods(arguments.preset, seeds, arguments.openness):
-        spreads = (spread(*each, "{:.3f}") for each in ((row.labels, row.labels_std), (row.rooms, row.rooms_std)))
+        spreads = (mean_std_text(*each, "{:.3f}") for each in ((row.labels, row.labels_std), (row.rooms, row.rooms_std)))
         table.add_row(row.method, *spreads, shown(row.splits_and_merges, "{:.1f}"))
     yield table
 

@@ -2,6 +2,7 @@
 
 import csv
 from dataclasses import fields, replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -136,7 +137,9 @@ def test_a_house_into_whose_graph_no_false_loops_can_be_injected_has_rows_withou
         runs = list(kernel_runs(unlike))
         assert {run.share for run in runs} == shares and {run.kind for run in runs} == set(KINDS)
     together = [*kernel_runs(alone), *kernel_runs(replace(few, seed=1))]
-    assert {row.share: row.houses for row in summarised(together)} == {0.0: 2, 0.4: 1, 0.5: 1}
+    rows = list(summarised(together))
+    assert {row.share: row.houses for row in rows} == {0.0: 2, 0.4: 1, 0.5: 1}
+    assert [(row.kind, row.share, row.kernel) for row in rows] == list(product(KINDS, (0.0, 0.4, 0.5), KERNELS))
 
 
 def test_a_house_without_loops_has_no_share_of_rejected_loops(house, runs):

@@ -1,5 +1,7 @@
 """Blame by substitution: for a LEXIS with one planted bug, the stage with the bug is the one whose truth mends it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -108,7 +110,17 @@ def test_after_an_interruption_of_the_search_or_of_blame_nothing_more_is_run(sto
     fails = Drifting(stop_at)
     reduction = reduce(SCENARIO, fails, steps={"drop drift": STEPS["drop drift"]})
     assert (reduction.ended == "interrupted") == (stop_at == 2)
-    assert blame(reduction, fails).rows == () and fails.runs == stop_at
+    table = blame(reduction, fails)
+    assert table.interrupted and not table.rows and fails.runs == stop_at
+    assert str(table) == "what mends it is unknown, because Ctrl-C ended the search."
+
+
+def test_blame_that_is_interrupted_keeps_the_rows_that_are_finished():
+    reduction = reduce(replace(SCENARIO, encoder="mini"), Drifting(), steps={})
+    whole = blame(reduction, Drifting(), is_lexis=True)
+    found = blame(reduction, Drifting(stop_at=2), is_lexis=True)  # in the run with the oracle encoder, which is the last one
+    assert found.interrupted and not whole.interrupted
+    assert found.rows == whole.rows[:-1] and "mends" in {row.effect for row in found.rows}
 
 
 @pytest.mark.parametrize(
@@ -118,7 +130,7 @@ def test_after_an_interruption_of_the_search_or_of_blame_nothing_more_is_run(sto
         (["does not mend", "changes nothing"], "mended by: nothing. Not mended by: a."),
         (["cannot be told", "changes nothing"], "it cannot be told what mends it."),
         (["changes nothing", "changes nothing"], "the failure needs no error of a or error of b."),
-        ([], "it was not tried what mends the failure, because the search was interrupted."),
+        ([], "no change was tried."),
     ],
 )
 def test_the_summary_says_no_more_than_the_table(effects, summary):

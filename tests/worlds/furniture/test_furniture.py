@@ -53,23 +53,6 @@ def test_hosts_and_neighbours_are_in_the_catalogue():
             assert not unknown, f"{kind.name} names {unknown}"
 
 
-def _share_at_the_top(kind: Kind) -> float:
-    """Share of the area of a piece at which its topmost part ends within 3 cm of its height."""
-    size = _sizes(kind)[1]
-    x, y = np.meshgrid(np.linspace(size.left, size.right, 40), np.linspace(size.back, size.front, 40))
-    top = np.zeros_like(x)
-    for part in kind.build(size, np.random.default_rng(0)):
-        covers = (abs(x - part.centre[0]) <= part.size[0] / 2) & (abs(y - part.centre[1]) <= part.size[1] / 2)
-        top[covers] = np.maximum(top[covers], part.centre[2] + part.size[2] / 2)
-    return float((top >= size.height - 0.03).mean())
-
-
-def test_nothing_is_put_on_a_host_whose_top_is_mostly_lower_than_its_height():
-    hosts = {host for kind in CATALOGUE.values() if isinstance(kind.place, OnTop) for host in kind.place.hosts}
-    low = sorted(host for host in hosts if _share_at_the_top(CATALOGUE[host]) < 0.4)
-    assert not low, f"things on {low} would float"
-
-
 def test_what_depends_on_a_host_finds_one_in_every_room():
     for kind in CATALOGUE.values():
         if isinstance(kind.place, Around | OnTop):

@@ -12,6 +12,7 @@ from shapely.ops import unary_union
 
 from worlds.errors import HouseError, WorldsError
 from worlds.furniture.catalogue import CATALOGUE
+from worlds.furniture.kinds import OnTop, Size
 from worlds.furniture.palette import OAK
 from worlds.furniture.placing.furnish import furnish, is_solid
 from worlds.furniture.placing.kept_free import PASSAGE_M
@@ -207,6 +208,36 @@ def test_nothing_higher_than_a_sill_stands_in_front_of_it():
         assert not [piece for piece in before if _heights(piece)[1] > sill + 1e-6 and _heights(piece)[0] < top - 1e-6]
         low += len([piece for piece in before if is_solid(piece.kind)])
     assert low > 5, "things stand below the sill"
+
+
+def _height_below(piece, host):
+    """Largest height of a part of the host below the middle of a piece [m]; 0 if there is none."""
+    x, y = (affinity.rotate(Point(piece.position_m[:2]), -host.yaw_rad, host.position_m[:2], use_radians=True).coords)[0]
+    own = x - host.position_m[0], y - host.position_m[1]
+    width, depth = 0.6 * piece.size_m[0], 0.6 * piece.size_m[1]
+    tops = [
+        part.centre[2] + part.size[2] / 2
+        for part in CATALOGUE[host.kind].build(Size(*host.size_m), np.random.default_rng(host.seed))
+        if abs(own[0] - part.centre[0]) <= (part.size[0] + width) / 2
+        and abs(own[1] - part.centre[1]) <= (part.size[1] + depth) / 2
+    ]
+    return max(tops, default=0.0)
+
+
+@pytest.mark.parametrize("label", ["bedroom", "bathroom", "lobby", "laboratory", "office", "kitchen", "living room"])
+def test_what_stands_on_furniture_does_not_float(label):
+    for seed in range(12):
+        pieces = furnish(_pair(label, _rectangle(5.2, 4.6)), _seeded(seed), 4.0)
+        for piece in (each for each in pieces if isinstance(CATALOGUE[each.kind].place, OnTop)):
+            hosts = [
+                each
+                for each in pieces
+                if each.kind in CATALOGUE[piece.kind].place.hosts
+                and each.size_m[2] == pytest.approx(piece.position_m[2], abs=0.02)
+                and _footprint(each).buffer(1e-6).contains(Point(piece.position_m[:2]))
+            ]
+            gaps = [piece.position_m[2] - _height_below(piece, host) for host in hosts]
+            assert min(gaps) < 0.06, (piece.kind, hosts[0].kind)  # 6 cm: a heap of laundry is not flat
 
 
 def test_solid_pieces_are_square_to_the_walls(furnished):

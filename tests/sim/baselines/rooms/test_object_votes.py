@@ -13,7 +13,7 @@ from worlds.variant import variant
 USUAL = Scenario(preset="home", seed=101, fidelity="features", frame_rate_hz=2.0)
 CLOSED = replace(USUAL, house=variant(house_spec(USUAL), openness=0.0))
 TOLD = Counted(count_rooms("home", range(101, 102)))
-"""Counts of objects in the house itself."""
+"""Numbers of rooms of the house itself that have objects of a category."""
 
 
 @dataclass(frozen=True)
