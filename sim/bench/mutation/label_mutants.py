@@ -97,7 +97,7 @@ LABEL_MUTANTS = (
         "change = np.interp(path, path, height) - np.interp(path - 2 * half, path, height)",
     ),
     Mutant(
-        "stairs begin half a metre too early",
+        "stairs end half a metre too early",
         "stairs.py",
         "change = np.interp(path + half, path, height) - np.interp(path - half, path, height)",
         "change = np.interp(path + half + 0.5, path, height) - np.interp(path - half + 0.5, path, height)",
