@@ -111,11 +111,16 @@ def _level_ends(stairs: Bool[np.ndarray, "n"], path: PerKeyframe, height: PerKey
     for k, run in enumerate(runs):
         own, ends = height[run.slice], level[run.slice]
         if k > 0 and is_floor[k - 1]:
-            ends |= np.logical_and.accumulate(np.abs(own - height[run.start - 1]) < LEVEL_M)
+            ends |= _as_high_as(height[run.start - 1], own)
         if k + 1 < len(runs) and is_floor[k + 1]:
-            ends |= np.logical_and.accumulate(np.abs(own - height[run.stop])[::-1] < LEVEL_M)[::-1]
+            ends |= _as_high_as(height[run.stop], own[::-1])[::-1]
         ends &= not ends.all()
     return level
+
+
+def _as_high_as(floor: float, height: PerKeyframe) -> Bool[np.ndarray, "n"]:
+    """Whether each keyframe, and all keyframes before it, are as high as the floor [m]."""
+    return np.asarray(np.logical_and.accumulate(np.abs(height - floor) < LEVEL_M))
 
 
 def _is_floor(run: Stretch, path: PerKeyframe) -> bool:

@@ -7,7 +7,7 @@ walk, as SeqSLAM does (Milford and Wyeth, ICRA 2012).
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
 from sim.baselines.places.place_method import Scores, SeenKeyframes
 
@@ -44,7 +44,7 @@ class SequenceMatching:
         """See `PlaceMethod.scores`; a score is a mean similarity or, with contrast, a mean in standard deviations."""
         similarities = cosines(seen)
         if self.contrast:
-            similarities = _enhanced(similarities, seen, self.contrast)
+            similarities = _enhanced(similarities, seen.eligible, self.contrast)
         return seen.only_eligible(np.max([self._along(similarities, speed) for speed in self.speeds], axis=0))
 
     def _along(self, similarities: Float64[np.ndarray, "n n"], speed: float) -> Float64[np.ndarray, "n n"]:
@@ -65,17 +65,19 @@ def cosines(seen: SeenKeyframes) -> Float64[np.ndarray, "n n"]:
     return np.asarray(embeddings @ embeddings.T)
 
 
-def _enhanced(similarities: Float64[np.ndarray, "n n"], seen: SeenKeyframes, reach: int) -> Float64[np.ndarray, "n n"]:
+def _enhanced(
+    similarities: Float64[np.ndarray, "n n"], eligible: Bool[np.ndarray, "n n"], reach: int
+) -> Float64[np.ndarray, "n n"]:
     """Normalise each row by mean and standard deviation over the eligible keyframes in a window; others become 0."""
     n = len(similarities)
-    values = np.where(seen.eligible, similarities, 0.0)
+    values = np.where(eligible, similarities, 0.0)
     first, last = np.maximum(np.arange(n) - reach, 0), np.minimum(np.arange(n) + reach + 1, n)
 
     def windowed(rows: Float64[np.ndarray, "n n"]) -> Float64[np.ndarray, "n n"]:
         sums = np.pad(np.cumsum(rows, axis=1), ((0, 0), (1, 0)))
         return np.asarray(sums[:, last] - sums[:, first])
 
-    count = np.maximum(windowed(seen.eligible.astype(float)), 1.0)
+    count = np.maximum(windowed(eligible.astype(float)), 1.0)
     mean = windowed(values) / count
     spread = np.sqrt(np.maximum(windowed(values**2) / count - mean**2, 0.0)) + _LEAST_SPREAD
-    return np.asarray(np.where(seen.eligible, (similarities - mean) / spread, 0.0))
+    return np.asarray(np.where(eligible, (similarities - mean) / spread, 0.0))

@@ -64,7 +64,9 @@ METHODS: Mapping[str, Contestant] = MappingProxyType(
         "embedding": Contestant(EmbeddingSimilarity, 0.910),
         "embedding sequences": Contestant(partial(SequenceMatching, length=5), 0.867),
         "ORB words": Contestant(partial(bag_of_words, ORB_LEVELS, normalised=False, consistent=None), 0.0759),
-        "ORB words, DBoW2": Contestant(partial(bag_of_words, 5, consistent=1, gap=6, normalised=False, least=0.02), 0.0760),
+        "ORB words, DBoW2": Contestant(
+            partial(bag_of_words, ORB_LEVELS, consistent=1, gap=6, normalised=False, least=0.02), 0.0760
+        ),
         "AKAZE VLAD": Contestant(partial(vlad, 16, 0), 0.271),
         "patch VLAD": Contestant(partial(vlad, 128, 0, kind="patches"), 0.430),
     }

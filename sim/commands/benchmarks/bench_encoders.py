@@ -143,6 +143,7 @@ def _houses(title: str, houses: Sequence["EncoderFigures"]) -> Table:
 
 def _questions(houses: Sequence["EncoderFigures"]) -> Table:
     from sim.bench.encoders.questions import TOPICS, WORDINGS, share_right
+    from sim.bench.row_files import mean_and_std
 
     title = "questions that rank the right room first: mean over houses (questions in all)"
     table = Table("about", *WORDINGS, title=title, title_justify="left")
@@ -150,9 +151,8 @@ def _questions(houses: Sequence["EncoderFigures"]) -> Table:
         cells = []
         for wording in WORDINGS:
             found = [share_right(house.asked, topic, wording) for house in houses]
-            shares = [share for share, _ in found if share is not None]
-            mean = shown(float(np.mean(shares)) if shares else None, "{:.3f}")
-            cells.append(f"{mean} ({sum(count for _, count in found)})")
+            mean, _ = mean_and_std(share for share, _ in found)
+            cells.append(f"{shown(mean, '{:.3f}')} ({sum(count for _, count in found)})")
         table.add_row(topic, *cells)
     return table
 
