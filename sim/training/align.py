@@ -9,12 +9,11 @@ Images are compared only with embeddings of captions, never with learned class w
 5. Dense: the losses of stage 1 are kept, so that the tower does not forget stage 1.
 
 Noise is added to the text embeddings, so that the image tower does not rely on details that only the trained wordings share.
-At the end, only the tower's last layer, the projection, is fitted to all frames (`AlignLearner.settle`).
+At the end, `sim.training.settling` trains only the tower's last layer, the projection.
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from itertools import islice
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import torch
@@ -23,12 +22,12 @@ from open_clip.transformer import TextTransformer
 from torch import Tensor, nn
 
 from lexis.encoder.prompts import prompts
-from sim.training.batches import PRESENT, Batch, chosen_once, normalised
+from sim.training.batches import Batch, normalised
 from sim.training.dense import DenseOutput, DenseTower, accuracy_among_present, dense_loss, room_weights
 from sim.training.fit import PROCESSOR
 from sim.training.frames import THINGS, Frames
 from sim.training.phrases import object_caption, room_caption
-from sim.training.places import pairs_of_places, place_loss
+from sim.training.places import place_loss
 from sim.training.text_tower import encode_texts
 from worlds.labels import ROOM_LABELS
 
@@ -37,16 +36,9 @@ TEXT_NOISE = 1.25
 WORDINGS = (200, 32)
 """Numbers of captions that are drawn in advance for each room label, and for each thing. A training step uses one caption
 for each label and one for each thing."""
-SETTLING_STEPS = 1000
-"""Number of final training steps, in which only the projection (the last layer of the image tower) is trained."""
-_SETTLING_BATCH, _SETTLING_RATE = 512, 2e-3
 _SMOOTHING = 0.05
 _THINGS_WEIGHT, _DENSE_WEIGHT = 4.0, 0.5
 _PLACES_WEIGHT = 1.0
-_SETTLING_PLACES_WEIGHT, _SETTLING_PLACES_TEMPERATURE = 8.0, 0.03
-"""While the projection alone is trained, the place loss has a larger weight, and its low temperature emphasises the most
-similar other places. Compared with weight 4 and temperature 0.07, as many revisits are found, and 0.79 instead of 0.77 of
-the tuning frames get the right room."""
 _ROOM_SEARCH_WEIGHT, _THING_SEARCH_WEIGHT = 0.5, 1.0
 """Weights of the search losses for captions of rooms and of things."""
 _BATCH = 256
@@ -98,41 +90,23 @@ class AlignLearner:
     def loss(self, batch: Batch, rng: np.random.Generator) -> Tensor:
         """Return the weighted sum of the losses: captions (rooms, things, search), places, and the dense loss of stage 1."""
         embedding, seen = self.module(batch.images)
-        captions = self._caption_loss(embedding, batch.rooms, batch.things, rng)
+        captions = self.caption_loss(embedding, batch.rooms, batch.things, rng)
         places = place_loss(embedding @ embedding.T, batch.same_place, batch.apart)
         return captions + _PLACES_WEIGHT * places + _DENSE_WEIGHT * dense_loss(seen, batch, self._weights)
 
-    def settle(self, frames: Frames, seed: int, steps: int) -> None:
-        """Fit the projection and the logit scales to frames without augmentation. The rest of the tower stays fixed."""
-        rng = np.random.default_rng([seed, 4])
-        features = self._pooled(frames)
-        rooms = torch.from_numpy(frames.rooms).to(PROCESSOR)
-        things = torch.from_numpy((frames.shares > PRESENT).astype(np.float32)).to(PROCESSOR)
-        parameters = [value for name, value in self.module.named_parameters() if not name.startswith("dense.")]
-        optimiser = torch.optim.AdamW(parameters, lr=_SETTLING_RATE, weight_decay=0.02)
-        rate = torch.optim.lr_scheduler.OneCycleLR(optimiser, _SETTLING_RATE, total_steps=steps, pct_start=0.15)
-        for chosen in islice(_chosen_often(frames.houses, min(_SETTLING_BATCH, len(features)), rng), steps):
-            embedding = self.module.embedded(features[chosen])
-            told = pairs_of_places(frames.T_W_B[chosen], frames.houses[chosen], frames.rooms[chosen])
-            same, apart = (torch.from_numpy(pairs).to(PROCESSOR) for pairs in told)
-            loss = self._caption_loss(embedding, rooms[chosen], things[chosen], rng)
-            places = place_loss(embedding @ embedding.T, same, apart, _SETTLING_PLACES_TEMPERATURE)
-            loss = loss + _SETTLING_PLACES_WEIGHT * places
-            optimiser.zero_grad()
-            loss.backward()  # type: ignore[no-untyped-call]
-            optimiser.step()
-            rate.step()
-
-    def _caption_loss(
+    def caption_loss(
         self,
         embedding: Float[Tensor, "b e"],
         own: Int[Tensor, "b"],
         shown: Float[Tensor, "b things"],
         rng: np.random.Generator,
     ) -> Tensor:
-        """Return the weighted sum of the losses of rooms, of things, and of the search for images by captions."""
+        """Return the weighted sum of the losses of rooms, of things, and of the search for images by captions.
+
+        `own` is the label of the room that contains the camera, and `shown` is 1 for the things that an image shows.
+        """
         tower = self.module
-        to_room, to_thing = embedding @ _drawn(self._rooms, rng).T, embedding @ _drawn(self._things, rng).T
+        to_room, to_thing = self.to_rooms(embedding, rng), embedding @ _drawn(self._things, rng).T
         room, search = tower.room_scale.exp() * to_room, tower.search_scale.exp()
         present = tower.thing_scale.exp() * to_thing + tower.thing_bias
         in_room = nn.functional.one_hot(own, len(ROOM_LABELS)).float()
@@ -142,6 +116,10 @@ class AlignLearner:
             + _ROOM_SEARCH_WEIGHT * _search_loss(search * to_room, in_room)
             + _THING_SEARCH_WEIGHT * _search_loss(search * to_thing, shown)
         )
+
+    def to_rooms(self, embedding: Float[Tensor, "b e"], rng: np.random.Generator) -> Float[Tensor, "b labels"]:
+        """Return the similarities of images with one randomly drawn caption for each room label."""
+        return embedding @ _drawn(self._rooms, rng).T
 
     def accuracy(self, frames: Frames) -> float:
         """Return the share of frames whose true room label is the one with the most similar text embedding (zero-shot).
@@ -153,20 +131,15 @@ class AlignLearner:
     def embeddings(self, frames: Frames) -> Float[np.ndarray, "n e"]:
         """Return the embeddings, of unit norm, of images without augmentation."""
         with torch.inference_mode():
-            return np.asarray(self.module.embedded(self._pooled(frames)).cpu().numpy())
+            return np.asarray(self.module.embedded(self.pooled(frames)).cpu().numpy())
 
-    def _pooled(self, frames: Frames) -> Float[Tensor, "n f"]:
+    def pooled(self, frames: Frames) -> Float[Tensor, "n f"]:
         """Return the pooled features of images without augmentation."""
         with torch.no_grad():
             parts = range(0, len(frames.rooms), _BATCH)
             return torch.cat(
                 [self.module.dense(normalised(frames.images[i : i + _BATCH]).to(PROCESSOR)).pooled for i in parts]
             )
-
-
-def _chosen_often(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Generator) -> Iterator[Int[np.ndarray, "size"]]:
-    while True:
-        yield from chosen_once(houses, size, rng)
 
 
 def room_embeddings(text: TextTransformer, names: Sequence[str]) -> Float[np.ndarray, "names e"]:

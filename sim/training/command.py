@@ -1,9 +1,11 @@
 """`lexis-sim train-encoder`: trains the encoder, from rendered houses to weights. An interrupted training resumes.
 
-The steps are: train the text tower, render frames, train the image tower in two stages, write and calibrate the weights.
+The steps are: train the text tower, render frames, train the image tower in two stages, settle its projection, write and
+calibrate the weights.
 """
 
 import json
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -20,13 +22,14 @@ from lexis.files.reading import FileKind, read_json
 from lexis.files.replace import replaced_file
 from lexis.settings import Settings
 from sim.errors import SimError
-from sim.training.align import SETTLING_STEPS, WORDINGS, AlignLearner
+from sim.training.align import WORDINGS, AlignLearner
 from sim.training.dense import DenseLearner
 from sim.training.export import export, start_trunk_from
 from sim.training.fit import Progress, Schedule, fit
 from sim.training.frames import BARE, Frames, rendered
-from sim.training.houses import TRAINING_SEEDS, TUNING_SEEDS, draw_houses
+from sim.training.houses import TRAINING_SEEDS, TUNING_SEEDS, HouseDraw, draw_houses
 from sim.training.query_calibration import write_calibration
+from sim.training.settling import STEPS, settle
 from sim.training.teacher import load_teacher
 from sim.training.temperature import fit_temperature
 from sim.training.text_tower import (
@@ -41,6 +44,7 @@ from sim.training.text_tower import (
 
 MINI_WEIGHTS = MINI_CONFIG.with_suffix(".safetensors")
 _SETTINGS = "settings.json"
+_FRAMES = "frames"
 _SETTINGS_FILE = FileKind(
     "those of this run; else delete it", 1_000_000, SimError, missing="no settings in it", unusable="no settings in it"
 )
@@ -56,7 +60,9 @@ class TrainingRun(Settings, place="training", error=SimError):
     """Number of further houses, for monitoring the training and for fitting the temperature and the calibration."""
     epochs: tuple[int, int] = (10, 4)
     """Numbers of epochs of stage 1 (dense supervision) and stage 2 (alignment) of the image tower."""
-    settling_steps: Annotated[int, Ge(1)] = SETTLING_STEPS
+    settling_houses: Annotated[int, Ge(1)] = 1040
+    """Number of houses to settle the projection on. The houses to train on come first among them."""
+    settling_steps: Annotated[int, Ge(1)] = STEPS
     """Number of training steps at the end in which only the projection, the image tower's last layer, is trained."""
     seed: int = 0
     work: Path = Path("encoder-training")
@@ -93,8 +99,7 @@ def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
     torch.set_num_threads(run.workers)
     text = _text_tower(run, console)
     tuning = _frames(run, console, "tuning", run.tuning_houses, TUNING_SEEDS)
-    training = _frames(run, console, "training", run.houses, TRAINING_SEEDS)
-    training = training[training.content >= BARE]
+    training = _furnished(_frames(run, console, "training", run.houses, TRAINING_SEEDS))
     console.print(f"{len(training.rooms)} frames to train on, less those of bare walls; {len(tuning.rooms)} to tune on")
     history: list[Progress] = []
 
@@ -111,7 +116,7 @@ def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
     fit(dense, training, tuning, first, report, run.work / "dense.pt")
     align = AlignLearner(dense.module, text, training, run.seed, run.wordings)
     fit(align, training, tuning, second, report, run.work / "align.pt")
-    align.settle(training, run.seed, run.settling_steps)
+    settle(align, _settling_frames(run, console), run.seed, run.settling_steps)
     console.print(f"projection settled: tuning accuracy {align.accuracy(tuning):.3f}")
     temperature = fit_temperature(align.embeddings(tuning), text, tuning.rooms)
     console.print(f"temperature {temperature:.4f}, fitted on the tuning frames")
@@ -146,7 +151,7 @@ def _check_settings(run: TrainingRun) -> None:
 
 def _deciding(run: TrainingRun) -> dict[str, Any]:
     """Return all settings that affect the result, except the teacher: a text tower that is finished is used as it is."""
-    names = ("houses", "tuning_houses", "epochs", "settling_steps", "seed", "batch", "wordings")
+    names = ("houses", "tuning_houses", "epochs", "settling_houses", "settling_steps", "seed", "batch", "wordings")
     own = {name: getattr(run, name) for name in names} | {"start": run.start and str(run.start)}
     return own | {"distillation": asdict(run.distillation), "text": {**TEXT_CFG, "embed_dim": EMBED_DIM}}
 
@@ -164,11 +169,30 @@ def _text_tower(run: TrainingRun, console: Console) -> TextTransformer:
 
 def _frames(run: TrainingRun, console: Console, name: str, houses: int, seeds: range) -> Frames:
     """Render, or load, the frames of `houses` houses that are drawn with the seed of the run."""
+    return Frames.joined(list(_rendered(run, console, name, _draws(run, houses, seeds))))
+
+
+def _settling_frames(run: TrainingRun, console: Console) -> Iterator[Frames]:
+    """Yield the frames of each house on which the projection settles. Together, they may not fit in memory."""
+    draws = _draws(run, run.settling_houses, TRAINING_SEEDS)
+    for _ in _rendered(run, console, "more", draws[run.houses :]):
+        pass  # they are in the cache now
+    return map(_furnished, rendered(draws, run.work / _FRAMES))
+
+
+def _draws(run: TrainingRun, houses: int, seeds: range) -> list[HouseDraw]:
     stream = (TRAINING_SEEDS, TUNING_SEEDS).index(seeds)
-    draws = list(draw_houses(houses, seeds, np.random.default_rng([run.seed, stream])))
-    sets = []
-    for frames in rendered(draws, run.work / "frames", run.workers):
-        sets.append(frames)
-        if len(sets) % 20 == 0 or len(sets) == houses:
-            console.print(f"{name} frames of {len(sets)} of {houses} houses")
-    return Frames.joined(sets)
+    return list(draw_houses(houses, seeds, np.random.default_rng([run.seed, stream])))
+
+
+def _rendered(run: TrainingRun, console: Console, name: str, draws: Sequence[HouseDraw]) -> Iterator[Frames]:
+    """Yield the frames of each house, which are rendered or loaded, and report the progress."""
+    for count, frames in enumerate(rendered(draws, run.work / _FRAMES, run.workers), 1):
+        if count % 20 == 0 or count == len(draws):
+            console.print(f"{name} frames of {count} of {len(draws)} houses")
+        yield frames
+
+
+def _furnished(frames: Frames) -> Frames:
+    """Leave out the frames that show almost nothing but bare walls."""
+    return frames[frames.content >= BARE]

@@ -26,6 +26,7 @@ from sim.training.export import model_config, start_trunk_from
 from sim.training.fit import Progress, Schedule, fit
 from sim.training.frames import BARE, THINGS, Frames, frames_at, frames_in, frames_of_house, rendered
 from sim.training.houses import HELD_OUT_LOOKS, TEST_SEEDS, TRAINING_SEEDS, TUNING_SEEDS, HouseDraw, draw_houses
+from sim.training.settling import settle
 from sim.training.temperature import best_temperature
 from sim.training.text_tower import EMBED_DIM, TEXT_CFG, DistilConfig, save_text_tower
 from sim.training.viewpoints import IMAGE_SIZE, ViewpointConfig
@@ -216,8 +217,8 @@ def test_a_work_folder_is_of_one_run_whatever_workers_teacher_and_output(tmp_pat
         with pytest.raises(SimError, match="no text tower"):
             train_encoder(replace(run, **same), Console(quiet=True))
     other = {
-        "houses": 2, "tuning_houses": 2, "epochs": (1, 1), "settling_steps": 1, "seed": 1, "batch": 64, "wordings": (2, 1),
-        "start": tmp_path / "a.safetensors", "distillation": DistilConfig(epochs=1),
+        "houses": 2, "tuning_houses": 2, "epochs": (1, 1), "settling_houses": 2, "settling_steps": 1, "seed": 1,
+        "batch": 64, "wordings": (2, 1), "start": tmp_path / "a.safetensors", "distillation": DistilConfig(epochs=1),
     }  # fmt: skip
     for name, value in other.items():
         with pytest.raises(
@@ -231,7 +232,7 @@ def test_settling_finds_rooms_by_text_and_leaves_the_trunk_unchanged(frames, tex
     align.module.eval()
     dense = {name: value.clone() for name, value in align.module.dense.state_dict().items()}
     before = align.accuracy(frames)
-    align.settle(frames, seed=0, steps=1500)
+    settle(align, [frames], seed=0, steps=1500)
     assert align.accuracy(frames) > before + 0.2
     for name, value in align.module.dense.state_dict().items():
         assert torch.equal(value, dense[name]), name
@@ -246,7 +247,7 @@ def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_pa
     work.mkdir()
     save_text_tower(text, work / "text-tower.safetensors")
     (work / "frames").mkdir()
-    tiny = {"epochs": (1, 1), "settling_steps": 700, "batch": 16, "wordings": (2, 1)}
+    tiny = {"epochs": (1, 1), "settling_houses": 2, "settling_steps": 700, "batch": 16, "wordings": (2, 1)}
     run = TrainingRun(1, 1, work=work, out=tmp_path / "mini.safetensors", workers=1, **tiny)
     history = train_encoder(run, Console(quiet=True))
     assert [(progress.stage, progress.epoch) for progress in history] == [("dense", 1), ("align", 1)]
