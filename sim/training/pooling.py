@@ -51,19 +51,19 @@ class RoomViews:
 
 
 def pooled_loss(
-    logits: Float[Tensor, "rooms views labels"], absent: Bool[np.ndarray, "rooms labels"], own: Int[np.ndarray, "rooms"]
+    logits: Float[Tensor, "rooms views labels"], ignored: Bool[np.ndarray, "rooms labels"], own: Int[np.ndarray, "rooms"]
 ) -> tuple[Tensor, Tensor]:
     """Return the cross-entropies of the rooms' labels by single views, and by all views of a room together.
 
-    Only labels of the house are compared. Views are pooled as `lexis.sight.pooled_labels` pools images: by the mean of
-    their log probabilities, to which a small constant is added.
+    Views are pooled as `lexis.sight.pooled_labels` pools images: by the mean of the logarithms of their probabilities, to
+    which a small constant is added.
 
     Args:
         logits: for several views of each room, the logits of all labels.
-        absent: labels that the house of each room does not have.
+        ignored: for each room, the labels with which it is not compared, such as those that its house lacks.
         own: true label of each room.
     """
-    never, target = torch.from_numpy(absent).to(PROCESSOR), torch.from_numpy(own).to(PROCESSOR)
+    never, target = torch.from_numpy(ignored).to(PROCESSOR), torch.from_numpy(own).to(PROCESSOR)
     single = nn.functional.log_softmax(logits.masked_fill(never[:, None], -torch.inf), dim=2)
     pooled = torch.log(single.exp() + SightConfig().least_probability).mean(dim=1).masked_fill(never, -torch.inf)
     alone = nn.functional.nll_loss(single.flatten(0, 1), target.repeat_interleave(logits.shape[1]))

@@ -34,6 +34,9 @@ Compared with weight 4 and temperature 0.07, as many revisits are found, and 0.7
 the right room."""
 _ROOMS, _VIEWS = 64, 8
 """Number of rooms whose views are pooled in one step, and number of views of each."""
+_OTHERS = 0.25
+"""Share of the labels that a house lacks, but with which its rooms are compared all the same in a step, because the names
+that users give may include rooms that are not there."""
 _VIEW_WEIGHT, _POOLED_WEIGHT = 2.0, 4.0
 """Weights of the losses of these views, each alone and all views of a room together."""
 
@@ -91,7 +94,8 @@ def _room_loss(learner: AlignLearner, frames: _Frames, rooms: RoomViews, rng: np
     chosen, views = rooms.drawn(_ROOMS, _VIEWS, rng)
     similarities = learner.to_rooms(learner.module.embedded(frames.features[views.ravel()]), rng)
     logits = learner.module.room_scale.exp() * similarities.reshape(*views.shape, -1)
-    alone, together = pooled_loss(logits, rooms.absent[chosen], rooms.labels[chosen])
+    ignored = rooms.absent[chosen] & (rng.random(logits.shape[2]) >= _OTHERS)
+    alone, together = pooled_loss(logits, ignored, rooms.labels[chosen])
     return _VIEW_WEIGHT * alone + _POOLED_WEIGHT * together
 
 
