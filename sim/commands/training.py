@@ -15,7 +15,12 @@ def add_to(commands: Commands) -> None:
     train = add_command(
         commands, "train-encoder", _train, "train the mini encoder", "lexis-sim train-encoder --work encoder-training"
     )
-    train.add_argument("--houses", type=positive, default=520, help="houses to train on (default: %(default)s)")
+    train.add_argument(
+        "--houses",
+        type=positive,
+        default=520,
+        help="houses to train on; the last step takes twice as many (default: %(default)s)",
+    )
     train.add_argument("--epochs", type=positive, default=10, help="epochs of dense supervision (default: %(default)s)")
     train.add_argument(
         "--align-epochs", type=positive, default=4, help="epochs of alignment with text (default: %(default)s)"

@@ -55,13 +55,11 @@ class TrainingRun(Settings, place="training", error=SimError):
     """Settings of one training of the encoder, from rendered houses to weights."""
 
     houses: Annotated[int, Ge(1)] = 520
-    """Number of houses to train on."""
+    """Number of houses to train on. The projection settles on twice as many."""
     tuning_houses: Annotated[int, Ge(1)] = 24
     """Number of further houses, for monitoring the training and for fitting the temperature and the calibration."""
     epochs: tuple[int, int] = (10, 4)
     """Numbers of epochs of stage 1 (dense supervision) and stage 2 (alignment) of the image tower."""
-    settling_houses: Annotated[int, Ge(1)] = 1040
-    """Number of houses to settle the projection on. The houses to train on come first among them."""
     settling_steps: Annotated[int, Ge(1)] = STEPS
     """Number of training steps at the end in which only the projection, the image tower's last layer, is trained."""
     seed: int = 0
@@ -151,7 +149,7 @@ def _check_settings(run: TrainingRun) -> None:
 
 def _deciding(run: TrainingRun) -> dict[str, Any]:
     """Return all settings that affect the result, except the teacher: a text tower that is finished is used as it is."""
-    names = ("houses", "tuning_houses", "epochs", "settling_houses", "settling_steps", "seed", "batch", "wordings")
+    names = ("houses", "tuning_houses", "epochs", "settling_steps", "seed", "batch", "wordings")
     own = {name: getattr(run, name) for name in names} | {"start": run.start and str(run.start)}
     return own | {"distillation": asdict(run.distillation), "text": {**TEXT_CFG, "embed_dim": EMBED_DIM}}
 
@@ -173,9 +171,12 @@ def _frames(run: TrainingRun, console: Console, name: str, houses: int, seeds: r
 
 
 def _settling_frames(run: TrainingRun, console: Console) -> Iterator[Frames]:
-    """Yield the frames of each house on which the projection settles. Together, they may not fit in memory."""
-    draws = _draws(run, run.settling_houses, TRAINING_SEEDS)
-    for _ in _rendered(run, console, "more", draws[run.houses :]):
+    """Yield the frames of each house on which the projection settles; those of all houses may not fit in memory.
+
+    These are the houses of the stages before and as many others.
+    """
+    draws = _draws(run, 2 * run.houses, TRAINING_SEEDS)
+    for _ in _rendered(run, console, "more training", draws[run.houses :]):
         pass  # they are in the cache now
     return map(_furnished, rendered(draws, run.work / _FRAMES))
 

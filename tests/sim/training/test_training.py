@@ -217,8 +217,8 @@ def test_a_work_folder_is_of_one_run_whatever_workers_teacher_and_output(tmp_pat
         with pytest.raises(SimError, match="no text tower"):
             train_encoder(replace(run, **same), Console(quiet=True))
     other = {
-        "houses": 2, "tuning_houses": 2, "epochs": (1, 1), "settling_houses": 2, "settling_steps": 1, "seed": 1,
-        "batch": 64, "wordings": (2, 1), "start": tmp_path / "a.safetensors", "distillation": DistilConfig(epochs=1),
+        "houses": 2, "tuning_houses": 2, "epochs": (1, 1), "settling_steps": 1, "seed": 1, "batch": 64, "wordings": (2, 1),
+        "start": tmp_path / "a.safetensors", "distillation": DistilConfig(epochs=1),
     }  # fmt: skip
     for name, value in other.items():
         with pytest.raises(
@@ -247,7 +247,7 @@ def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_pa
     work.mkdir()
     save_text_tower(text, work / "text-tower.safetensors")
     (work / "frames").mkdir()
-    tiny = {"epochs": (1, 1), "settling_houses": 2, "settling_steps": 700, "batch": 16, "wordings": (2, 1)}
+    tiny = {"epochs": (1, 1), "settling_steps": 700, "batch": 16, "wordings": (2, 1)}
     run = TrainingRun(1, 1, work=work, out=tmp_path / "mini.safetensors", workers=1, **tiny)
     history = train_encoder(run, Console(quiet=True))
     assert [(progress.stage, progress.epoch) for progress in history] == [("dense", 1), ("align", 1)]
