@@ -18,7 +18,7 @@ from worlds.labels import ROOM_LABELS
 
 
 @dataclass(frozen=True, eq=False)
-class RoomViews:
+class RoomFrames:
     """The frames of every room label in every house. Rooms of one label in one house count as one room."""
 
     frames: tuple[Int[np.ndarray, "views"], ...]
@@ -29,7 +29,7 @@ class RoomViews:
     """Labels that no frame of the room's house has."""
 
     @staticmethod
-    def of(houses: Int[np.ndarray, "n"], labels: Int[np.ndarray, "n"]) -> "RoomViews":
+    def of(houses: Int[np.ndarray, "n"], labels: Int[np.ndarray, "n"]) -> "RoomFrames":
         """Group frames by their houses and labels."""
         rooms, room = np.unique(np.column_stack([houses, labels]), axis=0, return_inverse=True)
         order = np.argsort(room, kind="stable")
@@ -37,7 +37,7 @@ class RoomViews:
         _, house = np.unique(rooms[:, 0], return_inverse=True)
         present = np.zeros((house.max() + 1, len(ROOM_LABELS)), bool)
         present[house, rooms[:, 1]] = True
-        return RoomViews(tuple(frames), rooms[:, 1], ~present[house])
+        return RoomFrames(tuple(frames), rooms[:, 1], ~present[house])
 
     def drawn(
         self, rooms: int, views: int, rng: np.random.Generator

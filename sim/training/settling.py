@@ -23,7 +23,7 @@ from sim.training.batches import PRESENT, chosen_once
 from sim.training.fit import PROCESSOR
 from sim.training.frames import Frames
 from sim.training.places import pairs_of_places, place_loss
-from sim.training.pooling import RoomViews, pooled_loss
+from sim.training.pooling import RoomFrames, pooled_loss
 
 STEPS = 2000
 """Number of training steps."""
@@ -67,7 +67,7 @@ def settle(learner: AlignLearner, houses: Iterable[Frames], seed: int, steps: in
     """
     rng = np.random.default_rng([seed, 4])
     frames = _Frames.seen_by(learner, houses)
-    rooms = RoomViews.of(frames.houses, frames.rooms)
+    rooms = RoomFrames.of(frames.houses, frames.rooms)
     parameters = [value for name, value in learner.module.named_parameters() if not name.startswith("dense.")]
     optimiser = torch.optim.AdamW(parameters, lr=_RATE, weight_decay=0.02)
     rate = torch.optim.lr_scheduler.OneCycleLR(optimiser, _RATE, total_steps=steps, pct_start=0.15)
@@ -89,7 +89,7 @@ def _frame_loss(learner: AlignLearner, frames: _Frames, chosen: Int[np.ndarray, 
     return learner.caption_loss(embedding, own, frames.things[chosen], rng) + _PLACES_WEIGHT * places
 
 
-def _room_loss(learner: AlignLearner, frames: _Frames, rooms: RoomViews, rng: np.random.Generator) -> Tensor:
+def _room_loss(learner: AlignLearner, frames: _Frames, rooms: RoomFrames, rng: np.random.Generator) -> Tensor:
     """Return the weighted sum of the losses of several views of a room, each alone and all together."""
     chosen, views = rooms.drawn(_ROOMS, _VIEWS, rng)
     similarities = learner.to_rooms(learner.module.embedded(frames.features[views.ravel()]), rng)

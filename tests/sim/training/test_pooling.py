@@ -5,7 +5,7 @@ import torch
 from scipy.special import log_softmax, softmax
 
 from lexis.config import SightConfig
-from sim.training.pooling import RoomViews, pooled_loss
+from sim.training.pooling import RoomFrames, pooled_loss
 from worlds.labels import ROOM_LABELS
 
 HOUSES = np.array([7, 7, 7, 7, 3, 3, 3])
@@ -13,7 +13,7 @@ LABELS = np.array([2, 5, 2, 9, 5, 5, 1])
 
 
 def test_every_frame_belongs_to_one_room_of_its_house_and_label():
-    rooms = RoomViews.of(HOUSES, LABELS)
+    rooms = RoomFrames.of(HOUSES, LABELS)
     assert sorted(np.concatenate(rooms.frames)) == list(range(len(HOUSES)))
     for frames, label, absent in zip(rooms.frames, rooms.labels, rooms.absent, strict=True):
         assert set(LABELS[frames]) == {label} and len(set(HOUSES[frames])) == 1
@@ -22,7 +22,7 @@ def test_every_frame_belongs_to_one_room_of_its_house_and_label():
 
 
 def test_views_are_drawn_of_their_own_room_and_no_room_twice():
-    rooms = RoomViews.of(HOUSES, LABELS)
+    rooms = RoomFrames.of(HOUSES, LABELS)
     for asked in (2, 5, 64):
         chosen, views = rooms.drawn(asked, 8, np.random.default_rng(asked))
         assert len(set(chosen.tolist())) == len(chosen) == min(asked, 5) and views.shape == (len(chosen), 8)
