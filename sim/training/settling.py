@@ -42,7 +42,7 @@ _VIEW_WEIGHT, _POOLED_WEIGHT = 2.0, 4.0
 
 
 @dataclass(frozen=True, eq=False)
-class _Frames:
+class _SeenFrames:
     """Features of the images of many houses, and the ground truth that the losses need."""
 
     features: Float[Tensor, "n f"]
@@ -53,20 +53,27 @@ class _Frames:
     T_W_B: Poses
 
     @staticmethod
-    def seen_by(learner: AlignLearner, houses: Iterable[Frames]) -> "_Frames":
-        rows = [(learner.pooled(each), each.rooms, each.shares > PRESENT, each.houses, each.T_W_B) for each in houses]
-        features, rooms, things, numbers, poses = zip(*(row for row in rows if len(row[1])), strict=True)
+    def by(learner: AlignLearner, houses: Iterable[Frames]) -> "_SeenFrames":
+        rows = [
+            (learner.pooled(each), each.rooms, each.shares > PRESENT, each.houses, each.T_W_B)
+            for each in houses
+            if len(each.rooms)
+        ]
+        features, rooms, things, numbers, poses = zip(*rows, strict=True)
         present = torch.from_numpy(np.concatenate(things).astype(np.float32)).to(PROCESSOR)
-        return _Frames(torch.cat(features), np.concatenate(rooms), present, np.concatenate(numbers), np.concatenate(poses))
+        return _SeenFrames(
+            torch.cat(features), np.concatenate(rooms), present, np.concatenate(numbers), np.concatenate(poses)
+        )
 
 
 def settle(learner: AlignLearner, houses: Iterable[Frames], seed: int, steps: int = STEPS) -> None:
     """Train the projection and the logit scales on the frames of houses, without augmentation.
 
-    `houses` yields the frames of one house, or of several, at a time, so that they need not fit in memory together.
+    `houses` yields the frames of one house, or of several, at a time, so that they need not fit in memory together. A house
+    may have no frames.
     """
     rng = np.random.default_rng([seed, 4])
-    frames = _Frames.seen_by(learner, houses)
+    frames = _SeenFrames.by(learner, houses)
     rooms = RoomFrames.of(frames.houses, frames.rooms)
     parameters = [value for name, value in learner.module.named_parameters() if not name.startswith("dense.")]
     optimiser = torch.optim.AdamW(parameters, lr=_RATE, weight_decay=0.02)
@@ -79,7 +86,9 @@ def settle(learner: AlignLearner, houses: Iterable[Frames], seed: int, steps: in
         rate.step()
 
 
-def _frame_loss(learner: AlignLearner, frames: _Frames, chosen: Int[np.ndarray, "b"], rng: np.random.Generator) -> Tensor:
+def _frame_loss(
+    learner: AlignLearner, frames: _SeenFrames, chosen: Int[np.ndarray, "b"], rng: np.random.Generator
+) -> Tensor:
     """Return the weighted sum of the losses of captions and places."""
     embedding = learner.module.embedded(frames.features[chosen])
     own = torch.from_numpy(frames.rooms[chosen]).to(PROCESSOR)
@@ -89,7 +98,7 @@ def _frame_loss(learner: AlignLearner, frames: _Frames, chosen: Int[np.ndarray, 
     return learner.caption_loss(embedding, own, frames.things[chosen], rng) + _PLACES_WEIGHT * places
 
 
-def _room_loss(learner: AlignLearner, frames: _Frames, rooms: RoomFrames, rng: np.random.Generator) -> Tensor:
+def _room_loss(learner: AlignLearner, frames: _SeenFrames, rooms: RoomFrames, rng: np.random.Generator) -> Tensor:
     """Return the weighted sum of the losses of several views of a room, each alone and all together."""
     chosen, views = rooms.drawn(_ROOMS, _VIEWS, rng)
     similarities = learner.to_rooms(learner.module.embedded(frames.features[views.ravel()]), rng)
