@@ -7,6 +7,7 @@ calibrate the weights.
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field
+from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -44,7 +45,6 @@ from sim.training.text_tower import (
 
 MINI_WEIGHTS = MINI_CONFIG.with_suffix(".safetensors")
 _SETTINGS = "settings.json"
-_FRAMES = "frames"
 _SETTINGS_FILE = FileKind(
     "those of this run; else delete it", 1_000_000, SimError, missing="no settings in it", unusable="no settings in it"
 )
@@ -114,7 +114,8 @@ def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
     fit(dense, training, tuning, first, report, run.work / "dense.pt")
     align = AlignLearner(dense.module, text, training, run.seed, run.wordings)
     fit(align, training, tuning, second, report, run.work / "align.pt")
-    settle(align, _settling_frames(run, console), run.seed, run.settling_steps)
+    more = _rendered(run, console, "more training", _draws(run, 2 * run.houses, TRAINING_SEEDS)[run.houses :])
+    settle(align, chain([training], map(_furnished, more)), run.seed, run.settling_steps)
     console.print(f"projection settled: tuning accuracy {align.accuracy(tuning):.3f}")
     temperature = fit_temperature(align.embeddings(tuning), text, tuning.rooms)
     console.print(f"temperature {temperature:.4f}, fitted on the tuning frames")
@@ -170,17 +171,6 @@ def _frames(run: TrainingRun, console: Console, name: str, houses: int, seeds: r
     return Frames.joined(list(_rendered(run, console, name, _draws(run, houses, seeds))))
 
 
-def _settling_frames(run: TrainingRun, console: Console) -> Iterator[Frames]:
-    """Yield the frames of each house on which the projection settles; those of all houses may not fit in memory.
-
-    These are the houses of the stages before and as many others.
-    """
-    draws = _draws(run, 2 * run.houses, TRAINING_SEEDS)
-    for _ in _rendered(run, console, "more training", draws[run.houses :]):
-        pass  # they are in the cache now
-    return map(_furnished, rendered(draws, run.work / _FRAMES))
-
-
 def _draws(run: TrainingRun, houses: int, seeds: range) -> list[HouseDraw]:
     stream = (TRAINING_SEEDS, TUNING_SEEDS).index(seeds)
     return list(draw_houses(houses, seeds, np.random.default_rng([run.seed, stream])))
@@ -188,7 +178,7 @@ def _draws(run: TrainingRun, houses: int, seeds: range) -> list[HouseDraw]:
 
 def _rendered(run: TrainingRun, console: Console, name: str, draws: Sequence[HouseDraw]) -> Iterator[Frames]:
     """Yield the frames of each house, which are rendered or loaded, and report the progress."""
-    for count, frames in enumerate(rendered(draws, run.work / _FRAMES, run.workers), 1):
+    for count, frames in enumerate(rendered(draws, run.work / "frames", run.workers), 1):
         if count % 20 == 0 or count == len(draws):
             console.print(f"{name} frames of {count} of {len(draws)} houses")
         yield frames
