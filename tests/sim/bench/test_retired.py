@@ -18,13 +18,13 @@ WHOLE = Config(pose_graph=PoseGraphConfig(copies=None))
 def walk():
     house = sample_house("home", 302, rooms=3)
     fast = {"fidelity": "features", "encoder": "oracle", "frame_rate_hz": 2.0}
-    return Scenario(house=house, seed=302, tour_kind="loop", length_m=160.0, **fast)
+    return Scenario(house=house, seed=303, tour_kind="loop", length_m=160.0, **fast)
 
 
 def test_figures_of_segmentation_cover_retired_keyframes(walk):
-    (_, thin), (_, whole) = (next(run_houses(walk, [302], settings=settings)) for settings in (THIN, WHOLE))
+    (_, thin), (_, whole) = (next(run_houses(walk, [303], settings=settings)) for settings in (THIN, WHOLE))
     assert thin.loop_recall == pytest.approx(whole.loop_recall, abs=0.05) and whole.loop_recall > 0.9
-    assert thin.false_loops == whole.false_loops and thin.heavy_false_loops == whole.heavy_false_loops == 0
+    assert thin.false_loops == whole.false_loops == 0
 
 
 def test_figures_of_rigs_cover_retired_keyframes(walk):
