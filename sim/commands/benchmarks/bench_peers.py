@@ -2,7 +2,7 @@
 
 import argparse
 from collections.abc import Iterable, Iterator
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from typing import TYPE_CHECKING
 
 from rich.table import Table
@@ -25,26 +25,35 @@ from sim.commands.benchmarks.bench_options import (
 from sim.errors import SimError
 
 if TYPE_CHECKING:
+    from sim.bench.peers.difficulty_sweep import Difficulty
     from sim.bench.peers.place_walks import PlaceWalk
 
 
 def _openness(arguments: argparse.Namespace) -> Iterator[Table]:
-    return _sweep(arguments, "openness")
+    from sim.bench.peers.difficulty_sweep import DIFFICULTIES
+
+    return _sweep(arguments, "openness", replace(DIFFICULTIES["openness"], fidelity=arguments.fidelity))
 
 
 def _sweep_over(arguments: argparse.Namespace) -> Iterator[Table]:
-    return _sweep(arguments, arguments.over, arguments.length, arguments.rate)
+    from sim.bench.peers.difficulty_sweep import DIFFICULTIES
+
+    return _sweep(arguments, arguments.over, DIFFICULTIES[arguments.over], arguments.length, arguments.rate)
 
 
 def _sweep(
-    arguments: argparse.Namespace, over: str, length_m: float | None = None, rate_hz: float | None = None
+    arguments: argparse.Namespace,
+    over: str,
+    difficulty: "Difficulty",
+    length_m: float | None = None,
+    rate_hz: float | None = None,
 ) -> Iterator[Table]:
-    from sim.bench.peers.difficulty_sweep import DIFFICULTIES, means, sweep, write_sweep
+    from sim.bench.peers.difficulty_sweep import means, sweep, write_sweep
     from sim.bench.row_files import check_files
     from sim.report.figures import shown
 
     check_files(*arguments.out)
-    seeds, difficulty = seeds_of(arguments), DIFFICULTIES[over]
+    seeds = seeds_of(arguments)
     total = len(difficulty.methods) * len(difficulty.values) * len(seeds)
     rows = list(tracked(sweep(arguments.preset, seeds, difficulty, length_m, rate_hz), total, "runs"))
     for path in arguments.out:
@@ -220,7 +229,7 @@ BENCHMARKS = (
         printing(_openness),
         "rooms by LEXIS and by segmentations of the true map, in houses with more and more open inner walls",
         "lexis-sim bench openness --houses 5 --seed 500 --out openness.csv openness.png",
-        (PRESET, HOUSES, FILES, SEED),
+        (PRESET, HOUSES, FIDELITY, FILES, SEED),
     ),
     Action(
         "sweep",
