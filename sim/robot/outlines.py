@@ -1,16 +1,21 @@
-"""Adds the outlines of obstacles for the range scan: an upright box for each obstacle within the height of the body.
+"""Adds the outlines of obstacles for the range scan: upright boxes for each obstacle within the height of the body.
 
 A real robot makes such a scan by projecting the points of a depth sensor onto the plan. A table then appears as its outline,
 not as four legs.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from sim.render.gl import mujoco
 from worlds.house import House
+from worlds.parts import Part, Vector
 from worlds.stairs.build import Stairs
 
 Interval = tuple[float, float]
+_EXACT_M = 1e-6
+"""Parts that reach beyond their object by rounding errors alone get no box [m]."""
 
 
 def add_outlines(spec: "mujoco.MjSpec", house: House, height_m: float) -> list["mujoco.MjsGeom"]:
@@ -28,13 +33,42 @@ def add_outlines(spec: "mujoco.MjSpec", house: House, height_m: float) -> list["
         if wall.bottom_m - floor < height_m:
             top = tops[wall.storey] if wall.top_m >= ceiling else max(wall.top_m, floor + height_m)
             geoms.append(_add(spec, (x0 + x1) / 2, (y0 + y1) / 2, (x1 - x0, y1 - y0), (floor, top)))
-    for thing in (*house.leaves, *(piece for piece in house.furniture if piece.solid)):
-        (x, y, bottom), (width, depth, height) = thing.position, thing.size
-        floor = floors[thing.storey]
+    for storey, (x, y, bottom), (width, depth, height), yaw in _boxes(house):
+        floor = floors[storey]
         if bottom - floor < height_m:
             top = floor + max(bottom - floor + height, height_m)
-            geoms.append(_add(spec, x, y, (width, depth), (floor, top), thing.yaw))
+            geoms.append(_add(spec, x, y, (width, depth), (floor, top), yaw))
     return geoms + [geom for flight in house.stairs for geom in _add_railing(spec, flight, height_m)]
+
+
+def _boxes(house: House) -> Iterator[tuple[int, Vector, Vector, float]]:
+    """Yield storey, centre of the underside [m], size [m] and yaw [rad] of boxes that cover solid furniture and doors.
+
+    There is one box for each object, and one for each of its parts that stands out of that box, such as a door handle.
+    """
+    for thing in (*house.leaves, *(piece for piece in house.furniture if piece.solid)):
+        yield thing.storey, thing.position, thing.size, thing.yaw
+        cos, sin, (x, y, z) = np.cos(thing.yaw), np.sin(thing.yaw), thing.position
+        for part in thing.parts:
+            size = _collision_size(part)
+            if _stands_out(part, size, thing.size):
+                along, across, middle = part.centre
+                foot = x + cos * along - sin * across, y + sin * along + cos * across, z + middle - size[2] / 2
+                yield thing.storey, foot, size, thing.yaw + part.yaw
+
+
+def _collision_size(part: Part) -> Vector:
+    """Return the size of the box around a part's collision geom, which is round for cylinders and cones [m]."""
+    width, depth, height = part.size
+    widest = max(width, depth)
+    return (widest, widest, height) if part.shape in ("cylinder", "cone") else part.size
+
+
+def _stands_out(part: Part, size: Vector, of_object: Vector) -> bool:
+    """Whether a part of this size reaches beyond the width or the depth of its object."""
+    cos, sin, (width, depth, _) = abs(np.cos(part.yaw)), abs(np.sin(part.yaw)), size
+    reach = cos * width + sin * depth, sin * width + cos * depth
+    return any(abs(part.centre[axis]) + reach[axis] / 2 > of_object[axis] / 2 + _EXACT_M for axis in (0, 1))
 
 
 def _add_railing(spec: "mujoco.MjSpec", flight: Stairs, height_m: float) -> list["mujoco.MjsGeom"]:
