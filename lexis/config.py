@@ -204,15 +204,17 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     kernel alone judges them (sim/pages/pose-graphs.md)."""
     max_edges: Annotated[int, Ge(1)] = 3
     """Largest number of loop edges from one new keyframe; those with the most inliers are kept."""
-    pixel_sigma: Annotated[float, Gt(0)] = 1.5
-    """Standard deviation of an inlier's reprojection error, landmark noise included [px]."""
+    pixel_sigma: Annotated[float, Gt(0)] = 5.0
+    """Standard deviation of an inlier's reprojection error in the covariance of a loop edge [px]. It exceeds the largest
+    error of an inlier, because the landmarks of an edge have errors in common: many inliers hold less information than as
+    many independent measurements (sim/pages/pose-graphs.md)."""
     rotation_sigma_rad: Annotated[float, Gt(0)] = 0.005
     """Error that all landmarks of a loop edge share; it is added in quadrature to the standard deviation of the edge's
     rotation [rad]."""
     translation_sigma_m: Annotated[float, Gt(0)] = 0.03
     """Error that all landmarks of a loop edge share; it is added in quadrature to the standard deviation of the edge's
     translation [m]."""
-    max_sigma_m: Annotated[float, Gt(0)] = 0.06
+    max_sigma_m: Annotated[float, Gt(0)] = 0.07
     """Largest standard deviation of a loop edge's translation, in its worst direction [m]. Edges with a larger deviation are
     rejected, because their landmarks are too few or too distant to determine the translation."""
     seed: Annotated[int, Ge(0)] = 0
@@ -236,7 +238,7 @@ class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
     least squares."""
     outlier_threshold: Annotated[float, Gt(0)] = 30.0
     """Squared whitened residual above which the kernel down-weights a loop edge. The default is well above the 0.95 quantile
-    of chi² with 6 degrees of freedom, 12.6, because the stated covariances leave out errors that landmarks have in common
+    of chi² with 6 degrees of freedom, 12.6, because the errors of true loops have heavier tails than a Gaussian
     (sim/pages/pose-graphs.md)."""
     every: Annotated[int, Ge(1)] = 10
     """Least number of keyframes between two optimisations of the graph."""

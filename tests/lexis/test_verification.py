@@ -11,7 +11,9 @@ from lexis.maths.projection import project
 from lexis.types import Features, Keyframe, Landmarks, LoopEdge, Verdict
 from lexis.verification import plausible, verify
 
-CONFIG = VerificationConfig()
+CONFIG = VerificationConfig(pixel_sigma=1.5)
+"""Settings for these tests, in which landmarks are exact and key points have an error of at most 0.5 px. With the default,
+loops of so few landmarks would be refused because their position is uncertain."""
 CONSISTENT = replace(CONFIG, max_contradiction=16.8)
 """Settings with which loops that contradict each other are refused."""
 EMBEDDING = np.ones(1, np.float32)
