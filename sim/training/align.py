@@ -141,6 +141,14 @@ class AlignLearner:
                 [self.module.dense(normalised(frames.images[i : i + _BATCH]).to(PROCESSOR)).pooled for i in parts]
             )
 
+    def columns(self, frames: Frames) -> Float[Tensor, "n columns f"]:
+        """Return the features of the columns of images without augmentation; see `DenseTower.columns`."""
+        with torch.no_grad():
+            parts = range(0, len(frames.rooms), _BATCH)
+            return torch.cat(
+                [self.module.dense.columns(normalised(frames.images[i : i + _BATCH]).to(PROCESSOR)) for i in parts]
+            )
+
 
 def room_embeddings(text: TextTransformer, names: Sequence[str]) -> Float[np.ndarray, "names e"]:
     """Embed room names as `lexis.encoder.open_clip_encoder` does: mean over a name's prompts, scaled to unit norm."""

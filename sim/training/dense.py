@@ -69,6 +69,12 @@ class DenseTower(nn.Module):
         rooms, views, things, patches, places = (values.float() for values in said)
         return DenseOutput(pooled.float(), rooms, views, things, patches, nn.functional.normalize(places, dim=-1))
 
+    def columns(self, images: Float[Tensor, "b 3 h w"]) -> Float[Tensor, "b columns f"]:
+        """Compute the features of the columns of images, in bfloat16. Their mean over an image is its pooled feature."""
+        with torch.autocast(PROCESSOR, torch.bfloat16):
+            maps = self.trunk.forward_features(images)
+        return maps.float().mean(dim=2).swapaxes(1, 2)
+
 
 def dense_loss(seen: DenseOutput, batch: Batch, weights: Float[Tensor, "labels"]) -> Tensor:
     """Return the weighted sum of the losses of all heads. `weights` are the weights of the labels in the room loss."""

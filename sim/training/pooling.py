@@ -34,10 +34,7 @@ class RoomFrames:
         rooms, room = np.unique(np.column_stack([houses, labels]), axis=0, return_inverse=True)
         order = np.argsort(room, kind="stable")
         frames = np.split(order, np.flatnonzero(np.diff(room[order])) + 1)
-        _, house = np.unique(rooms[:, 0], return_inverse=True)
-        present = np.zeros((house.max() + 1, len(ROOM_LABELS)), bool)
-        present[house, rooms[:, 1]] = True
-        return RoomFrames(tuple(frames), rooms[:, 1], ~present[house])
+        return RoomFrames(tuple(frames), rooms[:, 1], absent_labels(rooms[:, 0], rooms[:, 1]))
 
     def drawn(
         self, rooms: int, views: int, rng: np.random.Generator
@@ -48,6 +45,14 @@ class RoomFrames:
         """
         chosen = rng.choice(len(self.frames), min(rooms, len(self.frames)), replace=False)
         return chosen, np.stack([rng.choice(self.frames[room], views) for room in chosen])
+
+
+def absent_labels(houses: Int[np.ndarray, "n"], labels: Int[np.ndarray, "n"]) -> Bool[np.ndarray, "n labels"]:
+    """Return, for each of n frames or rooms, the labels that no frame or room of its house has."""
+    _, house = np.unique(houses, return_inverse=True)
+    present = np.zeros((house.max() + 1, len(ROOM_LABELS)), bool)
+    present[house, labels] = True
+    return np.asarray(~present[house])
 
 
 def pooled_loss(

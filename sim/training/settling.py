@@ -1,11 +1,12 @@
 """The last step of training the image tower: only the projection, the tower's last layer, is trained.
 
 The rest of the tower stays as it is. Every image therefore passes through it only once, and this step can use the frames of
-more houses than the stages before. The loss has three parts:
+more houses than the stages before. The loss has four parts:
 
 1. Captions: rooms, things and the search for images by captions, as in `sim.training.align`.
 2. Places: as in `sim.training.align`, with other weights.
 3. Pooled evidence: several views of a room name its label together (`sim.training.pooling`).
+4. Columns: the columns of an image name the rooms in view (`sim.training.columns`).
 """
 
 from collections.abc import Iterable, Iterator
@@ -14,16 +15,17 @@ from itertools import islice
 
 import numpy as np
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
 from lexis.types import Poses
 from sim.training.align import AlignLearner
 from sim.training.batches import PRESENT, chosen_once
+from sim.training.columns import columns_loss, contributions
 from sim.training.fit import PROCESSOR
 from sim.training.frames import Frames
 from sim.training.places import pairs_of_places, place_loss
-from sim.training.pooling import RoomFrames, pooled_loss
+from sim.training.pooling import RoomFrames, absent_labels, pooled_loss
 
 STEPS = 2000
 """Number of training steps."""
@@ -35,35 +37,42 @@ the right room."""
 _ROOMS, _VIEWS = 64, 8
 """Number of rooms whose views are pooled in one step, and number of views of each."""
 _OTHERS = 0.25
-"""Share of the labels that a house lacks, but with which its rooms are compared all the same in a step, because the names
+"""Share of the labels that a house lacks, but with which its images are compared all the same in a step, because the names
 that users give may include rooms that are not there."""
 _VIEW_WEIGHT, _POOLED_WEIGHT = 2.0, 4.0
 """Weights of the losses of these views, each alone and all views of a room together."""
+_COLUMNS_WEIGHT = 1.0
 
 
 @dataclass(frozen=True, eq=False)
 class _SeenFrames:
     """Features of the images of many houses, and the ground truth that the losses need."""
 
+    columns: Float[Tensor, "n columns f"]
+    """Features of the columns of each image."""
     features: Float[Tensor, "n f"]
+    """Pooled features of each image: the mean over its columns."""
     rooms: Int[np.ndarray, "n"]
     things: Float[Tensor, "n things"]
     """Whether each thing is present in each image, as 0 or 1."""
+    views: Float[Tensor, "n labels"]
+    """Share of each image that shows rooms of each label."""
     houses: Int[np.ndarray, "n"]
     T_W_B: Poses
 
     @staticmethod
     def by(learner: AlignLearner, houses: Iterable[Frames]) -> "_SeenFrames":
         rows = [
-            (learner.pooled(each), each.rooms, each.shares > PRESENT, each.houses, each.T_W_B)
+            (learner.columns(each), each.rooms, each.shares > PRESENT, each.views, each.houses, each.T_W_B)
             for each in houses
             if len(each.rooms)
         ]
-        features, rooms, things, numbers, poses = zip(*rows, strict=True)
+        of_columns, rooms, things, views, numbers, poses = zip(*rows, strict=True)
+        columns = torch.cat(of_columns)
         present = torch.from_numpy(np.concatenate(things).astype(np.float32)).to(PROCESSOR)
-        return _SeenFrames(
-            torch.cat(features), np.concatenate(rooms), present, np.concatenate(numbers), np.concatenate(poses)
-        )
+        shown = torch.from_numpy(np.concatenate(views)).to(PROCESSOR)
+        told = np.concatenate(numbers), np.concatenate(poses)
+        return _SeenFrames(columns, columns.mean(dim=1), np.concatenate(rooms), present, shown, *told)
 
 
 def settle(learner: AlignLearner, houses: Iterable[Frames], seed: int, steps: int = STEPS) -> None:
@@ -74,12 +83,13 @@ def settle(learner: AlignLearner, houses: Iterable[Frames], seed: int, steps: in
     """
     rng = np.random.default_rng([seed, 4])
     frames = _SeenFrames.by(learner, houses)
-    rooms = RoomFrames.of(frames.houses, frames.rooms)
+    rooms, absent = RoomFrames.of(frames.houses, frames.rooms), absent_labels(frames.houses, frames.rooms)
     parameters = [value for name, value in learner.module.named_parameters() if not name.startswith("dense.")]
     optimiser = torch.optim.AdamW(parameters, lr=_RATE, weight_decay=0.02)
     rate = torch.optim.lr_scheduler.OneCycleLR(optimiser, _RATE, total_steps=steps, pct_start=0.15)
     for chosen in islice(_chosen_often(frames.houses, rng), steps):
-        loss = _frame_loss(learner, frames, chosen, rng) + _room_loss(learner, frames, rooms, rng)
+        of_images = _frame_loss(learner, frames, chosen, rng) + _room_loss(learner, frames, rooms, rng)
+        loss = of_images + _COLUMNS_WEIGHT * _columns_loss(learner, frames, absent, chosen, rng)
         optimiser.zero_grad()
         loss.backward()  # type: ignore[no-untyped-call]
         optimiser.step()
@@ -106,6 +116,21 @@ def _room_loss(learner: AlignLearner, frames: _SeenFrames, rooms: RoomFrames, rn
     ignored = rooms.absent[chosen] & (rng.random(logits.shape[2]) >= _OTHERS)
     alone, together = pooled_loss(logits, ignored, rooms.labels[chosen])
     return _VIEW_WEIGHT * alone + _POOLED_WEIGHT * together
+
+
+def _columns_loss(
+    learner: AlignLearner,
+    frames: _SeenFrames,
+    absent: Bool[np.ndarray, "n labels"],
+    chosen: Int[np.ndarray, "b"],
+    rng: np.random.Generator,
+) -> Tensor:
+    """Return the loss of the columns of some images. `absent` are the labels that no frame of a frame's house has."""
+    parts = contributions(frames.columns[chosen], learner.module.projection)
+    similarities = learner.to_rooms(parts.flatten(0, 1), rng).reshape(*parts.shape[:2], -1)
+    ignored = absent[chosen] & (rng.random(similarities.shape[2]) >= _OTHERS)
+    logits = learner.module.room_scale.exp() * similarities
+    return columns_loss(logits, torch.from_numpy(ignored).to(PROCESSOR), frames.views[chosen])
 
 
 def _chosen_often(houses: Int[np.ndarray, "n"], rng: np.random.Generator) -> Iterator[Int[np.ndarray, "b"]]:
