@@ -41,7 +41,7 @@ _OTHERS = 0.25
 that users give may include rooms that are not there."""
 _VIEW_WEIGHT, _POOLED_WEIGHT = 2.0, 4.0
 """Weights of the losses of these views, each alone and all views of a room together."""
-_COLUMNS_WEIGHT = 1.0
+_COLUMNS_WEIGHT = 0.5
 
 
 @dataclass(frozen=True, eq=False)
