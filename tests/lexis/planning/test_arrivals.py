@@ -1,4 +1,4 @@
-"""A robot is surely inside a room away from other rooms, and where all images agree."""
+"""A robot is surely inside a room away from other rooms, and where images are sure of the label."""
 
 from dataclasses import replace
 
@@ -47,8 +47,8 @@ def test_the_nearest_other_label_counts_and_not_the_nearest_other_room(rng):
     assert both == inside(lexis_map, office)
 
 
-def test_a_robot_is_not_surely_inside_where_images_around_it_show_another_room(rng):
-    """The images around x = 2 show a kitchen, though the keyframes there have the label of the office."""
+def test_a_robot_is_not_surely_inside_where_images_show_another_room(rng):
+    """The images near x = 2 show a kitchen, though the keyframes there have the label of the office."""
     x = np.arange(-3.0, 5.1, 0.1)
     labels = (x > -0.01).astype(int)
     similarities = np.where(labels[:, None] == [0, 1], 0.6, 0.1)
