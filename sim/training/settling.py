@@ -128,7 +128,7 @@ def _columns_loss(
     """Return the loss of the columns of some images. `absent` are the labels that no frame of a frame's house has."""
     parts = contributions(frames.columns[chosen], learner.module.projection)
     similarities = learner.to_rooms(parts.flatten(0, 1), rng).reshape(*parts.shape[:2], -1)
-    ignored = absent[chosen] & (rng.random(similarities.shape[2]) >= _OTHERS)
+    ignored = absent[chosen] & (rng.random((len(chosen), similarities.shape[2])) >= _OTHERS)
     logits = learner.module.room_scale.exp() * similarities
     return columns_loss(logits, torch.from_numpy(ignored).to(PROCESSOR), frames.views[chosen])
 
