@@ -59,6 +59,17 @@ def test_a_robot_is_not_surely_inside_where_images_show_another_room(rng):
     assert not ((found > 1.5) & (found < 2.5)).any() and (found > 3.5).any()
 
 
+def test_a_robot_is_not_surely_inside_at_a_keyframe_whose_own_images_are_unsure(rng):
+    """One keyframe among many is less sure of the office than `SURE`; the mean around it is hardly changed."""
+    x = np.arange(-3.0, 5.1, 0.1)
+    lexis_map = along_x(rng, x, (x > -0.01).astype(int))
+    unsure = int(np.argmin(np.abs(x - 2.5)))
+    probabilities = lexis_map.probabilities.copy()
+    probabilities[unsure] = [1.01 - arrivals.SURE, arrivals.SURE - 0.01]
+    found = inside(replace(lexis_map, probabilities=probabilities), lexis_map.rooms[1])
+    assert set(inside(lexis_map, lexis_map.rooms[1])) - set(found) == {unsure}
+
+
 @pytest.mark.parametrize(("share", "found"), [(0.9, False), (1.1, True)])
 def test_the_evidence_has_to_be_a_share_of_the_clearest(rng, share, found):
     x = np.arange(-3.0, 5.1, 0.25)
