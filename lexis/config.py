@@ -214,9 +214,12 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     translation_sigma_m: Annotated[float, Gt(0)] = 0.03
     """Error that all landmarks of a loop edge share; it is added in quadrature to the standard deviation of the edge's
     translation [m]."""
-    max_sigma_m: Annotated[float, Gt(0)] = 0.07
+    max_sigma_m: Annotated[float, Gt(0)] = 0.08
     """Largest standard deviation of a loop edge's translation, in its worst direction [m]. Edges with a larger deviation are
     rejected, because their landmarks are too few or too distant to determine the translation."""
+    max_sigma_rad: Annotated[float, Gt(0)] = 0.035
+    """Largest standard deviation of a loop edge's rotation, about its worst axis [rad]. Edges with a larger deviation are
+    rejected. The robust kernel could not tell wrong ones among them from right ones."""
     seed: Annotated[int, Ge(0)] = 0
     """Seed of the random samples that RANSAC draws."""
 
@@ -225,6 +228,8 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
         super().__post_init__()
         if self.max_sigma_m <= self.translation_sigma_m:
             self.refuse("max_sigma_m", f"> translation_sigma_m = {self.translation_sigma_m:g} m")
+        if self.max_sigma_rad <= self.rotation_sigma_rad:
+            self.refuse("max_sigma_rad", f"> rotation_sigma_rad = {self.rotation_sigma_rad:g} rad")
 
 
 @dataclass(frozen=True)
@@ -342,7 +347,8 @@ PAPER = Config(
 
 Other defaults go beyond the paper and stay as they are: keyframes retire (`pose_graph.copies`; None switches it off), paths
 take shortcuts through space that images show to be free (`planner.sight_m`; 0 switches it off), and loop edges that differ
-too much from the current estimate, or are too uncertain, are rejected (the gates and `max_sigma_m` of `verification`).
+too much from the current estimate, or are too uncertain, are rejected (the gates, `max_sigma_m` and `max_sigma_rad` of
+`verification`).
 """
 
 

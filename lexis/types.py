@@ -185,7 +185,7 @@ class LoopEdge:
 
 
 LoopOutcome = Literal[
-    "accepted", "few matches", "few inliers", "crowded inliers", "uncertain position", "far from the estimate", "surplus",
+    "accepted", "few matches", "few inliers", "crowded inliers", "uncertain pose", "far from the estimate", "surplus",
     "unconfirmed", "contradicted", "unsupported",
 ]  # fmt: skip
 """What became of a loop candidate. Inliers are crowded if they cover too little of the image. A candidate is surplus if

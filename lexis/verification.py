@@ -8,7 +8,7 @@ For each candidate of a query keyframe:
    With a rig, each camera of the query is matched to the landmarks of all cameras, so that a rear camera can recognise what
    a front camera saw. PnP is solved for every camera; the pose with which most key points of all cameras agree is refined.
 3. Require enough inliers, spread over one image: a poster or another repeated object matches in one spot only.
-4. Estimate the covariance of the pose, and refuse a pose whose position the landmarks leave too uncertain.
+4. Estimate the covariance of the pose, and refuse a pose that the landmarks leave too uncertain.
 5. Refuse a loop too far from the current estimate, because odometry drifts only little per metre, and least in height.
 6. With the setting `max_contradiction`, refuse loops that contradict other loops of the same query. Neighbouring candidates
    show the same place, so their loops have to lead to the same pose of the query.

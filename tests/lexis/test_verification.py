@@ -150,6 +150,13 @@ def test_an_edge_that_leaves_the_position_open_is_refused(world, true):
     assert len(located(distant, true, config=replace(CONFIG, max_sigma_m=1.0))) == 1
 
 
+def test_an_edge_that_leaves_the_rotation_open_is_refused(world, true):
+    (edge,) = located(world, true)
+    worst_rad = float(np.sqrt(np.linalg.eigvalsh(edge.covariance[:3, :3])[-1]))
+    assert located(world, true, config=replace(CONFIG, max_sigma_rad=0.99 * worst_rad)) == ()
+    assert len(located(world, true, config=replace(CONFIG, max_sigma_rad=1.01 * worst_rad))) == 1
+
+
 def test_neighbours_lend_their_landmarks(world, true):
     points, descriptors = world
     first = keyframe(0, np.eye(4), points[:12], descriptors[:12])
@@ -212,7 +219,7 @@ def test_every_candidate_gets_a_verdict_that_says_why(world, true, rng):
     assert scattered.outcome == "few inliers" and scattered.inliers < CONFIG.min_inliers <= scattered.matches
     crowded = verdict(poster)
     assert crowded.outcome == "crowded inliers" and crowded.cells < CONFIG.min_cells and crowded.misfit_m is None
-    assert verdict(points * 8.0).outcome == "uncertain position"
+    assert verdict(points * 8.0).outcome == "uncertain pose"
     far = verdict(points, drift=se3.exp(np.array([0.0, 0.0, 0.0, 3.0, 0.0, 0.0])))
     assert far.outcome == "far from the estimate" and far.misfit_m == pytest.approx(3.0, abs=0.01)
 
