@@ -16,8 +16,9 @@ _LEAST = 1e-4
 
 def contributions(columns: Float[Tensor, "b columns f"], projection: nn.Linear) -> Float[Tensor, "b columns e"]:
     """Project the features of image columns so that the mean over an image's columns is the image's unit embedding."""
-    projected = projection(columns)
-    return projected / projected.mean(dim=1, keepdim=True).norm(dim=2, keepdim=True)
+    projected: Tensor = projection(columns)
+    length: Tensor = projected.mean(dim=1, keepdim=True).norm(dim=2, keepdim=True)
+    return projected / length
 
 
 def columns_loss(

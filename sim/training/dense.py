@@ -72,7 +72,7 @@ class DenseTower(nn.Module):
     def columns(self, images: Float[Tensor, "b 3 h w"]) -> Float[Tensor, "b columns f"]:
         """Compute the features of the columns of images, in bfloat16. Their mean over an image is its pooled feature."""
         with torch.autocast(PROCESSOR, torch.bfloat16):
-            maps = self.trunk.forward_features(images)
+            maps: Tensor = self.trunk.forward_features(images)
         return maps.float().mean(dim=2).swapaxes(1, 2)
 
 
