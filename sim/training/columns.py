@@ -6,9 +6,12 @@ names a label by itself, and the mean over the columns has to be those shares. W
 tell rooms apart better, most of all in open floor plans.
 """
 
+import numpy as np
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor, nn
+
+from sim.training.fit import PROCESSOR
 
 _LEAST = 1e-4
 """Constant that is added to probabilities before their logarithm is taken, so that one column cannot dominate the loss."""
@@ -22,7 +25,7 @@ def contributions(columns: Float[Tensor, "b columns f"], projection: nn.Linear) 
 
 
 def columns_loss(
-    logits: Float[Tensor, "b columns labels"], ignored: Bool[Tensor, "b labels"], shown: Float[Tensor, "b labels"]
+    logits: Float[Tensor, "b columns labels"], ignored: Bool[np.ndarray, "b labels"], shown: Float[Tensor, "b labels"]
 ) -> Tensor:
     """Return the cross-entropy between the labels in view and the mean over the probabilities of an image's columns.
 
@@ -31,6 +34,6 @@ def columns_loss(
         ignored: for each image, the labels with which it is not compared. Labels in view are never ignored.
         shown: share of each image that shows rooms of each label.
     """
-    never = ignored & (shown <= 0.0)
+    never = torch.from_numpy(ignored).to(PROCESSOR) & (shown <= 0.0)
     named = nn.functional.softmax(logits.masked_fill(never[:, None], -torch.inf), dim=2).mean(dim=1)
     return -(shown * torch.log(named + _LEAST)).sum(dim=1).mean()

@@ -11,6 +11,7 @@ more houses than the stages before. The loss has four parts:
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import islice
 
 import numpy as np
@@ -60,6 +61,11 @@ class _SeenFrames:
     houses: Int[np.ndarray, "n"]
     T_W_B: Poses
 
+    @cached_property
+    def absent(self) -> Bool[np.ndarray, "n labels"]:
+        """The labels that no frame of an image's house has."""
+        return absent_labels(self.houses, self.rooms)
+
     @staticmethod
     def by(learner: AlignLearner, houses: Iterable[Frames]) -> "_SeenFrames":
         rows = [
@@ -83,13 +89,13 @@ def settle(learner: AlignLearner, houses: Iterable[Frames], seed: int, steps: in
     """
     rng = np.random.default_rng([seed, 4])
     frames = _SeenFrames.by(learner, houses)
-    rooms, absent = RoomFrames.of(frames.houses, frames.rooms), absent_labels(frames.houses, frames.rooms)
+    rooms = RoomFrames.of(frames.houses, frames.rooms)
     parameters = [value for name, value in learner.module.named_parameters() if not name.startswith("dense.")]
     optimiser = torch.optim.AdamW(parameters, lr=_RATE, weight_decay=0.02)
     rate = torch.optim.lr_scheduler.OneCycleLR(optimiser, _RATE, total_steps=steps, pct_start=0.15)
     for chosen in islice(_chosen_often(frames.houses, rng), steps):
         of_images = _frame_loss(learner, frames, chosen, rng) + _room_loss(learner, frames, rooms, rng)
-        loss = of_images + _COLUMNS_WEIGHT * _columns_loss(learner, frames, absent, chosen, rng)
+        loss = of_images + _COLUMNS_WEIGHT * _columns_loss(learner, frames, chosen, rng)
         optimiser.zero_grad()
         loss.backward()  # type: ignore[no-untyped-call]
         optimiser.step()
@@ -119,18 +125,14 @@ def _room_loss(learner: AlignLearner, frames: _SeenFrames, rooms: RoomFrames, rn
 
 
 def _columns_loss(
-    learner: AlignLearner,
-    frames: _SeenFrames,
-    absent: Bool[np.ndarray, "n labels"],
-    chosen: Int[np.ndarray, "b"],
-    rng: np.random.Generator,
+    learner: AlignLearner, frames: _SeenFrames, chosen: Int[np.ndarray, "b"], rng: np.random.Generator
 ) -> Tensor:
-    """Return the loss of the columns of some images. `absent` are the labels that no frame of a frame's house has."""
+    """Return the loss of the columns of some images."""
     parts = contributions(frames.columns[chosen], learner.module.projection)
     similarities = learner.to_rooms(parts.flatten(0, 1), rng).reshape(*parts.shape[:2], -1)
-    ignored = absent[chosen] & (rng.random((len(chosen), similarities.shape[2])) >= _OTHERS)
+    ignored = frames.absent[chosen] & (rng.random((len(chosen), similarities.shape[2])) >= _OTHERS)
     logits = learner.module.room_scale.exp() * similarities
-    return columns_loss(logits, torch.from_numpy(ignored).to(PROCESSOR), frames.views[chosen])
+    return columns_loss(logits, ignored, frames.views[chosen])
 
 
 def _chosen_often(houses: Int[np.ndarray, "n"], rng: np.random.Generator) -> Iterator[Int[np.ndarray, "b"]]:
