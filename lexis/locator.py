@@ -217,7 +217,7 @@ def _covariance(fit: _Fit, camera: Camera, config: VerificationConfig) -> Covari
     for each, T_C_match, taken_by in zip(fit.seen, fit.T_C_match, camera.rig, strict=True):
         _, first = np.unique(each.feature_ids, return_index=True)
         jacobian = _reprojection_jacobian(transform(T_C_match, each.points)[first], taken_by)
-        information = information + jacobian.T @ jacobian / config.pixel_sigma**2
+        information = information + jacobian.T @ jacobian / (config.ray_sigma_rad * taken_by.intrinsics.fx) ** 2
     floor = np.repeat([config.rotation_sigma_rad, config.translation_sigma_m], 3) ** 2
     return np.linalg.inv(information + 1e-9 * np.eye(6)) + np.diag(floor)
 

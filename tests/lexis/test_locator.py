@@ -84,7 +84,7 @@ def test_a_match_seen_by_another_camera_than_the_query_s_best_is_found_too(world
 
 @pytest.mark.parametrize("true", [HERE, BACK], ids=["the same way", "back"])
 def test_the_covariance_is_that_of_repeated_measurements(true, world):
-    config = replace(CONFIG, pixel_sigma=0.5, rotation_sigma_rad=1e-9, translation_sigma_m=1e-9)
+    config = replace(CONFIG, ray_sigma_rad=0.5 / FRONT_REAR.intrinsics.fx, rotation_sigma_rad=1e-9, translation_sigma_m=1e-9)
     squared = []
     for seed in range(60):
         (edge,) = verified(FRONT_REAR, true, world, config, noise_px=0.5, seed=seed).edges

@@ -11,7 +11,7 @@ from lexis.maths.projection import project
 from lexis.types import Features, Keyframe, Landmarks, LoopEdge, Verdict
 from lexis.verification import plausible, verify
 
-CONFIG = VerificationConfig(pixel_sigma=1.5)
+CONFIG = VerificationConfig(ray_sigma_rad=1.5 / FORWARD_CAMERA.intrinsics.fx)
 """Settings for these tests, in which landmarks are exact and key points have an error of at most 0.5 px. With the default,
 loops of so few landmarks would be refused because their position is uncertain."""
 CONSISTENT = replace(CONFIG, max_contradiction=16.8)
@@ -68,7 +68,9 @@ def test_the_edge_is_the_true_relative_pose_whatever_the_odometry_drifted_to(wor
 
 def test_the_covariance_is_that_of_repeated_measurements(world, true):
     points, descriptors = world
-    config = replace(CONFIG, pixel_sigma=0.5, rotation_sigma_rad=1e-9, translation_sigma_m=1e-9)
+    config = replace(
+        CONFIG, ray_sigma_rad=0.5 / FORWARD_CAMERA.intrinsics.fx, rotation_sigma_rad=1e-9, translation_sigma_m=1e-9
+    )
     squared = []
     match = keyframe(0, np.eye(4), points, descriptors)
     for seed in range(100):

@@ -14,6 +14,7 @@ from sim.faults.delivery import Duplicated
 from sim.faults.poses import Kidnap, OdometryNaN
 from sim.harness import Scenario, evaluate, run, try_plans, write_run
 from sim.harness.loops import edge_truth
+from sim.harness.planning import INSIDE_M
 from sim.harness.results import FloorFigures
 from sim.harness.walk import walk
 from sim.render.rig import STEREO_BASELINE_M, RigConfig, RigRenderer, build_rig, build_rig_scene
@@ -92,7 +93,8 @@ def test_a_single_floor_is_one_floor(result):
 def test_every_plan_reaches_its_room(result, trials):
     assert result.planning.queries == len(trials) > 0
     assert result.planning.success == 1.0 and result.planning.collisions == 0
-    assert all(trial.travelled_m >= 0.99 * trial.shortest_m for trial in trials)
+    # The shortest path ends `INSIDE_M` inside the room. A robot may stop earlier.
+    assert all(trial.travelled_m + INSIDE_M >= 0.99 * trial.shortest_m for trial in trials)
 
 
 def test_the_same_seed_gives_the_same_result_apart_from_times():
