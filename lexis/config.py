@@ -205,9 +205,9 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     max_edges: Annotated[int, Ge(1)] = 3
     """Largest number of loop edges from one new keyframe; those with the most inliers are kept."""
     ray_sigma_rad: Annotated[float, Gt(0)] = 0.0248
-    """Standard deviation of the direction to an inlier in the covariance of a loop edge [rad]; 0.0248 rad are 5 px at a focal
-    length of 201 px. It exceeds the largest error of an inlier, because the landmarks of an edge have errors in common: many
-    inliers hold less information than as many independent measurements (sim/pages/pose-graphs.md)."""
+    """Standard deviation of the direction to an inlier in the covariance of a loop edge [rad]. The default is 5 px at a
+    focal length of 201 px. It exceeds the largest error of an inlier, because the landmarks of an edge have errors in
+    common: many inliers hold less information than as many independent measurements (sim/pages/pose-graphs.md)."""
     rotation_sigma_rad: Annotated[float, Gt(0)] = 0.005
     """Error that all landmarks of a loop edge share; it is added in quadrature to the standard deviation of the edge's
     rotation [rad]."""
