@@ -76,18 +76,29 @@ def _add_box(spec: "mujoco.MjSpec", name: str, low: Vector, high: Vector) -> "mu
 def _add_parts(
     spec: "mujoco.MjSpec", name: str, parts: Iterable[Part], position: Vector, yaw: float
 ) -> list["mujoco.MjsGeom"]:
-    cos, sin, geoms = np.cos(yaw), np.sin(yaw), []
-    for i, part in enumerate(parts):
-        x, y, z = part.centre
-        centre = np.array(position) + (cos * x - sin * y, sin * x + cos * y, z)
-        geoms.append(_add(spec, f"{name}#{i}", part.shape, centre, np.array(part.size), yaw + part.yaw))
-    return geoms
+    return [
+        _add(spec, f"{name}#{i}", part.shape, part_centre(part, position, yaw), np.array(part_size(part)), yaw + part.yaw)
+        for i, part in enumerate(parts)
+    ]
+
+
+def part_centre(part: Part, position: Vector, yaw: float) -> np.ndarray:
+    """Return the centre of a part in W [m]. `position` [m] and `yaw` [rad] are those of the object to which it belongs."""
+    (x, y, z), cos, sin = part.centre, np.cos(yaw), np.sin(yaw)
+    return np.asarray(np.array(position) + (cos * x - sin * y, sin * x + cos * y, z))
+
+
+def part_size(part: Part) -> Vector:
+    """Return the size of the box around a part's collision geom [m]. The geoms of cylinders and cones are round."""
+    width, depth, height = part.size
+    widest = max(width, depth)
+    return (widest, widest, height) if _TYPES[part.shape] == mujoco.mjtGeom.mjGEOM_CYLINDER else part.size
 
 
 def _add(spec: "mujoco.MjSpec", name: str, shape: str, centre: np.ndarray, size: np.ndarray, yaw: float) -> "mujoco.MjsGeom":
     half = np.maximum(size / 2, _LEAST_M)
     if _TYPES[shape] == mujoco.mjtGeom.mjGEOM_CYLINDER:
-        half = np.array([half[:2].max(), half[2], 0.0])
+        half = np.array([half[0], half[2], 0.0])
     return spec.worldbody.add_geom(
         name=name, type=_TYPES[shape], pos=centre, size=half, quat=[np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)],
         group=GROUP,

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from sim.render.collision_geoms import part_centre, part_size
 from sim.render.gl import mujoco
 from worlds.house import House
 from worlds.parts import Part, Vector
@@ -48,20 +49,11 @@ def _boxes(house: House) -> Iterator[tuple[int, Vector, Vector, float]]:
     """
     for thing in (*house.leaves, *(piece for piece in house.furniture if piece.solid)):
         yield thing.storey, thing.position, thing.size, thing.yaw
-        cos, sin, (x, y, z) = np.cos(thing.yaw), np.sin(thing.yaw), thing.position
         for part in thing.parts:
-            size = _collision_size(part)
+            size = part_size(part)
             if _stands_out(part, size, thing.size):
-                along, across, middle = part.centre
-                foot = x + cos * along - sin * across, y + sin * along + cos * across, z + middle - size[2] / 2
-                yield thing.storey, foot, size, thing.yaw + part.yaw
-
-
-def _collision_size(part: Part) -> Vector:
-    """Return the size of the box around a part's collision geom, which is round for cylinders and cones [m]."""
-    width, depth, height = part.size
-    widest = max(width, depth)
-    return (widest, widest, height) if part.shape in ("cylinder", "cone") else part.size
+                x, y, z = part_centre(part, thing.position, thing.yaw).tolist()
+                yield thing.storey, (x, y, z - size[2] / 2), size, thing.yaw + part.yaw
 
 
 def _stands_out(part: Part, size: Vector, of_object: Vector) -> bool:
