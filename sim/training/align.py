@@ -135,19 +135,11 @@ class AlignLearner:
 
     def pooled(self, frames: Frames) -> Float[Tensor, "n f"]:
         """Return the pooled features of images without augmentation."""
-        with torch.no_grad():
-            parts = range(0, len(frames.rooms), _BATCH)
-            return torch.cat(
-                [self.module.dense(normalised(frames.images[i : i + _BATCH]).to(PROCESSOR)).pooled for i in parts]
-            )
+        return _in_parts(frames, lambda images: self.module.dense(images).pooled)
 
     def columns(self, frames: Frames) -> Float[Tensor, "n columns f"]:
         """Return the features of the columns of images without augmentation; see `DenseTower.columns`."""
-        with torch.no_grad():
-            parts = range(0, len(frames.rooms), _BATCH)
-            return torch.cat(
-                [self.module.dense.columns(normalised(frames.images[i : i + _BATCH]).to(PROCESSOR)) for i in parts]
-            )
+        return _in_parts(frames, self.module.dense.columns)
 
 
 def room_embeddings(text: TextTransformer, names: Sequence[str]) -> Float[np.ndarray, "names e"]:
@@ -155,6 +147,13 @@ def room_embeddings(text: TextTransformer, names: Sequence[str]) -> Float[np.nda
     said = encode_texts(text, [prompt for name in names for prompt in prompts(name)])
     means = said.reshape(len(names), -1, said.shape[1]).mean(axis=1)
     return np.asarray(means / np.linalg.norm(means, axis=1, keepdims=True))
+
+
+def _in_parts(frames: Frames, tower: Callable[[Tensor], Tensor]) -> Tensor:
+    """Return what a tower computes from images, which it gets in parts that fit in memory."""
+    with torch.no_grad():
+        parts = range(0, len(frames.rooms), _BATCH)
+        return torch.cat([tower(normalised(frames.images[i : i + _BATCH]).to(PROCESSOR)) for i in parts])
 
 
 def _search_loss(logits: Float[Tensor, "b captions"], shown: Float[Tensor, "b captions"]) -> Tensor:
