@@ -214,22 +214,25 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     translation_sigma_m: Annotated[float, Gt(0)] = 0.03
     """Error that all landmarks of a loop edge share; it is added in quadrature to the standard deviation of the edge's
     translation [m]."""
-    max_sigma_m: Annotated[float, Gt(0)] = 0.08
-    """Largest standard deviation of a loop edge's translation, in its worst direction [m]. Edges with a larger deviation are
-    rejected, because their landmarks are too few or too distant to determine the translation."""
-    max_sigma_rad: Annotated[float, Gt(0)] = 0.035
-    """Largest standard deviation of a loop edge's rotation, about its worst axis [rad]. Edges with a larger deviation are
-    rejected. The robust kernel could not tell wrong ones among them from right ones."""
+    sure_sigma_m: Annotated[float, Gt(0)] = 0.08
+    """Largest standard deviation of the translation of a sure loop edge, in its worst direction [m]. If it is larger, the
+    landmarks are too few or too distant to determine the translation, and the edge is uncertain."""
+    sure_sigma_rad: Annotated[float, Gt(0)] = 0.035
+    """Largest standard deviation of the rotation of a sure loop edge, about its worst axis [rad]."""
+    uncertain_gate_m: Annotated[float, Ge(0)] = 0.35
+    """An uncertain loop edge is rejected if its translation differs from the current estimate by more than this limit [m],
+    or its rotation by more than `gate_rad`. Neither limit grows with the path: an uncertain edge may confirm the estimate,
+    but not change it much, because the robust kernel could not tell a wrong one from a right one."""
     seed: Annotated[int, Ge(0)] = 0
     """Seed of the random samples that RANSAC draws."""
 
     def __post_init__(self) -> None:
         """Raise ConfigError for a value that is not valid."""
         super().__post_init__()
-        if self.max_sigma_m <= self.translation_sigma_m:
-            self.refuse("max_sigma_m", f"> translation_sigma_m = {self.translation_sigma_m:g} m")
-        if self.max_sigma_rad <= self.rotation_sigma_rad:
-            self.refuse("max_sigma_rad", f"> rotation_sigma_rad = {self.rotation_sigma_rad:g} rad")
+        if self.sure_sigma_m <= self.translation_sigma_m:
+            self.refuse("sure_sigma_m", f"> translation_sigma_m = {self.translation_sigma_m:g} m")
+        if self.sure_sigma_rad <= self.rotation_sigma_rad:
+            self.refuse("sure_sigma_rad", f"> rotation_sigma_rad = {self.rotation_sigma_rad:g} rad")
 
 
 @dataclass(frozen=True)
@@ -347,8 +350,7 @@ PAPER = Config(
 
 Other defaults go beyond the paper and stay as they are: keyframes retire (`pose_graph.copies`; None switches it off), paths
 take shortcuts through space that images show to be free (`planner.sight_m`; 0 switches it off), and loop edges that differ
-too much from the current estimate, or are too uncertain, are rejected (the gates, `max_sigma_m` and `max_sigma_rad` of
-`verification`).
+too much from the current estimate are rejected (the gates of `verification`, which are narrower for uncertain edges).
 """
 
 

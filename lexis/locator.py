@@ -93,8 +93,8 @@ class Locator:
     def from_match(self, match: int) -> tuple[Verdict, LoopEdge | None]:
         """Judge the candidate with the id `match`, by PnP with the landmarks of the candidate and its neighbours.
 
-        The loop edge is None if too few key points match, too few of them are inliers, the inliers cover too little of the
-        images, or the pose is too uncertain.
+        The loop edge is None if too few key points match, too few of them are inliers, or the inliers cover too little of
+        the images.
         """
         config, seen = self._config, self._correspondences(match)
         matches = sum(each.size for each in seen)
@@ -110,10 +110,7 @@ class Locator:
         if cells < config.min_cells:
             return replace(verdict, outcome="crowded inliers"), None
         T_match_query = inverse(fit.T_C_match[0]) @ inverse(self._camera.T_B_C)
-        covariance = _covariance(fit, self._camera, config)
-        if _is_uncertain(covariance, config):
-            return replace(verdict, outcome="uncertain pose"), None
-        edge = LoopEdge(self._query.id, match, T_match_query, covariance, fit.size)
+        edge = LoopEdge(self._query.id, match, T_match_query, _covariance(fit, self._camera, config), fit.size)
         return replace(verdict, outcome="accepted"), edge
 
     def _correspondences(self, match: int) -> _Seen:
@@ -220,12 +217,6 @@ def _covariance(fit: _Fit, camera: Camera, config: VerificationConfig) -> Covari
         information = information + jacobian.T @ jacobian / (config.ray_sigma_rad * taken_by.intrinsics.fx) ** 2
     floor = np.repeat([config.rotation_sigma_rad, config.translation_sigma_m], 3) ** 2
     return np.linalg.inv(information + 1e-9 * np.eye(6)) + np.diag(floor)
-
-
-def _is_uncertain(covariance: Covariance, config: VerificationConfig) -> bool:
-    """Whether the rotation or the translation of a loop edge has too large a standard deviation in some direction."""
-    rotation, translation = (np.linalg.eigvalsh(covariance[part, part])[-1] for part in (slice(0, 3), slice(3, 6)))
-    return bool(rotation > config.max_sigma_rad**2 or translation > config.max_sigma_m**2)
 
 
 def _reprojection_jacobian(points_C: Float64[np.ndarray, "i 3"], camera: Camera) -> Float64[np.ndarray, "rows 6"]:

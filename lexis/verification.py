@@ -8,8 +8,9 @@ For each candidate of a query keyframe:
    With a rig, each camera of the query is matched to the landmarks of all cameras, so that a rear camera can recognise what
    a front camera saw. PnP is solved for every camera; the pose with which most key points of all cameras agree is refined.
 3. Require enough inliers, spread over one image: a poster or another repeated object matches in one spot only.
-4. Estimate the covariance of the pose, and refuse a pose that the landmarks leave too uncertain.
-5. Refuse a loop too far from the current estimate, because odometry drifts only little per metre, and least in height.
+4. Estimate the covariance of the pose, which says how certain the loop is.
+5. Refuse a loop too far from the current estimate, because odometry drifts only little per metre, and least in height. An
+   uncertain loop has to be closer to the estimate than a sure one.
 6. With the setting `max_contradiction`, refuse loops that contradict other loops of the same query. Neighbouring candidates
    show the same place, so their loops have to lead to the same pose of the query.
 7. Keep the loops with the most inliers, up to `max_edges` per query.
@@ -100,16 +101,24 @@ def plausible(
 def _compared(verdict: Verdict, edge: LoopEdge, graph: PoseGraph, config: VerificationConfig) -> Verdict:
     """Refuse a loop that is far from the current estimate.
 
-    The tolerance grows with the path between the two keyframes, as drift does.
+    The tolerance for a sure loop grows with the path between the two keyframes, as drift does. That for an uncertain loop
+    does not: a wrong loop of this kind is usually off by several of its standard deviations, and a right one is not.
     """
     measured, estimated = graph.T_W_B[edge.match] @ edge.T_match_query, graph.T_W_B[edge.query]
     path_m = graph.path_between(edge.match, edge.query)
+    refusal: LoopOutcome = "far from the estimate"
+    if _is_uncertain(edge, config):
+        path_m, refusal, config = 0.0, "uncertain pose", replace(config, gate_m=config.uncertain_gate_m)
     fits = within_drift(measured[None], estimated[None], np.array([path_m]), config)[0]
-    outcome = verdict.outcome if fits else "far from the estimate"
     distance = float(np.linalg.norm(measured[:3, 3] - estimated[:3, 3]))
-    return replace(
-        verdict, outcome=outcome, misfit_m=distance, misfit_rad=float(rotation_angle(between(measured, estimated)))
-    )
+    angle = float(rotation_angle(between(measured, estimated)))
+    return replace(verdict, outcome=verdict.outcome if fits else refusal, misfit_m=distance, misfit_rad=angle)
+
+
+def _is_uncertain(edge: LoopEdge, config: VerificationConfig) -> bool:
+    """Whether the rotation or the translation of a loop edge has a large standard deviation in some direction."""
+    rotation, translation = (np.linalg.eigvalsh(edge.covariance[part, part])[-1] for part in (slice(0, 3), slice(3, 6)))
+    return bool(rotation > config.sure_sigma_rad**2 or translation > config.sure_sigma_m**2)
 
 
 def _agreeing(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig) -> list[LoopEdge]:

@@ -3,7 +3,8 @@
 Until a session is joined to another component of the map, nothing is known about their relative pose. For each keyframe:
 
 1. Propose the most similar keyframes of the other components as loop candidates (`candidates_elsewhere`).
-2. Verify them by PnP, at any distance (`at_any_distance`), because there is no estimate to compare them with.
+2. Verify them by PnP, at any distance (`at_any_distance`), because there is no estimate to compare them with. Uncertain
+   loops are refused, because they may only confirm an estimate.
 3. Each edge implies a relative pose of the components. Join them when edges of several keyframes imply the same one
    (`Relocaliser.agreed`). One keyframe is never trusted, because twin rooms and repeated objects look alike.
 """
@@ -35,11 +36,11 @@ def candidates_elsewhere(query: Keyframe, graph: PoseGraph, config: SessionConfi
 
 
 def at_any_distance(config: VerificationConfig) -> VerificationConfig:
-    """Return settings with which loops are verified however far they are from the current estimate and from each other.
+    """Return settings with which sure loops are verified however far they are from the current estimate and each other.
 
     `Relocaliser` compares the loops of several keyframes itself, so contradicting loops are kept here.
     """
-    return replace(config, gate_m=_ANY_M, gate_rad=_ANY_RAD, max_contradiction=None)
+    return replace(config, gate_m=_ANY_M, gate_rad=_ANY_RAD, uncertain_gate_m=0.0, max_contradiction=None)
 
 
 class Relocaliser:

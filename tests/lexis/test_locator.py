@@ -122,7 +122,7 @@ def test_one_image_alone_has_to_confirm_a_loop(world):
         others = (replace(second, landmarks=few(second, rear)),)
         return replace(whole, landmarks=few(first, front), others=others)
 
-    config = replace(CONFIG, max_sigma_m=1.0, min_cells=1)
+    config = replace(CONFIG, min_cells=1)
     (spread,) = verified(FRONT_REAR, np.eye(4), world, config, match=match(12, 12)).verdicts
     (alone,) = verified(FRONT_REAR, np.eye(4), world, config, match=match(18, 2)).verdicts
     assert (spread.outcome, alone.outcome) == ("few inliers", "accepted") and spread.inliers > alone.inliers

@@ -18,8 +18,9 @@ from lexis.map.relabelling import relabel
 from lexis.maths import se3
 from lexis.merging import merge
 from lexis.planning import adjacency
+from lexis.sessions.relocalisation import at_any_distance
 from lexis.slam import Slam
-from lexis.types import EncoderId, Features, LoopEdge, Observation, Percept, Verdict
+from lexis.types import EncoderId, Features, Keyframe, Landmarks, LoopEdge, Observation, Percept, Verdict
 from lexis.verification import Verification, plausible
 
 ROOMS = ("office", "kitchen")
@@ -164,6 +165,23 @@ def test_edges_that_contradict_each_other_never_join(first, tmp_path):
     assert {verdict.misfit_m for verdict in across} == {None}  # the poses share no frame
     save_map(apart, tmp_path / "map")
     assert_same(load_map(tmp_path / "map"), apart)
+
+
+@pytest.mark.parametrize("off_m", [0.01, 5.0])
+def test_uncertain_edges_never_join(off_m):
+    """An uncertain edge may only confirm an estimate, and no estimate relates two components."""
+    graph = PoseGraph(Config().pose_graph)
+    features = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
+    landmarks = Landmarks(np.zeros((0, 3)), np.zeros(0, int))
+    for i in range(2):
+        keyframe = Keyframe(i, i, 10.0 * i, np.eye(4), 1e-4 * np.eye(6), np.ones(1, np.float32), features, landmarks)
+        graph.add_keyframe(keyframe)
+    T = np.eye(4)
+    T[0, 3] = off_m
+    for sigma_m, outcome in ((0.01, "accepted"), (0.2, "uncertain pose")):
+        edge = LoopEdge(1, 0, T, sigma_m**2 * np.eye(6), 50)
+        verified = plausible([(Verdict(1, 0, "accepted"), edge)], graph, at_any_distance(Config().verification))
+        assert verified.verdicts[0].outcome == outcome
 
 
 def test_wrong_edges_do_not_keep_a_session_from_being_joined(first):
