@@ -133,7 +133,7 @@ class SightConfig(Settings, place="sight", error=ConfigError):
     merge_cut: Annotated[float, Gt(0)] = 0.2
     """Least normalised cut of sight between two rooms that merge. A cut is at most 2, so that with 3, no rooms merge. See
     `lexis.sight.alike_rooms`."""
-    merge_log_odds: Annotated[float, Ge(0)] = 1.35
+    merge_log_odds: Annotated[float, Ge(0)] = 2.5
     """Two rooms merge only if in both of them, the mean log odds of the room's own label over the label of the other room
     are below this."""
 
