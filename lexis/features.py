@@ -5,6 +5,7 @@ import numpy as np
 from jaxtyping import Bool, Int, UInt8
 
 from lexis.config import LandmarkConfig
+from lexis.errors import LexisError
 from lexis.inputs import DESCRIPTOR_BYTES
 from lexis.types import Features, Image
 
@@ -13,7 +14,11 @@ class FeatureExtractor:
     """Extracts AKAZE features from images."""
 
     def __init__(self, config: LandmarkConfig) -> None:
-        """Create the detector."""
+        """Create the detector. Raises LexisError if the installed OpenCV has no AKAZE."""
+        if not hasattr(cv2, "AKAZE"):
+            raise LexisError(
+                f"OpenCV {cv2.__version__} has no AKAZE; valid: 'opencv-python-headless>=4.10,<5' and no other OpenCV"
+            )
         self._akaze = cv2.AKAZE.create(threshold=config.akaze_threshold, max_points=config.max_features)
 
     def extract(self, image: Image) -> Features:

@@ -40,7 +40,7 @@ class Diagnosis:
 
 
 def examine() -> list[Diagnosis]:
-    """Check the interpreter, cores, memory, packages, linear algebra, off-screen OpenGL and the shipped encoder."""
+    """Check interpreter, cores, memory, packages, linear algebra, off-screen OpenGL, key points and the shipped encoder."""
     drawing = probe("off-screen OpenGL", "draw")
     return [
         Diagnosis("python", True, f"{platform.python_version()}, {platform.machine()}"),
@@ -49,6 +49,7 @@ def examine() -> list[Diagnosis]:
         *map(_package, PACKAGES),
         Diagnosis("OpenBLAS kernels", True, _openblas_kernels() or "not found; numpy uses another linear algebra library"),
         drawing,
+        probe("AKAZE key points", "detect"),
         probe("encoder mini", *(["draw"] if drawing.fine else []), "encode"),  # in one process, as in a run
     ]
 

@@ -1,6 +1,6 @@
 """Checks that `sim.doctor` runs in child processes, because a broken driver or library may crash the process.
 
-`python -m sim.doctor_probes draw encode` runs both checks in one process and prints the result of the last one.
+`python -m sim.doctor_probes draw encode` runs two checks in one process and prints the result of the last one.
 """
 
 import sys
@@ -29,6 +29,17 @@ def draw() -> str:
         return f"{choose_backend() or 'OpenGL of this system'} renders on {device_name()}"
 
 
+def detect() -> str:
+    """Find key points in an image of noise; return their number as text. Raises `LexisError` if OpenCV has no AKAZE."""
+    import numpy as np
+
+    from lexis.config import LandmarkConfig
+    from lexis.features import FeatureExtractor
+
+    image = np.random.default_rng(0).integers(0, 256, (96, 128, 3), np.uint8)
+    return f"{len(FeatureExtractor(LandmarkConfig()).extract(image).keypoints)} in an image of noise"
+
+
 def encode() -> str:
     """Encode an image with the shipped encoder; return the embedding's size as text. Raises `LexisError` if this fails."""
     import numpy as np
@@ -39,7 +50,7 @@ def encode() -> str:
     return f"{embedding.shape[0]} dimensions"
 
 
-PROBES: dict[str, Callable[[], str]] = {"draw": draw, "encode": encode}
+PROBES: dict[str, Callable[[], str]] = {"draw": draw, "detect": detect, "encode": encode}
 
 
 def main(names: list[str]) -> int:

@@ -127,6 +127,16 @@ def test_a_probe_that_fails_says_why_in_one_line(probing, code, detail):
     assert doctor.probe("off-screen OpenGL", "draw") == doctor.Diagnosis("off-screen OpenGL", False, detail)
 
 
+@pytest.mark.parametrize("missing", [False, True])
+def test_an_opencv_without_akaze_is_found(missing, monkeypatch, capsys):
+    """OpenCV 5 has none, and another distribution of OpenCV may lie in place of ours."""
+    if missing:
+        monkeypatch.delattr("cv2.AKAZE")
+    assert doctor_probes.main(["detect"]) == missing
+    said = capsys.readouterr()
+    assert "has no AKAZE; valid: 'opencv-python-headless" in said.err if missing else "in an image of noise" in said.out
+
+
 @pytest.mark.parametrize(("fine", "steps"), [(True, "draw encode"), (False, "encode")])
 def test_the_encoder_is_tried_after_rendering_where_that_works(probing, fine, steps):
     """Rendering before torch is imported has crashed in the past. Where nothing renders, the encoder is tried alone."""
