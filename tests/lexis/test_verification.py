@@ -8,7 +8,7 @@ from lexis.config import PoseGraphConfig, VerificationConfig
 from lexis.graph.pose_graph import PoseGraph
 from lexis.maths import se3
 from lexis.maths.projection import project
-from lexis.types import Features, Keyframe, Landmarks, LoopEdge, Verdict
+from lexis.types import Features, Intrinsics, Keyframe, Landmarks, LoopEdge, Verdict
 from lexis.verification import plausible, verify
 
 CONFIG = VerificationConfig(ray_sigma_rad=1.5 / FORWARD_CAMERA.intrinsics.fx)
@@ -79,6 +79,16 @@ def test_the_covariance_is_that_of_repeated_measurements(world, true):
         error = se3.log(se3.between(edge.T_match_query, true))
         squared.append(error @ np.linalg.solve(edge.covariance, error))
     assert 5.0 < np.mean(squared) < 7.5  # chi² with 6 degrees of freedom
+
+
+def test_the_covariance_depends_on_directions_and_not_on_the_shape_of_pixels(world, true):
+    match, query = keyframe(0, np.eye(4), *world), keyframe(1, true, *world)
+    (edge,) = verify(query, [0], graph_of(match, query), FORWARD_CAMERA, CONFIG).edges
+    of = FORWARD_CAMERA.intrinsics
+    tall = replace(FORWARD_CAMERA, intrinsics=Intrinsics(of.width, 2 * of.height, of.fx, 2 * of.fy, of.cx, 2 * of.cy))
+    high = replace(query, features=replace(query.features, keypoints=query.features.keypoints * np.float32([1, 2])))
+    (same,) = verify(high, [0], graph_of(match, high), tall, CONFIG).edges
+    np.testing.assert_allclose(same.covariance, edge.covariance, rtol=1e-2, atol=1e-6)
 
 
 @pytest.mark.parametrize(
