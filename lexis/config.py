@@ -288,7 +288,7 @@ class SessionConfig(Settings, place="sessions", error=ConfigError):
     candidates: Annotated[int, Ge(0)] = 10
     """Number of keyframes in other components of the map that are compared with each new keyframe, as long as the map has
     several components."""
-    agreeing: Annotated[int, Ge(2)] = 4
+    agreeing: Annotated[int, Ge(2)] = 5
     """Least number of keyframes whose loop edges must agree on the relative pose before two sessions are joined."""
     span_m: Annotated[float, Ge(0)] = 1.0
     """Least length of the path between the first and the last of the keyframes whose loop edges agree [m]."""
