@@ -220,9 +220,9 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     sure_sigma_rad: Annotated[float, Gt(0)] = 0.035
     """Largest standard deviation of the rotation of a sure loop edge, about its worst axis [rad]."""
     uncertain_gate_m: Annotated[float, Ge(0)] = 0.35
-    """An uncertain loop edge is rejected if its translation differs from the current estimate by more than this limit [m],
-    or its rotation by more than `gate_rad`. Neither limit grows with the path: an uncertain edge may confirm the estimate,
-    but not change it much, because the robust kernel could not tell a wrong one from a right one."""
+    """An uncertain loop edge is also rejected if its translation differs from the current estimate by this limit or more
+    [m], or its rotation by more than `gate_rad`. Neither limit grows with the path: an uncertain edge may confirm the
+    estimate, but not correct drift, because its covariance is so large that the robust kernel would trust a wrong one."""
     seed: Annotated[int, Ge(0)] = 0
     """Seed of the random samples that RANSAC draws."""
 
@@ -350,7 +350,7 @@ PAPER = Config(
 
 Other defaults go beyond the paper and stay as they are: keyframes retire (`pose_graph.copies`; None switches it off), paths
 take shortcuts through space that images show to be free (`planner.sight_m`; 0 switches it off), and loop edges that differ
-too much from the current estimate are rejected (the gates of `verification`, which are narrower for uncertain edges).
+too much from the current estimate are rejected (the gates of `verification`).
 """
 
 

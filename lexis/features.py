@@ -16,8 +16,9 @@ class FeatureExtractor:
     def __init__(self, config: LandmarkConfig) -> None:
         """Create the detector. Raises LexisError if the installed OpenCV has no AKAZE."""
         if not hasattr(cv2, "AKAZE"):
+            found = getattr(cv2, "__version__", "of unknown version")  # a half-removed OpenCV is an empty package
             raise LexisError(
-                f"OpenCV {cv2.__version__} has no AKAZE; valid: 'opencv-python-headless>=4.10,<5' and no other OpenCV"
+                f"OpenCV {found} has no AKAZE; valid: 'opencv-python-headless>=4.10,<5', installed without any other OpenCV"
             )
         self._akaze = cv2.AKAZE.create(threshold=config.akaze_threshold, max_points=config.max_features)
 

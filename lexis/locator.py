@@ -213,16 +213,17 @@ def _covariance(fit: _Fit, camera: Camera, config: VerificationConfig) -> Covari
     information = np.zeros((6, 6))
     for each, T_C_match, taken_by in zip(fit.seen, fit.T_C_match, camera.rig, strict=True):
         _, first = np.unique(each.feature_ids, return_index=True)
-        angles = _ray_jacobian(transform(T_C_match, each.points)[first], taken_by)
-        information = information + angles.T @ angles / config.ray_sigma_rad**2
+        jacobian = _ray_jacobian(transform(T_C_match, each.points)[first], taken_by)
+        information = information + jacobian.T @ jacobian / config.ray_sigma_rad**2
     floor = np.repeat([config.rotation_sigma_rad, config.translation_sigma_m], 3) ** 2
     return np.linalg.inv(information + 1e-9 * np.eye(6)) + np.diag(floor)
 
 
 def _ray_jacobian(points_C: Float64[np.ndarray, "i 3"], camera: Camera) -> Float64[np.ndarray, "rows 6"]:
-    """Return the derivative of the directions to points by ``T_match_query``, perturbed on the right, rotation first.
+    """Return the derivative, with respect to ``T_match_query``, of the directions to points.
 
-    A direction is the pixel of a point, divided by the focal lengths.
+    ``T_match_query`` is perturbed on the right, rotation first. A direction is the offset of a pixel from the principal
+    point, divided by the focal lengths [about rad].
     """
     points_B = transform(camera.T_B_C, points_C)
     rotation = camera.T_B_C[:3, :3].T

@@ -188,11 +188,12 @@ LoopOutcome = Literal[
     "accepted", "few matches", "few inliers", "crowded inliers", "uncertain pose", "far from the estimate", "surplus",
     "unconfirmed", "contradicted", "unsupported",
 ]  # fmt: skip
-"""What became of a loop candidate. Inliers are crowded if they cover too little of the image. A pose is uncertain if its
-standard deviation is large and it does not confirm the current estimate. A candidate is surplus if enough others of the same
-query have more inliers. It is unconfirmed if a simulated verifier rejects it without a reason. It is contradicted if other
-loops of the same query, with at least as many inliers in all, lead to another pose. It is unsupported if it leads to a
-session that shares no frame with the query, and too few keyframes agree with it to join both.
+"""What became of a loop candidate. Inliers are crowded if they cover too little of the image. The outcome is
+"uncertain pose" if the standard deviation of the pose is large and the pose is not close to the current estimate, or no
+estimate relates the two keyframes. A candidate is surplus if enough others of the same query have more inliers. It is
+unconfirmed if a simulated verifier rejects it without a reason. It is contradicted if other loops of the same query, with at
+least as many inliers in all, lead to another pose. It is unsupported if it leads to a session that shares no frame with the
+query, and too few keyframes agree with it to join both.
 """
 LOOP_OUTCOMES: tuple[LoopOutcome, ...] = get_args(LoopOutcome)
 """Saved maps contain the positions of outcomes in this list, so a new outcome belongs at its end."""

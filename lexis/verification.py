@@ -10,7 +10,7 @@ For each candidate of a query keyframe:
 3. Require enough inliers, spread over one image: a poster or another repeated object matches in one spot only.
 4. Estimate the covariance of the pose, which says how certain the loop is.
 5. Refuse a loop too far from the current estimate, because odometry drifts only little per metre, and least in height. An
-   uncertain loop has to be closer to the estimate than a sure one.
+   uncertain loop has to be close to the estimate however long the path is.
 6. With the setting `max_contradiction`, refuse loops that contradict other loops of the same query. Neighbouring candidates
    show the same place, so their loops have to lead to the same pose of the query.
 7. Keep the loops with the most inliers, up to `max_edges` per query.
@@ -101,18 +101,20 @@ def plausible(
 def _compared(verdict: Verdict, edge: LoopEdge, graph: PoseGraph, config: VerificationConfig) -> Verdict:
     """Refuse a loop that is far from the current estimate.
 
-    The tolerance for a sure loop grows with the path between the two keyframes, as drift does. That for an uncertain loop
-    does not: a wrong loop of this kind is usually off by several of its standard deviations, and a right one is not.
+    The tolerance grows with the path between the two keyframes, as drift does. An uncertain loop must also be close to the
+    estimate however long the path is, because it must not correct drift: the covariance of a wrong one is so large that the
+    robust kernel would trust it.
     """
     measured, estimated = graph.T_W_B[edge.match] @ edge.T_match_query, graph.T_W_B[edge.query]
     path_m = graph.path_between(edge.match, edge.query)
-    refusal: LoopOutcome = "far from the estimate"
-    if _is_uncertain(edge, config):
-        path_m, refusal, config = 0.0, "uncertain pose", replace(config, gate_m=config.uncertain_gate_m)
-    fits = within_drift(measured[None], estimated[None], np.array([path_m]), config)[0]
-    distance = float(np.linalg.norm(measured[:3, 3] - estimated[:3, 3]))
-    angle = float(rotation_angle(between(measured, estimated)))
-    return replace(verdict, outcome=verdict.outcome if fits else refusal, misfit_m=distance, misfit_rad=angle)
+    distance_m = float(np.linalg.norm(measured[:3, 3] - estimated[:3, 3]))
+    angle_rad = float(rotation_angle(between(measured, estimated)))
+    outcome, close = verdict.outcome, distance_m < config.uncertain_gate_m and angle_rad <= config.gate_rad
+    if not within_drift(measured[None], estimated[None], np.array([path_m]), config)[0]:
+        outcome = "far from the estimate"
+    elif _is_uncertain(edge, config) and not close:
+        outcome = "uncertain pose"
+    return replace(verdict, outcome=outcome, misfit_m=distance_m, misfit_rad=angle_rad)
 
 
 def _is_uncertain(edge: LoopEdge, config: VerificationConfig) -> bool:

@@ -27,6 +27,7 @@ _OTHERS = ("cv2", "opencv", "scipy")
 """Prefixes of the folders of packages that contain their own copy of OpenBLAS. numpy does not use these copies."""
 _PACKAGES = "site-packages"
 _BROKEN = "update the graphics driver and torch, or try another MUJOCO_GL (egl, osmesa)"
+_BROKEN_OPENCV = "install 'opencv-python-headless>=4.10,<5' again, without any other OpenCV"
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ def examine() -> list[Diagnosis]:
         *map(_package, PACKAGES),
         Diagnosis("OpenBLAS kernels", True, _openblas_kernels() or "not found; numpy uses another linear algebra library"),
         drawing,
-        probe("AKAZE key points", "detect"),
+        probe("AKAZE key points", "detect", advice=_BROKEN_OPENCV),
         probe("encoder mini", *(["draw"] if drawing.fine else []), "encode"),  # in one process, as in a run
     ]
 
@@ -109,18 +110,18 @@ def _package(name: str) -> Diagnosis:
         return Diagnosis(name, False, f"missing; install it: pip install {name}")
 
 
-def probe(subject: str, *steps: str) -> Diagnosis:
+def probe(subject: str, *steps: str, advice: str = _BROKEN) -> Diagnosis:
     """Run checks (`steps`) of `sim.doctor_probes` in a child process, and return their result as a diagnosis.
 
-    A broken driver or library can then crash or hang only the child process.
+    A broken driver or library can then crash or hang only the child process, and the diagnosis gives the `advice`.
     """
     command = [sys.executable, "-P", "-m", PROBES, *steps]  # -P: do not import a folder `sim` of the working directory
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=PROBE_TIMEOUT_S)
     except subprocess.TimeoutExpired:
-        return Diagnosis(subject, False, f"no answer after {PROBE_TIMEOUT_S:g} s; {_BROKEN}")
+        return Diagnosis(subject, False, f"no answer after {PROBE_TIMEOUT_S:g} s; {advice}")
     if done.returncode < 0:
-        return Diagnosis(subject, False, f"crashed with {signal.Signals(-done.returncode).name}; {_BROKEN}")
+        return Diagnosis(subject, False, f"crashed with {signal.Signals(-done.returncode).name}; {advice}")
     said = (done.stderr if done.returncode else done.stdout).strip().splitlines()
     return Diagnosis(subject, done.returncode == 0, said[-1] if said else f"ended with {done.returncode}")
 

@@ -30,14 +30,20 @@ def draw() -> str:
 
 
 def detect() -> str:
-    """Find key points in an image of noise; return their number as text. Raises `LexisError` if OpenCV has no AKAZE."""
+    """Find key points in an image of noise; return their number as text.
+
+    Raises `LexisError` if OpenCV has no AKAZE, and `SimError` if it finds no key point.
+    """
     import numpy as np
 
     from lexis.config import LandmarkConfig
     from lexis.features import FeatureExtractor
 
     image = np.random.default_rng(0).integers(0, 256, (96, 128, 3), np.uint8)
-    return f"{len(FeatureExtractor(LandmarkConfig()).extract(image).keypoints)} in an image of noise"
+    found = len(FeatureExtractor(LandmarkConfig()).extract(image).keypoints)
+    if not found:
+        raise SimError("OpenCV finds no key point in an image of noise; valid: 'opencv-python-headless>=4.10,<5'")
+    return f"{found} in an image of noise"
 
 
 def encode() -> str:

@@ -36,9 +36,9 @@ def candidates_elsewhere(query: Keyframe, graph: PoseGraph, config: SessionConfi
 
 
 def at_any_distance(config: VerificationConfig) -> VerificationConfig:
-    """Return settings with which sure loops are verified however far they are from the current estimate and each other.
+    """Return settings with which sure loops are verified at any distance from the current estimate.
 
-    `Relocaliser` compares the loops of several keyframes itself, so contradicting loops are kept here.
+    Uncertain loops are refused. Loops may contradict each other, because `Relocaliser` compares them itself.
     """
     return replace(config, gate_m=_ANY_M, gate_rad=_ANY_RAD, uncertain_gate_m=0.0, max_contradiction=None)
 

@@ -178,7 +178,10 @@ class CovisibilityVerifier:
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
     ) -> Verification:
-        """Return loop edges, true or false, to candidates of `query`. Edges that contradict the odometry are left out."""
+        """Return loop edges, true or false, to candidates of `query`.
+
+        Edges that contradict the odometry are left out, and so are uncertain edges that do not confirm the estimate.
+        """
         if not candidates:
             return Verification(())
         common = np.random.default_rng((self._seed, _QUERY, query.id)).standard_normal()

@@ -154,10 +154,9 @@ def test_two_sightings_of_a_landmark_count_once(world, true, rng):
     assert len(verify(query, [0, 1], graph, FORWARD_CAMERA, replace(CONFIG, min_inliers=10)).edges) == 2
 
 
-@pytest.mark.parametrize("sides", [(slice(3, 6), "sure_sigma_m"), (slice(0, 3), "sure_sigma_rad")])
-def test_a_loop_is_sure_up_to_its_largest_standard_deviation(world, true, sides):
+@pytest.mark.parametrize(("part", "setting"), [(slice(3, 6), "sure_sigma_m"), (slice(0, 3), "sure_sigma_rad")])
+def test_a_loop_is_sure_up_to_its_largest_standard_deviation(world, true, part, setting):
     """The estimate is 0.4 m off: a sure loop may correct it, and an uncertain one may not."""
-    part, setting = sides
     drift = se3.exp(np.array([0.0, 0.0, 0.0, 0.4, 0.0, 0.0]))
     (edge,) = located(world, true, drift)
     worst = float(np.sqrt(np.linalg.eigvalsh(edge.covariance[part, part])[-1]))
