@@ -9,6 +9,9 @@ from lexis.errors import LexisError
 from lexis.inputs import DESCRIPTOR_BYTES
 from lexis.types import Features, Image
 
+OPENCV = "opencv-python-headless>=4.10,<5"
+"""Versions of OpenCV that LEXIS works with, as pip writes them. OpenCV 5 has no AKAZE in its main package."""
+
 
 class FeatureExtractor:
     """Extracts AKAZE features from images."""
@@ -17,9 +20,7 @@ class FeatureExtractor:
         """Create the detector. Raises LexisError if the installed OpenCV has no AKAZE."""
         if not hasattr(cv2, "AKAZE"):
             found = getattr(cv2, "__version__", "of unknown version")  # a half-removed OpenCV is an empty package
-            raise LexisError(
-                f"OpenCV {found} has no AKAZE; valid: 'opencv-python-headless>=4.10,<5', installed without any other OpenCV"
-            )
+            raise LexisError(f"OpenCV {found} has no AKAZE; valid: '{OPENCV}', installed without any other OpenCV")
         self._akaze = cv2.AKAZE.create(threshold=config.akaze_threshold, max_points=config.max_features)
 
     def extract(self, image: Image) -> Features:

@@ -27,7 +27,7 @@ _OTHERS = ("cv2", "opencv", "scipy")
 """Prefixes of the folders of packages that contain their own copy of OpenBLAS. numpy does not use these copies."""
 _PACKAGES = "site-packages"
 _BROKEN = "update the graphics driver and torch, or try another MUJOCO_GL (egl, osmesa)"
-_BROKEN_OPENCV = "install 'opencv-python-headless>=4.10,<5' again, without any other OpenCV"
+_BROKEN_OPENCV = "install opencv-python-headless again, without any other OpenCV"
 
 
 @dataclass(frozen=True)

@@ -37,12 +37,12 @@ def detect() -> str:
     import numpy as np
 
     from lexis.config import LandmarkConfig
-    from lexis.features import FeatureExtractor
+    from lexis.features import OPENCV, FeatureExtractor
 
     image = np.random.default_rng(0).integers(0, 256, (96, 128, 3), np.uint8)
     found = len(FeatureExtractor(LandmarkConfig()).extract(image).keypoints)
     if not found:
-        raise SimError("OpenCV finds no key point in an image of noise; valid: 'opencv-python-headless>=4.10,<5'")
+        raise SimError(f"OpenCV finds no key point in an image of noise; valid: '{OPENCV}'")
     return f"{found} in an image of noise"
 
 
