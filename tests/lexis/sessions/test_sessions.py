@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.box_room import FORWARD_CAMERA
-from helpers.map_builder import with_retired
+from helpers.map_builder import keyframe, with_retired
 from helpers.same_map import assert_same
 
 from lexis.config import Config, LabelConfig, PlaceRecognitionConfig, PlannerConfig, SessionConfig
@@ -20,7 +20,7 @@ from lexis.merging import merge
 from lexis.planning import adjacency
 from lexis.sessions.relocalisation import at_any_distance
 from lexis.slam import Slam
-from lexis.types import EncoderId, Features, Keyframe, Landmarks, LoopEdge, Observation, Percept, Verdict
+from lexis.types import EncoderId, Features, LoopEdge, Observation, Percept, Verdict
 from lexis.verification import Verification, plausible
 
 ROOMS = ("office", "kitchen")
@@ -168,14 +168,11 @@ def test_edges_that_contradict_each_other_never_join(first, tmp_path):
 
 
 @pytest.mark.parametrize("off_m", [0.0, 0.01, 5.0])
-def test_uncertain_edges_are_refused_where_no_estimate_relates_the_components(off_m):
+def test_uncertain_edges_are_refused_where_no_estimate_relates_the_components(off_m, rng):
     """An uncertain edge may only confirm an estimate, and no estimate relates two components."""
     graph = PoseGraph(Config().pose_graph)
-    features = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
-    landmarks = Landmarks(np.zeros((0, 3)), np.zeros(0, int))
     for i in range(2):
-        keyframe = Keyframe(i, i, 10.0 * i, np.eye(4), 1e-4 * np.eye(6), np.ones(1, np.float32), features, landmarks)
-        graph.add_keyframe(keyframe)
+        graph.add_keyframe(keyframe(rng, i, np.eye(4)))
     T = np.eye(4)
     T[0, 3] = off_m
     for sigma_m, outcome in ((0.01, "accepted"), (0.2, "uncertain pose")):
