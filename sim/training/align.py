@@ -153,7 +153,7 @@ def _in_parts(frames: Frames, tower: Callable[[Tensor], Tensor]) -> Tensor:
     """Return what a tower computes from images, which it gets in parts that fit in memory."""
     with torch.no_grad():
         parts = range(0, len(frames.rooms), _BATCH)
-        return torch.cat([tower(normalised(frames.images[i : i + _BATCH]).to(PROCESSOR)) for i in parts])
+        return torch.cat([tower(normalised(frames.images[i : i + _BATCH], PROCESSOR)) for i in parts])
 
 
 def _search_loss(logits: Float[Tensor, "b captions"], shown: Float[Tensor, "b captions"]) -> Tensor:

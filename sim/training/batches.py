@@ -44,7 +44,7 @@ def batches(frames: Frames, size: int, rng: np.random.Generator, device: torch.d
         _, house = np.unique(frames.houses[chosen], return_inverse=True)
         grid = _crops(house, rng).to(device)
         tint = _tints(house, rng, device)
-        images = _sampled(normalised(frames.images[chosen]).to(device), grid, "reflection") * tint[0] + tint[1]
+        images = _sampled(normalised(frames.images[chosen], device), grid, "reflection") * tint[0] + tint[1]
         shares = torch.from_numpy(frames.things[chosen]).permute(0, 3, 1, 2).to(device).float() / 255.0
         patches = _sampled(shares, grid, "zeros")
         views = torch.from_numpy(frames.views[chosen]).to(device) + 1e-4
@@ -60,10 +60,11 @@ def batches(frames: Frames, size: int, rng: np.random.Generator, device: torch.d
         )
 
 
-def normalised(images: UInt8[np.ndarray, "b h w 3"]) -> Float[Tensor, "b 3 h w"]:
-    """Normalise RGB images of the encoder's input size with the encoder's mean and standard deviation."""
-    pixels = torch.from_numpy(images).permute(0, 3, 1, 2).float() / 255.0
-    return (pixels - torch.tensor(MINI_MEAN)[:, None, None]) / torch.tensor(MINI_STD)[:, None, None]
+def normalised(images: UInt8[np.ndarray, "b h w 3"], device: torch.device | str) -> Float[Tensor, "b 3 h w"]:
+    """Normalise RGB images of the encoder's input size with the encoder's mean and standard deviation, on a device."""
+    pixels = torch.from_numpy(images).to(device).permute(0, 3, 1, 2).float() / 255.0  # bytes are a quarter of the floats
+    mean, std = (torch.tensor(values, device=device)[:, None, None] for values in (MINI_MEAN, MINI_STD))
+    return (pixels - mean) / std
 
 
 def chosen_once(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Generator) -> Iterator[Int[np.ndarray, "size"]]:

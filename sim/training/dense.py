@@ -112,7 +112,7 @@ class DenseLearner:
         """Return the share of frames whose label the room head predicts right, among the labels that occur in `frames`."""
         with torch.inference_mode():
             parts = range(0, len(frames.rooms), _BATCH)
-            logits = [self.module(normalised(frames.images[i : i + _BATCH]).to(PROCESSOR)).rooms for i in parts]
+            logits = [self.module(normalised(frames.images[i : i + _BATCH], PROCESSOR)).rooms for i in parts]
         return accuracy_among_present(torch.cat(logits).cpu().numpy(), frames.rooms)
 
 
