@@ -19,12 +19,16 @@ def add_to(commands: Commands) -> None:
         "--houses",
         type=positive,
         default=520,
-        help="houses to train on; the last step takes twice as many (default: %(default)s)",
+        help="houses to train on (default: %(default)s)",
+    )
+    train.add_argument(
+        "--settling-houses", type=positive, help="houses for the last step, at least --houses (default: twice as many)"
     )
     train.add_argument("--epochs", type=positive, default=10, help="epochs of dense supervision (default: %(default)s)")
     train.add_argument(
         "--align-epochs", type=positive, default=4, help="epochs of alignment with text (default: %(default)s)"
     )
+    train.add_argument("--batch", type=positive, default=128, help="images in a batch (default: %(default)s)")
     SEED(train)
     train.add_argument(
         "--work",
@@ -54,7 +58,9 @@ def _train(arguments: argparse.Namespace) -> int:
     check_output_file(out)
     run = TrainingRun(
         houses=arguments.houses,
+        settling_houses=arguments.settling_houses,
         epochs=(arguments.epochs, arguments.align_epochs),
+        batch=arguments.batch,
         seed=arguments.seed,
         work=arguments.work,
         out=out,

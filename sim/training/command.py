@@ -55,11 +55,14 @@ class TrainingRun(Settings, place="training", error=SimError):
     """Settings of one training of the encoder, from rendered houses to weights."""
 
     houses: Annotated[int, Ge(1)] = 520
-    """Number of houses to train on. The projection settles on twice as many."""
+    """Number of houses to train on."""
     tuning_houses: Annotated[int, Ge(1)] = 24
     """Number of further houses, for monitoring the training and for fitting the temperature and the calibration."""
     epochs: tuple[int, int] = (10, 4)
     """Numbers of epochs of stage 1 (dense supervision) and stage 2 (alignment) of the image tower."""
+    settling_houses: Annotated[int, Ge(1)] | None = None
+    """Number of houses on whose frames the projection settles: the houses to train on, and further ones. None: twice as many
+    as the houses to train on."""
     settling_steps: Annotated[int, Ge(1)] = STEPS
     """Number of training steps at the end in which only the projection, the image tower's last layer, is trained."""
     seed: int = 0
@@ -85,6 +88,8 @@ class TrainingRun(Settings, place="training", error=SimError):
         for name in ("epochs", "wordings"):
             if min(getattr(self, name)) < 1:
                 self.refuse(name, "at least 1 each")
+        if self.settling_houses is not None and self.settling_houses < self.houses:
+            self.refuse("settling_houses", f"at least the number of houses to train on, {self.houses}")
 
 
 def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
@@ -114,7 +119,8 @@ def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
     fit(dense, training, tuning, first, report, run.work / "dense.pt")
     align = AlignLearner(dense.module, text, training, run.seed, run.wordings)
     fit(align, training, tuning, second, report, run.work / "align.pt")
-    more = _rendered(run, console, "more training", _draws(run, 2 * run.houses, TRAINING_SEEDS)[run.houses :])
+    settling = _draws(run, run.settling_houses or 2 * run.houses, TRAINING_SEEDS)
+    more = _rendered(run, console, "more training", settling[run.houses :])
     settle(align, chain([training], map(_furnished, more)), run.seed, run.settling_steps)
     console.print(f"projection settled: tuning accuracy {align.accuracy(tuning):.3f}")
     temperature = fit_temperature(align.embeddings(tuning), text, tuning.rooms)
@@ -150,7 +156,7 @@ def _check_settings(run: TrainingRun) -> None:
 
 def _deciding(run: TrainingRun) -> dict[str, Any]:
     """Return all settings that affect the result, except the teacher: a text tower that is finished is used as it is."""
-    names = ("houses", "tuning_houses", "epochs", "settling_steps", "seed", "batch", "wordings")
+    names = ("houses", "settling_houses", "tuning_houses", "epochs", "settling_steps", "seed", "batch", "wordings")
     own = {name: getattr(run, name) for name in names} | {"start": run.start and str(run.start)}
     return own | {"distillation": asdict(run.distillation), "text": {**TEXT_CFG, "embed_dim": EMBED_DIM}}
 

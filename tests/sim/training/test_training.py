@@ -217,14 +217,19 @@ def test_a_work_folder_is_of_one_run_whatever_workers_teacher_and_output(tmp_pat
         with pytest.raises(SimError, match="no text tower"):
             train_encoder(replace(run, **same), Console(quiet=True))
     other = {
-        "houses": 2, "tuning_houses": 2, "epochs": (1, 1), "settling_steps": 1, "seed": 1, "batch": 64, "wordings": (2, 1),
-        "start": tmp_path / "a.safetensors", "distillation": DistilConfig(epochs=1),
+        "houses": 2, "tuning_houses": 2, "epochs": (1, 1), "settling_houses": 3, "settling_steps": 1, "seed": 1, "batch": 64,
+        "wordings": (2, 1), "start": tmp_path / "a.safetensors", "distillation": DistilConfig(epochs=1),
     }  # fmt: skip
     for name, value in other.items():
         with pytest.raises(
             SimError, match=rf"belongs to a run with {name} [^;]*; valid: the same settings, or another folder"
         ):
             train_encoder(replace(run, **{name: value}), Console(quiet=True))
+
+
+def test_the_projection_settles_on_no_fewer_houses_than_the_tower_is_trained_on():
+    with pytest.raises(SimError, match=r"settling_houses.*at least the number of houses to train on, 3"):
+        TrainingRun(houses=3, settling_houses=2)
 
 
 def test_settling_finds_rooms_by_text_and_leaves_the_trunk_unchanged(frames, text):
