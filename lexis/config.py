@@ -116,7 +116,7 @@ class SightConfig(Settings, place="sight", error=ConfigError):
     independence: Annotated[float, Interval(gt=0, le=1)] = 0.3
     """Share of the summed evidence that counts in the probabilities of labels. It is less than 1, because images of one
     place resemble each other: what misleads one of them misleads others. It does not change the labels."""
-    neighbour_weight: Annotated[float, Ge(0)] = 4.0
+    neighbour_weight: Annotated[float, Ge(0)] = 3.0
     """Weight of the label probabilities of the keyframes that see a keyframe's place, relative to the evidence of the
     images."""
     passes: Annotated[int, Ge(0)] = 3
@@ -152,19 +152,19 @@ class PlaceRecognitionConfig(Settings, place="place_recognition", error=ConfigEr
     """Least time between a loop candidate and the query, which is the new keyframe [s]."""
     min_gap_m: Annotated[float, Ge(0)] = 5.0
     """Least length of the path between a loop candidate and the query, which is the new keyframe [m]."""
-    least_probability: Annotated[float, Interval(gt=0, lt=1)] = 0.006
+    least_probability: Annotated[float, Interval(gt=0, lt=1)] = 0.004
     """Least probability of a revisit at which the method "probability" proposes candidates. It is low, because a false
     candidate only costs a verification, but a missing candidate can cost a loop."""
-    log_odds: Annotated[float, Interval(ge=-100, le=100)] = -4.19
+    log_odds: Annotated[float, Interval(ge=-100, le=100)] = -2.14
     """Log odds of a revisit if the similarity of the images is 0 and the estimated poses are equal. This setting and the
     next one are fitted to the encoder `mini`."""
-    similarity_weight: Annotated[float, Ge(0)] = 12.7
+    similarity_weight: Annotated[float, Ge(0)] = 10.6
     """Log odds that are added per unit of cosine similarity of the images."""
-    place_m: Annotated[float, Gt(0)] = 0.424
+    place_m: Annotated[float, Gt(0)] = 0.415
     """Estimated distance that lowers the log odds by 1 [m]; they fall with its square."""
-    place_rad: Annotated[float, Gt(0)] = 0.24
+    place_rad: Annotated[float, Gt(0)] = 0.236
     """Estimated angle that lowers the log odds by 1 [rad]; they fall with its square."""
-    lost_log_odds: Annotated[float, Ge(0)] = 12.4
+    lost_log_odds: Annotated[float, Ge(0)] = 13.1
     """Largest amount by which the estimated distance and angle can lower the log odds of a revisit. The amount is limited,
     because the estimated pose may be completely wrong."""
 
