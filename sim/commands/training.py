@@ -15,12 +15,7 @@ def add_to(commands: Commands) -> None:
     train = add_command(
         commands, "train-encoder", _train, "train the mini encoder", "lexis-sim train-encoder --work encoder-training"
     )
-    train.add_argument(
-        "--houses",
-        type=positive,
-        default=520,
-        help="houses to train on (default: %(default)s)",
-    )
+    train.add_argument("--houses", type=positive, default=520, help="houses to train on (default: %(default)s)")
     train.add_argument(
         "--settling-houses", type=positive, help="houses for the last step, at least --houses (default: twice as many)"
     )
