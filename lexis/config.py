@@ -183,6 +183,10 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     """Least number of distinct key points that must be inliers of PnP, in at least one image of the new keyframe."""
     min_cells: Annotated[int, Interval(ge=1, le=36)] = 5
     """Least number of cells of a 6 x 6 grid on at least one image that must contain an inlier."""
+    min_cells_turned: Annotated[int, Interval(ge=1, le=36)] = 10
+    """A loop edge whose rotation differs from the current estimate by more than `gate_rad`, however long the path is, is
+    rejected unless its inliers lie in at least this many cells of a 6 x 6 grid on one image. Inliers in fewer cells often
+    lie on a single piece of furniture, whose landmarks have errors in common."""
     gate_m: Annotated[float, Ge(0)] = 0.5
     """A loop edge is rejected if its translation differs from the current estimate by more than this limit [m]. The limit
     grows with the path by `gate_share`."""

@@ -190,7 +190,8 @@ LoopOutcome = Literal[
 ]  # fmt: skip
 """What became of a loop candidate. Inliers are crowded if they cover too little of the image. The outcome is
 "uncertain pose" if the standard deviation of the pose is large and the pose is not close to the current estimate, or no
-estimate relates the two keyframes. A candidate is surplus if enough others of the same query have more inliers. It is
+estimate relates the two keyframes; and also if the inliers cover little of the image and the rotation is not close to the
+current estimate. A candidate is surplus if enough others of the same query have more inliers. It is
 unconfirmed if a simulated verifier rejects it without a reason. It is contradicted if other loops of the same query, with at
 least as many inliers in all, lead to another pose. It is unsupported if it leads to a session that shares no frame with the
 query, and too few keyframes agree with it to join both.

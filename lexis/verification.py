@@ -10,7 +10,8 @@ For each candidate of a query keyframe:
 3. Require enough inliers, spread over one image: a poster or another repeated object matches in one spot only.
 4. Estimate the covariance of the pose, which says how certain the loop is.
 5. Refuse a loop too far from the current estimate, because odometry drifts only little per metre, and least in height. An
-   uncertain loop has to be close to the estimate however long the path is.
+   uncertain loop has to be close to the estimate however long the path is. A loop whose inliers cover little of every image
+   has to agree with the estimated rotation within `gate_rad`.
 6. With the setting `max_contradiction`, refuse loops that contradict other loops of the same query. Neighbouring candidates
    show the same place, so their loops have to lead to the same pose of the query.
 7. Keep the loops with the most inliers, up to `max_edges` per query.
@@ -83,7 +84,8 @@ def plausible(
     with the most inliers first.
 
     Args:
-        located: for every candidate, the verdict so far, and the loop edge if the candidate has been accepted.
+        located: for every candidate, the verdict so far, and the loop edge if the candidate has been accepted. An edge whose
+            verdict does not state the number of cells counts as one that covers enough of the image.
         graph: the current estimate of the poses.
         config: the tolerances, and the largest number of edges.
     """
@@ -103,16 +105,19 @@ def _compared(verdict: Verdict, edge: LoopEdge, graph: PoseGraph, config: Verifi
 
     The tolerance grows with the path between the two keyframes, as drift does. An uncertain loop must also be close to the
     estimate however long the path is, because it must not correct drift: the covariance of a wrong one is so large that the
-    robust kernel would trust it.
+    robust kernel would trust it. A loop whose inliers cover little of the images must agree with the estimated rotation,
+    because its landmarks have errors in common that rotate the pose around them, and the covariance does not show this.
     """
     measured, estimated = graph.T_W_B[edge.match] @ edge.T_match_query, graph.T_W_B[edge.query]
     path_m = graph.path_between(edge.match, edge.query)
     distance_m = float(np.linalg.norm(measured[:3, 3] - estimated[:3, 3]))
     angle_rad = float(rotation_angle(between(measured, estimated)))
-    outcome, close = verdict.outcome, distance_m < config.uncertain_gate_m and angle_rad <= config.gate_rad
+    turned, shifted = angle_rad > config.gate_rad, distance_m >= config.uncertain_gate_m
+    few_cells = verdict.cells is not None and verdict.cells < config.min_cells_turned
+    outcome = verdict.outcome
     if not within_drift(measured[None], estimated[None], np.array([path_m]), config)[0]:
         outcome = "far from the estimate"
-    elif _is_uncertain(edge, config) and not close:
+    elif (turned and few_cells) or ((turned or shifted) and _is_uncertain(edge, config)):
         outcome = "uncertain pose"
     return replace(verdict, outcome=outcome, misfit_m=distance_m, misfit_rad=angle_rad)
 

@@ -38,7 +38,8 @@ def candidates_elsewhere(query: Keyframe, graph: PoseGraph, config: SessionConfi
 def at_any_distance(config: VerificationConfig) -> VerificationConfig:
     """Return settings with which sure loops are verified at any distance from the current estimate.
 
-    Uncertain loops are refused. Loops may contradict each other, because `Relocaliser` compares them itself.
+    Uncertain loops are refused. Loops may contradict each other, and their inliers may cover little of the images, because
+    `Relocaliser` compares the loops of several keyframes itself.
     """
     return replace(config, gate_m=_ANY_M, gate_rad=_ANY_RAD, uncertain_gate_m=0.0, max_contradiction=None)
 

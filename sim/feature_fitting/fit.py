@@ -59,4 +59,4 @@ def _thinned(edges: MeasuredEdges) -> MeasuredEdges:
     """Choose at most `_KEPT` edges at even intervals."""
     count = len(edges.inliers)
     chosen = np.unique(np.linspace(0, count - 1, min(count, _KEPT)).astype(int)) if count else np.zeros(0, int)
-    return MeasuredEdges(edges.error[chosen], edges.covariance[chosen], edges.inliers[chosen])
+    return edges[chosen]

@@ -5,7 +5,7 @@ nearby keyframes. `fit_loops` fits the model to the outcomes.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int
@@ -17,7 +17,7 @@ from lexis.locator import Locator
 from lexis.maths.se3 import between, log
 from lexis.perception import Encoder
 from lexis.slam import Slam
-from lexis.types import Camera, LexisMap, LoopArrays
+from lexis.types import Camera, LexisMap, LoopArrays, LoopEdge, Verdict
 from sim.feature_sensor.covisibility_verifier import PREDICTORS, LoopModel, MeasuredEdges, TrueView, fit_logistic, predictors
 from sim.feature_sensor.ray_origins import RayGrid
 from sim.feature_sensor.surroundings import survey
@@ -109,38 +109,31 @@ def _pairs(mapped: LexisMap, poses: Float64[np.ndarray, "n 4 4"], rng: np.random
 def _tried(
     mapped: LexisMap, pairs: Sequence[tuple[int, list[int]]], sights: Sequence[TrueView], camera: Camera, config: Config
 ) -> Trials:
-    queries, edges = [], []
+    queries, located = [], []
     rows = [np.zeros((0, len(PREDICTORS)))]
     for query, matches in pairs:
         locator = Locator(mapped.keyframes[query], mapped.keyframes, camera, config.verification)
         queries += [query] * len(matches)
-        edges += [locator.from_match(match)[1] for match in matches]
+        located += [locator.from_match(match) for match in matches]
         if matches:
             rows.append(predictors([sights[match] for match in matches], [sights[query]] * len(matches)))
     truth = np.array([sight.T_W_B for sight in sights])
-    found = np.array([edge is not None for edge in edges], bool)
-    confirmed = [edge for edge in edges if edge is not None]
-    stacked = LoopArrays.of(confirmed)
-    right = true_edges(stacked.query, stacked.match, stacked.T_match_query, truth)
+    found = np.array([edge is not None for _, edge in located], bool)
+    measured, right = _measured([(verdict, edge) for verdict, edge in located if edge is not None], truth)
     is_true = found.copy()
     is_true[found] = right
-    errors = [log(between(between(truth[edge.match], truth[edge.query]), edge.T_match_query)) for edge in confirmed]
-    return Trials(
-        np.array(queries, int),
-        np.concatenate(rows),
-        is_true,
-        found & ~is_true,
-        _measured(stacked, errors, np.flatnonzero(right)),
-        _measured(stacked, errors, np.flatnonzero(~right)),
-    )
+    return Trials(np.array(queries, int), np.concatenate(rows), is_true, found & ~is_true, measured[right], measured[~right])
 
 
-def _measured(edges: LoopArrays, errors: Sequence[Float64[np.ndarray, "6"]], rows: Int[np.ndarray, "k"]) -> MeasuredEdges:
-    return MeasuredEdges(
-        np.array([errors[i] for i in rows]).reshape(-1, 6),
-        edges.covariance[rows],
-        edges.inliers[rows],
-    )
+def _measured(
+    located: Sequence[tuple[Verdict, LoopEdge]], truth: Float64[np.ndarray, "n 4 4"]
+) -> tuple[MeasuredEdges, Bool[np.ndarray, "k"]]:
+    """Return the confirmed loop edges with their errors, and which of them are true, given the true poses."""
+    edges = LoopArrays.of([edge for _, edge in located])
+    errors = log(between(between(truth[edges.match], truth[edges.query]), edges.T_match_query))
+    cells = np.array([verdict.cells for verdict, _ in located], int)
+    right = true_edges(edges.query, edges.match, edges.T_match_query, truth)
+    return MeasuredEdges(errors.reshape(-1, 6), edges.covariance, edges.inliers, cells), right
 
 
 def joined(parts: Sequence[Trials]) -> Trials:
@@ -157,9 +150,7 @@ def joined(parts: Sequence[Trials]) -> Trials:
 
 
 def _pooled(parts: Sequence[MeasuredEdges]) -> MeasuredEdges:
-    return MeasuredEdges(
-        *(np.concatenate([getattr(part, name) for part in parts]) for name in ("error", "covariance", "inliers"))
-    )
+    return MeasuredEdges(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(MeasuredEdges)))
 
 
 def _query_share(chance: Float64[np.ndarray, "n"], outcome: Bool[np.ndarray, "n"], query: Int[np.ndarray, "n"]) -> float:

@@ -8,17 +8,17 @@ For each candidate:
    real verification.
    With a rig of several cameras, the largest probability of all pairs of cameras counts.
 3. If the candidate is confirmed, draw a real edge that is true, at random. Return the true relative pose with the error,
-   covariance and inlier count of the real edge.
+   covariance, inlier count, and spread of inliers of the real edge.
 4. Otherwise do the same with a real edge that is false, but only with a small probability.
 """
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float, Float32, Float64, Int
+from jaxtyping import Bool, Float, Float32, Float64, Int
 from scipy.special import expit, ndtri
 
 from lexis.config import VerificationConfig
@@ -40,12 +40,17 @@ PREDICTORS = ("constant", "covisibility", "covisibility squared", "distance", "t
 
 @dataclass(frozen=True, eq=False)
 class MeasuredEdges:
-    """Loop edges that LEXIS measured on rendered images: true errors, reported covariances and numbers of inliers."""
+    """Loop edges that LEXIS measured on rendered images: true errors, reported covariances, numbers of inliers and cells."""
 
     error: Float64[np.ndarray, "n 6"]
     """Error of each measured relative pose: `log(T_true^-1 T_measured)`, rotation first [rad, m]."""
     covariance: Float64[np.ndarray, "n 6 6"]
     inliers: Int[np.ndarray, "n"]
+    cells: Int[np.ndarray, "n"]
+    """Numbers of image cells that contain an inlier, as in `lexis.types.Verdict`."""
+
+    def __getitem__(self, rows: Int[np.ndarray, "k"] | Bool[np.ndarray, "n"]) -> "MeasuredEdges":
+        return MeasuredEdges(*(getattr(self, field.name)[rows] for field in fields(self)))
 
     @cached_property
     def error_motions(self) -> Float64[np.ndarray, "n 4 4"]:
@@ -180,7 +185,8 @@ class CovisibilityVerifier:
     ) -> Verification:
         """Return loop edges, true or false, to candidates of `query`.
 
-        Edges that contradict the odometry are left out, and so are uncertain edges that do not confirm the estimate.
+        Edges that contradict the odometry are left out. So are edges that are uncertain, or whose inliers cover little of
+        the image, if they do not confirm the estimate.
         """
         if not candidates:
             return Verification(())
@@ -189,11 +195,10 @@ class CovisibilityVerifier:
         before = [self._views_of(graph.keyframes[match].observation_index) for match in candidates]
         limits = ndtri(self._probabilities(before, seen))
         true = between(np.stack([first.T_W_B for first, *_ in before]), seen[0].T_W_B)
-        located = []
-        for match, T_match_query, limit in zip(candidates, true, limits.tolist(), strict=True):
-            edge = self._edge(query.id, match, T_match_query, limit, common)
-            verdict = Verdict(query.id, match, "unconfirmed")
-            located.append((verdict if edge is None else replace(verdict, outcome="accepted", inliers=edge.inliers), edge))
+        located = [
+            self._located(query.id, match, T_match_query, limit, common)
+            for match, T_match_query, limit in zip(candidates, true, limits.tolist(), strict=True)
+        ]
         return plausible(located, graph, config)
 
     def _probabilities(
@@ -207,8 +212,8 @@ class CovisibilityVerifier:
         ]
         return np.asarray(np.max(of_pairs, axis=0))
 
-    def _edge(self, query: int, match: int, true: Pose, limit: float, common: float) -> LoopEdge | None:
-        """Return the edge to a candidate with the relative pose `true`, or None.
+    def _located(self, query: int, match: int, true: Pose, limit: float, common: float) -> tuple[Verdict, LoopEdge | None]:
+        """Return the verdict on a candidate with the relative pose `true`, and the edge to it or None.
 
         The candidate is confirmed if a standard normal variable is below `limit`. The variable is partly `common`, which all
         candidates of a query share, because the results of real verification are correlated within a query. If the candidate
@@ -221,10 +226,11 @@ class CovisibilityVerifier:
         elif rng.random() < self._model.false_rate:
             pool = self._model.false_edges
         else:
-            return None
+            return Verdict(query, match, "unconfirmed"), None
         drawn = int(rng.integers(len(pool.inliers)))
-        measured = true @ pool.error_motions[drawn]
-        return LoopEdge(query, match, measured, pool.covariance[drawn].copy(), int(pool.inliers[drawn]))
+        inliers, cells = int(pool.inliers[drawn]), int(pool.cells[drawn])
+        edge = LoopEdge(query, match, true @ pool.error_motions[drawn], pool.covariance[drawn].copy(), inliers)
+        return Verdict(query, match, "accepted", inliers=inliers, cells=cells), edge
 
 
 def fit_logistic(

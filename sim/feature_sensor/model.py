@@ -32,6 +32,7 @@ def _edges(name: str) -> Layout:
         f"loops.{name}.error": ("f4", (name, 6)),
         f"loops.{name}.covariance": ("f4", (name, 6, 6)),
         f"loops.{name}.inliers": ("i8", (name,)),
+        f"loops.{name}.cells": ("i8", (name,)),
     }
 
 
@@ -139,6 +140,7 @@ def _built(arrays: dict[str, np.ndarray]) -> FeatureModel:
             _fixed(arrays[f"loops.{name}.error"], float),
             _fixed(arrays[f"loops.{name}.covariance"], float),
             _fixed(arrays[f"loops.{name}.inliers"], int),
+            _fixed(arrays[f"loops.{name}.cells"], int),
         )
         for name in ("true_edges", "false_edges")
     }

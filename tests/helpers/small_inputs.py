@@ -74,7 +74,9 @@ def write_map(folder):
 
 def write_features(path):
     """Write a feature model with two-dimensional embeddings."""
-    edges = MeasuredEdges(np.full((2, 6), 0.005), np.repeat(np.eye(6)[None] * 1e-4, 2, axis=0), np.array([20, 30]))
+    edges = MeasuredEdges(
+        np.full((2, 6), 0.005), np.repeat(np.eye(6)[None] * 1e-4, 2, axis=0), np.array([20, 30]), np.array([12, 15])
+    )
     loops = LoopModel(np.array([-3.0, 12.0, 0.0, -1.0, -1.0]), 0.5, 0.0, edges, edges)
     weights, errors, kernels = (
         np.full((SIZE, 2), 0.1, np.float32),

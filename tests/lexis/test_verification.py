@@ -164,6 +164,24 @@ def test_a_loop_is_sure_up_to_its_largest_standard_deviation(world, true, part, 
     assert len(located(world, true, drift, config=replace(CONFIG, **{setting: 1.01 * worst}))) == 1
 
 
+@pytest.mark.parametrize("angle", [0.09, 0.11])
+def test_a_loop_with_inliers_in_few_cells_may_shift_the_estimate_but_not_turn_it(world, true, angle):
+    """The estimate is 0.4 m off, and turned by a little less or a little more than the limit of 0.1 rad."""
+    points, descriptors = world
+    drift = se3.exp(np.array([0.0, 0.0, angle, 0.4, 0.0, 0.0]))
+    match, query = keyframe(0, np.eye(4), points, descriptors), keyframe(1, drift @ true, points, descriptors, T_true=true)
+
+    def verdict(**settings):
+        (found,) = verify(query, [0], graph_of(match, query), FORWARD_CAMERA, replace(CONFIG, **settings)).verdicts
+        return found
+
+    cells = verdict(gate_rad_m=0.05).cells
+    assert cells > CONFIG.min_cells
+    assert verdict(gate_rad_m=0.05, min_cells_turned=cells).outcome == "accepted"
+    turned = verdict(gate_rad_m=0.05, min_cells_turned=cells + 1).outcome
+    assert turned == ("uncertain pose" if angle > CONFIG.gate_rad else "accepted")
+
+
 @pytest.mark.parametrize(
     ("off", "accepted"),
     [

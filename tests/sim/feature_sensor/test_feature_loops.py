@@ -1,6 +1,6 @@
 """Loops without key points: they are confirmed at the fitted rates, from the surfaces that two views truly share."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -30,9 +30,9 @@ from worlds.spec import HouseSpec, RoomSpec, StoreySpec
 CAMERA = wide_camera()
 GRID = RayGrid.of(CAMERA.intrinsics, COLUMNS, ROWS)
 ANYWHERE = VerificationConfig(gate_m=100.0, gate_rad=4.0, max_edges=1000)
-EMPTY = MeasuredEdges(np.zeros((0, 6)), np.zeros((0, 6, 6)), np.zeros(0, int))
-SOME = MeasuredEdges(np.array([[0.01, 0, 0, 0.02, 0, 0]]), np.eye(6)[None] * 1e-4, np.array([40]))
-FAR = MeasuredEdges(np.array([[0, 0, 1.0, 3.0, 0, 0]]), np.eye(6)[None] * 1e-4, np.array([17]))
+EMPTY = MeasuredEdges(np.zeros((0, 6)), np.zeros((0, 6, 6)), np.zeros(0, int), np.zeros(0, int))
+SOME = MeasuredEdges(np.array([[0.01, 0, 0, 0.02, 0, 0]]), np.eye(6)[None] * 1e-4, np.array([40]), np.array([20]))
+FAR = MeasuredEdges(np.array([[0, 0, 1.0, 3.0, 0, 0]]), np.eye(6)[None] * 1e-4, np.array([17]), np.array([20]))
 
 
 def model(log_odds=0.0, query_share=0.0, false_rate=0.0):
@@ -82,12 +82,14 @@ def test_pairs_that_are_computed_together_are_those_computed_alone(house):
     assert 0 < (together[:, PREDICTORS.index("covisibility")] > 0).sum() < len(pairs)
 
 
-def graph_of(count):
+def graph_of(count, step_m=0.0):
     graph = PoseGraph(PoseGraphConfig())
     empty = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
     for i in range(count):
         landmarks = Landmarks(np.zeros((0, 3)), np.zeros(0, int))
-        graph.add_keyframe(Keyframe(i, i, float(i), np.eye(4), np.eye(6), np.ones(1, np.float32), empty, landmarks))
+        T_O_B = np.eye(4)
+        T_O_B[0, 3] = i * step_m
+        graph.add_keyframe(Keyframe(i, i, float(i), T_O_B, np.eye(6), np.ones(1, np.float32), empty, landmarks))
     return graph
 
 
@@ -121,6 +123,31 @@ def test_false_edges_come_at_their_rate_with_their_error(house):
     assert len(edges) / 600 == pytest.approx(0.3, abs=0.06)
     assert {edge.inliers for edge in edges} == {17}
     np.testing.assert_allclose(edges[0].T_match_query, se3.exp(FAR.error[0]), atol=1e-9)
+
+
+def test_the_verdict_on_an_edge_depends_on_the_number_of_its_cells(house):
+    """The edge turns the estimate by 1 rad, which it may if its inliers cover enough of the image."""
+    here, graph = sight(house, 2.0, 2.5, 0.3), graph_of(2, step_m=1.0)
+    drifting = replace(ANYWHERE, gate_rad=0.1, gate_rad_m=1.0)
+
+    def outcome(cells):
+        drawn = replace(FAR, cells=np.array([cells]))
+        chosen = LoopModel(np.array([-40.0, 0.0, 0.0, 0.0, 0.0]), 0.0, 1.0, SOME, drawn)
+        (verdict,) = CovisibilityVerifier(chosen, lambda index: (here,), 0)(
+            graph.keyframes[1], [0], graph, CAMERA, drifting
+        ).verdicts
+        assert verdict.cells == cells
+        return verdict.outcome
+
+    assert outcome(6) == "uncertain pose"
+    assert outcome(20) == "accepted"
+
+
+def test_edges_are_chosen_with_all_their_figures():
+    many = MeasuredEdges(np.arange(18.0).reshape(3, 6), np.arange(108.0).reshape(3, 6, 6), np.arange(3), np.arange(5, 8))
+    for rows in (np.array([2, 0]), np.array([True, False, True])):
+        for field in fields(MeasuredEdges):
+            np.testing.assert_array_equal(getattr(many[rows], field.name), getattr(many, field.name)[rows])
 
 
 def test_nothing_in_common_is_never_truly_confirmed(house):

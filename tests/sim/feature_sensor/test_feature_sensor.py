@@ -59,8 +59,10 @@ def fitted():
     errors = 0.05 * np.eye(len(ROOM_LABELS), dtype=np.float32)
     offset = np.full(len(ROOM_LABELS), 1e-3, np.float32)
     embedding = EmbeddingModel(weights, offset, errors, np.full(len(KERNELS), 1 / len(KERNELS)))
-    edges = MeasuredEdges(np.full((3, 6), 0.005), np.repeat(np.eye(6)[None] * 1e-4, 3, axis=0), np.array([20, 30, 40]))
-    nothing = MeasuredEdges(np.zeros((0, 6)), np.zeros((0, 6, 6)), np.zeros(0, int))
+    edges = MeasuredEdges(
+        np.full((3, 6), 0.005), np.repeat(np.eye(6)[None] * 1e-4, 3, axis=0), np.array([20, 30, 40]), np.full(3, 12)
+    )
+    nothing = MeasuredEdges(np.zeros((0, 6)), np.zeros((0, 6, 6)), np.zeros(0, int), np.zeros(0, int))
     loops = LoopModel(np.array([-3.0, 12.0, 0.0, -1.0, -1.0]), 0.5, 0.0, edges, nothing)
     return FeatureModel(fingerprint(LabelEncoder()), embedding, loops)
 
