@@ -101,9 +101,12 @@ class SegmentationConfig(Settings, place="segmentation", error=ConfigError):
 class SightConfig(Settings, place="sight", error=ConfigError):
     """Settings for labels and rooms from the free space that the images show (beyond the paper)."""
 
-    range_m: Annotated[float, Interval(gt=0, le=100)] = 8.0
+    range_m: Annotated[float, Interval(gt=0, le=100)] = 6.0
     """Largest distance of a landmark from the camera [m]. The space between the camera and farther landmarks does not count
     as seen."""
+    reach_m: Annotated[float, Gt(0)] = 1.5
+    """Largest horizontal distance from the camera of the places that stand for its visible space [m]. What lies farther away
+    often belongs to another room of an open plan."""
     near_m: Annotated[float, Gt(0)] = 0.7
     """Distance from a keyframe within which visible space belongs to the place of this keyframe [m]."""
     temperature: Annotated[float, Gt(0)] = 0.063
@@ -116,7 +119,7 @@ class SightConfig(Settings, place="sight", error=ConfigError):
     independence: Annotated[float, Interval(gt=0, le=1)] = 0.3
     """Share of the summed evidence that counts in the probabilities of labels. It is less than 1, because images of one
     place resemble each other: what misleads one of them misleads others. It does not change the labels."""
-    neighbour_weight: Annotated[float, Ge(0)] = 3.0
+    neighbour_weight: Annotated[float, Ge(0)] = 2.0
     """Weight of the label probabilities of the keyframes that see a keyframe's place, relative to the evidence of the
     images."""
     passes: Annotated[int, Ge(0)] = 3
@@ -133,7 +136,7 @@ class SightConfig(Settings, place="sight", error=ConfigError):
     merge_cut: Annotated[float, Gt(0)] = 0.2
     """Least normalised cut of sight between two rooms that merge. A cut is at most 2, so that with 3, no rooms merge. See
     `lexis.sight.alike_rooms`."""
-    merge_log_odds: Annotated[float, Ge(0)] = 2.5
+    merge_log_odds: Annotated[float, Ge(0)] = 3.0
     """Two rooms merge only if in both of them, the mean log odds of the room's own label over the label of the other room
     are below this."""
 

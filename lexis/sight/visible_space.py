@@ -5,7 +5,8 @@ so this space ends at walls. It is represented by places, which are points. A ke
 the space, even if a wall is between them.
 
 1. Sample places on the way from the camera to each landmark, at the height of the camera (`space_in_view`). The last part of
-   the way is left out, because a landmark may have been triangulated behind the wall on which it lies.
+   the way is left out, because a landmark may have been triangulated behind the wall on which it lies, and so is the part
+   beyond `reach_m`, because what is farther away often belongs to another room of an open plan.
 2. For each pair of keyframes, compute which share of the places of one keyframe lies near the other keyframe (`sight`).
 """
 
@@ -22,9 +23,12 @@ from lexis.maths.se3 import inverse, transform
 from lexis.maths.ties import rounded
 from lexis.types import Camera, Keyframe, Pose, Poses
 
-_SHARES = np.array([0.0, 0.25, 0.5])
-"""Places are sampled at these shares of the way from the camera to a landmark."""
-_CELL_M = 0.5
+_VISIBLE_SHARE = 0.5
+"""Share of the way from the camera to a landmark that counts as visible, because the landmark may have been triangulated
+behind the wall on which it lies."""
+_SHARES = np.array([0.0, 0.5, 1.0])
+"""Places are sampled at these shares of the way from the camera to the end of the visible space."""
+_CELL_M = 0.25
 """Width of the cells over which places are averaged, so that there are few of them [m]."""
 _STEEP = 0.1
 """A camera counts as looking straight up or down if the cosine of its elevation is less than this."""
@@ -51,13 +55,14 @@ def spaces_in_view(keyframe: Keyframe, camera: Camera, config: SightConfig) -> t
 def space_in_view(keyframe: Keyframe, T_B_C: Pose, config: SightConfig, camera: int = 0) -> VisibleSpace:
     """Sample the free space between a camera of a keyframe and the landmarks that this camera saw.
 
-    Landmarks farther away than `config.range_m` are left out. Without other landmarks, only the place of the camera is known
-    to be free. For a keyframe that has retired, the result has no places: its space is left to the keyframes that show it.
+    Landmarks farther away than `config.range_m` are left out, and so is the space more than `config.reach_m` away from the
+    camera. Without landmarks in range, only the place of the camera is known to be free. For a keyframe that has retired,
+    the result has no places: its space is left to the keyframes that show it.
 
     Args:
         keyframe: its landmarks are used, and the direction of gravity in its odometry pose.
         T_B_C: pose of the camera on the body.
-        config: the range.
+        config: the range and the reach.
         camera: number of the camera in the rig, from 0.
     """
     if keyframe.anchor is not None:
@@ -67,7 +72,10 @@ def space_in_view(keyframe: Keyframe, T_B_C: Pose, config: SightConfig, camera: 
     if not len(rays):
         return VisibleSpace(np.zeros((1, 3)), np.ones(1))
     axes = _horizontal(T_B_C[:3, :3].T @ keyframe.T_O_B[2, :3])  # z of O points upwards
-    places = (_SHARES[:, None, None] * (rays @ axes.T)).reshape(-1, 2)
+    ways = rays @ axes.T
+    lengths = np.maximum(np.linalg.norm(ways, axis=1), config.reach_m)
+    ends = np.minimum(_VISIBLE_SHARE, config.reach_m / lengths)[:, None] * ways
+    places = (_SHARES[:, None, None] * ends).reshape(-1, 2)
     # Places are rounded, because a place on the border of two cells must not change its cell with the last bit.
     cells = np.floor(rounded(places) / _CELL_M).astype(np.int64)
     cells -= cells.min(axis=0)

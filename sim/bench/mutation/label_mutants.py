@@ -61,8 +61,8 @@ LABEL_MUTANTS = (
     Mutant(
         "visible space lies behind the camera",
         "sight/visible_space.py",
-        "places = (_SHARES[:, None, None] * (rays @ axes.T)).reshape(-1, 2)",
-        "places = -(_SHARES[:, None, None] * (rays @ axes.T)).reshape(-1, 2)",
+        "places = (_SHARES[:, None, None] * ends).reshape(-1, 2)",
+        "places = -(_SHARES[:, None, None] * ends).reshape(-1, 2)",
     ),
     Mutant(
         "visible space is placed by the body instead of the camera",

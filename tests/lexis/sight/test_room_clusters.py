@@ -77,18 +77,28 @@ def test_the_flights_of_a_staircase_are_one_room():
 
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 40))
 def test_all_keyframes_of_a_room_have_one_label_and_floor(seed, n):
+    labels, floors, arguments = scattered(seed, n)
+    rooms, corrected = cluster_by_sight(labels, floors, *arguments, CONFIG)
+    for members in partition(rooms):
+        assert len({(corrected[i], floors[i]) for i in members}) == 1
+
+
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 40))
+def test_a_small_room_keeps_its_label_unless_rooms_merge(seed, n):
+    labels, floors, arguments = scattered(seed, n)
+    rooms, corrected = cluster_by_sight(labels, floors, *arguments, SightConfig(merge_cut=3.0))
+    small = np.bincount(rooms)[rooms] < CONFIG.min_keyframes
+    np.testing.assert_array_equal(corrected[small], labels[small])
+
+
+def scattered(seed, n):
+    """Random labels and floors, and random positions, sessions, probabilities and sight."""
     rng = np.random.default_rng(seed)
     floors = np.sort(rng.integers(0, 2, n))
     labels = np.repeat(rng.integers(0, 3, n), 2)[:n]
     sees = csr_array(np.where(rng.random((n, n)) < 0.1, rng.random((n, n)), 0.0))
     probabilities = rng.dirichlet(np.ones(3), n)
-    rooms, corrected = cluster_by_sight(
-        labels, floors, rng.normal(size=(n, 3)), np.zeros(n, int), probabilities, sees, CONFIG
-    )
-    for members in partition(rooms):
-        assert len({(corrected[i], floors[i]) for i in members}) == 1
-    large = np.bincount(rooms)[rooms] >= CONFIG.min_keyframes
-    assert (corrected[~large] == labels[~large]).all()
+    return labels, floors, (rng.normal(size=(n, 3)), np.zeros(n, int), probabilities, sees)
 
 
 @pytest.mark.parametrize("share", [0.08, 0.15])

@@ -47,21 +47,31 @@ def slow_sight(spaces, T_W_B):
 def test_places_lie_at_the_height_of_the_camera_on_the_way_to_landmarks(seed, n):
     rng = np.random.default_rng(seed)
     points = rng.uniform(-5.0, 5.0, (n, 3))
-    space = space_in_view(keyframe(points), FORWARD, SightConfig(range_m=6.0))
+    space = space_in_view(keyframe(points), FORWARD, SightConfig(range_m=6.0, reach_m=2.0))
     places = transform(FORWARD, space.places)
     assert space.weights.sum() == pytest.approx(1.0) and (space.weights > 0).all()
     np.testing.assert_allclose(places[:, 2], FORWARD[2, 3], atol=1e-12)
     near = points[np.linalg.norm(points - FORWARD[:3, 3], axis=1) <= 6.0]
-    reach = np.linalg.norm((near - FORWARD[:3, 3])[:, :2], axis=1).max(initial=0.0)
-    assert np.linalg.norm((places - FORWARD[:3, 3])[:, :2], axis=1).max() <= 0.5 * reach + 1e-9
+    farthest_m = np.linalg.norm((near - FORWARD[:3, 3])[:, :2], axis=1).max(initial=0.0)
+    reached_m = np.linalg.norm((places - FORWARD[:3, 3])[:, :2], axis=1).max()
+    assert reached_m <= min(0.5 * farthest_m, 2.0) + 1e-9
 
 
-def test_a_single_landmark_gives_the_first_part_of_the_way_to_it():
-    space = space_in_view(keyframe([[5.1, 0.0, 1.0]]), FORWARD, SightConfig())
+@pytest.mark.parametrize(("distance_m", "visible_m"), [(2.0, 1.0), (3.0, 1.5), (4.0, 1.5)])
+@pytest.mark.parametrize("bearing", np.linspace(-3.0, 3.0, 5).tolist())
+def test_a_single_landmark_gives_the_first_part_of_the_way_to_it(distance_m, visible_m, bearing):
+    camera, way = FORWARD[:3, 3], np.array([np.cos(bearing), np.sin(bearing), 0.0])
+    landmark = camera + distance_m * way + [0.0, 0.0, 0.8]
+    space = space_in_view(keyframe([landmark]), FORWARD, SightConfig(range_m=5.0, reach_m=1.5))
     places = transform(FORWARD, space.places)
-    order = np.argsort(places[:, 0])
-    np.testing.assert_allclose(places[order], [[0.1 + 5.0 * share, 0.0, 0.2] for share in (0.0, 0.25, 0.5)], atol=1e-12)
+    order = np.argsort(places @ way)
+    np.testing.assert_allclose(places[order], [camera + visible_m * share * way for share in (0.0, 0.5, 1.0)], atol=1e-12)
     np.testing.assert_allclose(space.weights, 1.0 / 3.0)
+
+
+def test_a_landmark_straight_above_the_camera_shows_the_place_of_the_camera():
+    space = space_in_view(keyframe([FORWARD[:3, 3] + [0.0, 0.0, 1.0]]), FORWARD, SightConfig())
+    np.testing.assert_allclose(space.places, np.zeros((1, 3)), atol=1e-12)
 
 
 def test_without_landmarks_in_range_the_camera_s_own_place_is_all_that_is_seen():

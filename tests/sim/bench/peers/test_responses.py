@@ -31,13 +31,13 @@ def test_values_that_are_not_valid_are_left_out():
 
 @pytest.fixture(scope="module")
 def rows():
-    same = SettingVariant("sight.range_m", 1.0, 8.0, Config())
+    same = SettingVariant("sight.range_m", 1.0, 6.0, Config())
     return measure_house_responses("home", 100, (same, *variants(("sight",))[:8]))
 
 
 def test_the_same_setting_gives_the_same_figures(rows):
     assert rows[0].replaced == UNCHANGED
-    assert asdict(rows[1]) == asdict(rows[0]) | {"replaced": "sight.range_m = 8"}
+    assert asdict(rows[1]) == asdict(rows[0]) | {"replaced": "sight.range_m = 6"}
     assert any((row.labels, row.rooms) != (rows[0].labels, rows[0].rooms) for row in rows)
     assert all(row.ate_m == rows[0].ate_m for row in rows)  # sight moves no keyframe
 
@@ -48,6 +48,6 @@ def test_curves_are_drawn_through_the_default(rows, tmp_path, monkeypatch):
     monkeypatch.setattr("sim.bench.peers.responses.variants", lambda sections: variants(("sight",))[:8])
     write_responses(rows, ("sight",), tmp_path / "curves.png")
     ((_, labels),), ((_, rooms),), ((_, ate),) = drawn
-    assert list(labels) == ["range_m", "near_m"]
-    assert [x for x, *_ in labels["near_m"]] == pytest.approx([0.5, 0.7, 1.0, 1.4, 2.0])
-    assert all(point[:2] == (1.0, 0.0) for curves in (labels, rooms, ate) for point in [curves["near_m"][2]])
+    assert list(labels) == ["range_m", "reach_m"]
+    assert [x for x, *_ in labels["reach_m"]] == pytest.approx([0.5, 0.7, 1.0, 1.4, 2.0])
+    assert all(point[:2] == (1.0, 0.0) for curves in (labels, rooms, ate) for point in [curves["reach_m"][2]])
