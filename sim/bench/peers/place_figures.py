@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int
 
 from lexis.config import PlaceRecognitionConfig
-from lexis.evaluation.place_recognition import PLACE_M, PLACE_RAD, count_matches
+from lexis.evaluation.place_recognition import PLACE_M, PLACE_RAD, Counts, count_matches
 from lexis.evaluation.relative import separation
 from sim.baselines.places.place_method import Scores
 from sim.bench.peers.place_walks import PlaceWalk
@@ -73,6 +73,20 @@ class PlaceFigures:
     """Score of the best match of every query; -inf without a match."""
     right: Bool[np.ndarray, "n"]
     """Whether the best match is right."""
+    hits: Int[np.ndarray, "n"]
+    """Number of right matches among the candidates of every query, if all queries are answered."""
+
+    @property
+    def answered(self) -> int:
+        """Number of queries that were answered."""
+        return self.row.tp_1 + self.row.fp_1
+
+    def counts_of(self, answered: int) -> tuple[Counts, ...]:
+        """Return the counts at N = 1, 3 and 5 if only this number of queries is answered: those with the best scores."""
+        hits = self.hits[np.argsort(-self.best, kind="stable")[: min(answered, int(np.isfinite(self.best).sum()))]]
+        possible = (self.row.possible_1, self.row.possible_3, self.row.possible_5)
+        found = [int((hits >= n).sum()) for n in REQUIRED]
+        return tuple(Counts(tp, len(hits) - tp, each) for tp, each in zip(found, possible, strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +132,7 @@ def figures(walk: PlaceWalk, method: str, scores: Scores, least: float) -> Place
     recall = [float(hits[possible, :n].any(axis=1).mean()) if possible.any() else np.nan for n in REQUIRED]
     numbers = [number for each in counts for number in (each.tp, each.fp, each.possible)]
     row = MatchRow(walk.preset, walk.seed, method, *numbers, *where.tolist(), *recall)
-    return PlaceFigures(row, ranking.scores[:, 0], hits[:, 0])
+    return PlaceFigures(row, ranking.scores[:, 0], hits[:, 0], hits.sum(axis=1))
 
 
 def whereabouts(walk: PlaceWalk, queries: Int[np.ndarray, "m"], matches: Int[np.ndarray, "m"]) -> Int[np.ndarray, "m"]:

@@ -99,6 +99,30 @@ class PlaceTotal:
     """Precision against recall over the queries of all walks."""
 
 
+def equally_often(found: Sequence[PlaceFigures]) -> dict[str, dict[str, tuple[Counts, ...]]]:
+    """Count the matches of LEXIS if it answers as many queries of each walk as each other method, by preset and method.
+
+    LEXIS answers the queries of which it is most certain. With equally many answers, a method with more true matches has
+    fewer false ones, so that neither method gains by the choice of its least score. The counts are for N = 1, 3 and 5,
+    and summed over walks. The figures `found` are in the order of `compare_place_methods`: LEXIS is first for every walk.
+    """
+    lexis = next(iter(METHODS))
+    sums: dict[str, dict[str, tuple[Counts, ...]]] = {}
+    for each in found:
+        if each.row.method == lexis:
+            own = each
+        counts = own.counts_of(each.answered)
+        methods = sums.setdefault(each.row.preset, {})
+        methods[each.row.method] = _added(methods.get(each.row.method), counts)
+    return sums
+
+
+def _added(first: tuple[Counts, ...] | None, second: tuple[Counts, ...]) -> tuple[Counts, ...]:
+    if first is None:
+        return second
+    return tuple(Counts(a.tp + b.tp, a.fp + b.fp, a.possible + b.possible) for a, b in zip(first, second, strict=True))
+
+
 def totals(found: Sequence[PlaceFigures]) -> dict[str, dict[str, PlaceTotal]]:
     """Sum up the walks, by preset and method."""
     groups: dict[str, dict[str, list[PlaceFigures]]] = {}

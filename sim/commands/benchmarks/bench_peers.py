@@ -121,7 +121,7 @@ def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
 
 def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.peers.place_figures import PLACES
-    from sim.bench.peers.place_methods import compare_place_methods, totals
+    from sim.bench.peers.place_methods import METHODS, compare_place_methods, equally_often, totals
     from sim.bench.peers.place_picture import write_places
     from sim.bench.peers.place_walks import record_walks
     from sim.bench.row_files import check_files
@@ -135,6 +135,7 @@ def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
         yield _tuned_places(walks)
         return
     found = list(compare_place_methods(walks))
+    lexis, as_often = next(iter(METHODS)), equally_often(found)
     for preset, methods in totals(found).items():
         title = f"{preset}, seeds {seeds[0]} to {seeds[-1]}, walks of {arguments.length:g} m: true / false matches"
         headers = (*(f"N = {n}" for n in (1, 3, 5)), "recall at 1 / 3 / 5", "at full precision", "average precision")
@@ -146,7 +147,12 @@ def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
                 name, *cells, recalls, f"{total.curve.at_full_precision:.2f}", f"{total.curve.average_precision:.2f}"
             )
             false.add_row(name, *map(str, total.false_places))
+        equal = Table("method", *headers[:3], title=f"true / false matches: {lexis} with as many answers, and the method")
+        for name, total in methods.items():
+            pairs = zip(as_often[preset][name], total.counts, strict=True)
+            equal.add_row(name, *(f"{own.tp} / {own.fp}, {other.tp} / {other.fp}" for own, other in pairs))
         yield table
+        yield equal
         yield false
     for path in arguments.out:
         write_places(found, path)

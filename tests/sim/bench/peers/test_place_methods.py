@@ -8,7 +8,7 @@ from helpers.two_laps import two_laps, walk_of
 
 from sim.baselines.places import EmbeddingSimilarity, SequenceMatching
 from sim.bench.peers import place_methods as module
-from sim.bench.peers.place_methods import Contestant, compare_place_methods, totals
+from sim.bench.peers.place_methods import Contestant, compare_place_methods, equally_often, totals
 from sim.bench.peers.place_picture import write_places
 from sim.bench.peers.place_tuning import SettingsSearch
 from sim.cli import main
@@ -28,6 +28,21 @@ def test_totals_are_sums_over_walks_and_recalls_are_means(found):
         assert total.counts[0].tp == sum(row.tp_1 for row in rows) and total.counts[2].fp == sum(row.fp_5 for row in rows)
         assert total.counts[0].possible == 3 * rows[0].possible_1 and sum(total.false_places) == total.counts[0].fp
         assert total.recalls[1] == pytest.approx(np.mean([row.recall_at_3 for row in rows]))
+
+
+def test_with_equally_many_answers_the_first_method_keeps_its_own_counts_and_matches_the_number_of_the_others(found):
+    equal, own = equally_often(found)["home"], totals(found)["home"]
+    assert equal["embedding"] == own["embedding"].counts
+    for ours, others in zip(equal["sequences"], own["sequences"].counts, strict=True):
+        assert ours.tp + ours.fp == others.tp + others.fp and ours.possible == others.possible
+
+
+def test_the_queries_with_the_best_scores_are_answered_first(found):
+    for each in found:
+        best = np.sort(each.best)[::-1]
+        for answered in (1, 5, 9):
+            taken = np.isin(each.best, best[:answered])
+            assert taken.sum() == answered and each.counts_of(answered)[1].tp == (each.hits[taken] >= 3).sum()
 
 
 def test_files_hold_the_rows_and_drawings(found, tmp_path):
