@@ -6,14 +6,13 @@ keyframe is therefore surely inside its room if three conditions hold:
 
 1. Keyframes with other labels are at least `INSIDE_M` away, because labels are uncertain at the boundary of a room, and
    because a robot whose estimate has drifted may stop a little in front of the keyframe.
-2. The images are sure of the label: its probability (`LexisMap.probabilities`) is at least `SURE` at the keyframe, and its
-   mean over the keyframes within `AROUND_M` is at least `AGREEING`.
+2. The images are sure of the label: its probability (`LexisMap.probabilities`) is at least `SURE`.
 3. The evidence at the keyframe (`lexis.planning.evidence`) is at least the share `CLEAR` of the evidence at the innermost
    keyframe of any room with the label.
 """
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int
+from jaxtyping import Bool, Int
 from scipy.spatial import cKDTree
 
 from lexis.maths.ties import rounded
@@ -22,12 +21,9 @@ from lexis.types import LexisMap, RoomInstance
 
 INSIDE_M = 0.9
 """Least distance of a keyframe that is surely inside its room from the nearest keyframe with another label [m]."""
-SURE = 0.98
-"""Least probability of the room's label at a keyframe that is surely inside the room."""
-AROUND_M = 1.25
-"""The probabilities of labels are averaged over the keyframes within this distance [m]."""
-AGREEING = 0.85
-"""Least mean probability of the room's label around a keyframe that is surely inside the room."""
+SURE = 0.997
+"""Least probability of the room's label at a keyframe that is surely inside the room. It is high, because where a path can
+end first, in front of an open boundary, some images are wrong and still quite sure."""
 CLEAR = 0.2
 """Least evidence at a keyframe that is surely inside its room, as a share of the largest evidence of rooms of its label."""
 
@@ -41,9 +37,7 @@ def surely_inside(map: LexisMap, room: RoomInstance, clear: float) -> Int[np.nda
         clear: the largest evidence at the innermost keyframe of any room with the label.
     """
     own, label = np.array(room.keyframes), map.room_names.index(room.label)
-    probability = map.probabilities[:, label]
-    own = own[_is_deep(map, own, label) & (rounded(probability[own]) >= SURE)]
-    own = own[_is_agreed(map, own, probability)]
+    own = own[_is_deep(map, own, label) & (rounded(map.probabilities[own, label]) >= SURE)]
     return np.asarray(own[evidence_at(map, room.label, own) >= CLEAR * clear]) if len(own) else own
 
 
@@ -51,12 +45,3 @@ def _is_deep(map: LexisMap, keyframes: Int[np.ndarray, "k"], label: int) -> Bool
     positions = map.T_W_B[:, :3, 3]
     distances = cKDTree(positions[map.labels != label]).query(positions[keyframes], distance_upper_bound=2.0 * INSIDE_M)[0]
     return np.asarray(rounded(np.minimum(distances, 2.0 * INSIDE_M)) >= INSIDE_M)
-
-
-def _is_agreed(
-    map: LexisMap, keyframes: Int[np.ndarray, "k"], probability: Float64[np.ndarray, "n"]
-) -> Bool[np.ndarray, "k"]:
-    positions = map.T_W_B[:, :3, 3]
-    near = cKDTree(positions).query_ball_point(positions[keyframes], AROUND_M, return_sorted=True)
-    means = np.array([probability[around].mean() for around in near])
-    return np.asarray(rounded(means) >= AGREEING)

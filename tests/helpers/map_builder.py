@@ -87,7 +87,7 @@ def build_map(positions, labels, rooms, room_names, rng, loops=(), weights=(), r
         similarities=similarities,
         baseline_labels=np.array(labels),
         labels=np.array(labels),
-        probabilities=softmax(similarities / 0.1, axis=1),
+        probabilities=softmax(similarities / 0.05, axis=1),
         floors=np.zeros(len(labels), int),
         rooms=instances,
         loops=tuple(LoopEdge(q, m, random_pose(rng, (0.1, 0, 0)), covariance(rng), 20) for q, m in loops),
