@@ -19,7 +19,7 @@ from lexis.maths.ties import rounded
 from lexis.planning.evidence import evidence_at
 from lexis.types import LexisMap, RoomInstance
 
-INSIDE_M = 0.9
+INSIDE_M = 0.8
 """Least distance of a keyframe that is surely inside its room from the nearest keyframe with another label [m]."""
 SURE = 0.997
 """Least probability of the room's label at a keyframe that is surely inside the room. It is high, because where a path can
