@@ -56,7 +56,7 @@ def score_loops(
         stamps: stamps of all keyframes [s].
     """
     errors = _errors(query, match, T_match_query, T_W_B)
-    is_true = _within_limits(errors)
+    is_true = is_true_edge(errors)
     revisits = true_revisits(T_W_B, stamps)
     found = np.isin(revisits, query[is_true])
     return LoopScores(
@@ -66,8 +66,8 @@ def score_loops(
         false=int((~is_true).sum()),
         precision=float(is_true.mean()) if len(query) else None,
         recall=float(found.mean()) if len(revisits) else None,
-        error_m=_root_mean_square(errors[0][is_true]),
-        error_rad=_root_mean_square(errors[1][is_true]),
+        error_m=_root_mean_square(np.linalg.norm(errors[is_true, :3, 3], axis=1)),
+        error_rad=_root_mean_square(rotation_angle(errors[is_true])),
     )
 
 
@@ -75,7 +75,12 @@ def true_edges(
     query: Int[np.ndarray, "m"], match: Int[np.ndarray, "m"], T_match_query: Float64[np.ndarray, "m 4 4"], T_W_B: Poses
 ) -> Bool[np.ndarray, "m"]:
     """Whether the relative pose of each edge is within 0.5 m and 0.2 rad of the truth."""
-    return _within_limits(_errors(query, match, T_match_query, T_W_B))
+    return is_true_edge(_errors(query, match, T_match_query, T_W_B))
+
+
+def is_true_edge(errors: Float64[np.ndarray, "m 4 4"]) -> Bool[np.ndarray, "m"]:
+    """Whether each edge is true, by the errors `T_true^-1 T_measured` of the relative poses."""
+    return np.asarray((np.linalg.norm(errors[:, :3, 3], axis=1) <= TRUE_M) & (rotation_angle(errors) <= TRUE_RAD))
 
 
 def true_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "k"]:
@@ -103,15 +108,9 @@ def opposite_edges(query: Int[np.ndarray, "m"], match: Int[np.ndarray, "m"], T_W
 
 def _errors(
     query: Int[np.ndarray, "m"], match: Int[np.ndarray, "m"], T_match_query: Float64[np.ndarray, "m 4 4"], T_W_B: Poses
-) -> tuple[Float64[np.ndarray, "m"], Float64[np.ndarray, "m"]]:
-    """Return how far the relative pose of each edge is from the truth, in position [m] and rotation [rad]."""
-    error = between(between(T_W_B[match], T_W_B[query]), T_match_query)
-    return np.linalg.norm(error[:, :3, 3], axis=1), rotation_angle(error)
-
-
-def _within_limits(errors: tuple[Float64[np.ndarray, "m"], Float64[np.ndarray, "m"]]) -> Bool[np.ndarray, "m"]:
-    """Whether each edge is true, by its errors in position [m] and rotation [rad]."""
-    return np.asarray((errors[0] <= TRUE_M) & (errors[1] <= TRUE_RAD))
+) -> Float64[np.ndarray, "m 4 4"]:
+    """Return the error of the relative pose of each edge, `T_true^-1 T_measured`."""
+    return np.asarray(between(between(T_W_B[match], T_W_B[query]), T_match_query))
 
 
 def _root_mean_square(errors: Float64[np.ndarray, "k"]) -> float | None:

@@ -6,22 +6,23 @@ nearby keyframes. `fit_loops` fits the model to the outcomes.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int
 from scipy.special import ndtr, ndtri
 
 from lexis.config import Config
-from lexis.evaluation.loops import true_edges
+from lexis.evaluation.loops import is_true_edge
 from lexis.locator import Locator
 from lexis.maths.se3 import between, log
 from lexis.perception import Encoder
 from lexis.slam import Slam
-from lexis.types import Camera, LexisMap, LoopArrays, LoopEdge, Verdict
-from sim.feature_sensor.covisibility_verifier import PREDICTORS, LoopModel, MeasuredEdges, TrueView, fit_logistic, predictors
-from sim.feature_sensor.ray_origins import RayGrid
+from lexis.types import Camera, LexisMap, LoopArrays
+from sim.feature_sensor.covisibility_verifier import PREDICTORS, LoopModel, MeasuredEdges, fit_logistic, predictors
 from sim.feature_sensor.surroundings import survey
-from sim.feature_sensor.visible_shares import COLUMNS, ROWS, look
+from sim.feature_sensor.true_view import TrueView, mistaken_by, true_views
+from sim.feature_sensor.visible_shares import look
 from sim.odometry.config import ODOMETRY_PRESETS
 from sim.odometry.simulation import tour_odometry
 from sim.render.camera import wide_camera
@@ -57,9 +58,21 @@ class Trials:
     is_true: Bool[np.ndarray, "n"]
     """Whether each pair was confirmed and its edge is right."""
     is_false: Bool[np.ndarray, "n"]
-    """Whether each pair was confirmed and its edge is wrong."""
+    """Whether each pair was confirmed and its edge is wrong. Rows with an edge to a room that looks alike are left out: they
+    are neither true nor false."""
     true_edges: MeasuredEdges
     false_edges: MeasuredEdges
+
+
+class Judged(NamedTuple):
+    """Loop edges compared with the truth, one row for each edge."""
+
+    errors: Float64[np.ndarray, "k 4 4"]
+    """Error of each edge: `T_true^-1 T_measured`. If the edge is nearer to the place for which the query's place may be
+    mistaken (`mistaken_by`), this place counts instead of the true one."""
+    is_true: Bool[np.ndarray, "k"]
+    is_mistaken: Bool[np.ndarray, "k"]
+    """Whether each edge would be true if the query were at the place for which its place may be mistaken."""
 
 
 def fit_loops(trials: Trials) -> LoopModel:
@@ -90,10 +103,8 @@ def try_verification(choice: HouseDraw, encoder: Encoder, seed: int, camera: Cam
         slam.process(observation)
     mapped = slam.finish()
     poses = tour.T_W_B[[keyframe.observation_index for keyframe in mapped.keyframes]]
-    views = look(survey(house), poses, camera)
-    grid = RayGrid.of(camera.intrinsics, COLUMNS, ROWS)
-    sights = [TrueView(T, T @ camera.T_B_C, depth, grid) for T, depth in zip(poses, views.hits.depth, strict=True)]
-    return _tried(mapped, _pairs(mapped, poses, rng), sights, camera, config)
+    views = true_views(look(survey(house), poses, camera), poses, camera)
+    return _tried(mapped, _pairs(mapped, poses, rng), views, camera, config)
 
 
 def _pairs(mapped: LexisMap, poses: Float64[np.ndarray, "n 4 4"], rng: np.random.Generator) -> list[tuple[int, list[int]]]:
@@ -107,7 +118,7 @@ def _pairs(mapped: LexisMap, poses: Float64[np.ndarray, "n 4 4"], rng: np.random
 
 
 def _tried(
-    mapped: LexisMap, pairs: Sequence[tuple[int, list[int]]], sights: Sequence[TrueView], camera: Camera, config: Config
+    mapped: LexisMap, pairs: Sequence[tuple[int, list[int]]], views: Sequence[TrueView], camera: Camera, config: Config
 ) -> Trials:
     queries, located = [], []
     rows = [np.zeros((0, len(PREDICTORS)))]
@@ -116,24 +127,37 @@ def _tried(
         queries += [query] * len(matches)
         located += [locator.from_match(match) for match in matches]
         if matches:
-            rows.append(predictors([sights[match] for match in matches], [sights[query]] * len(matches)))
-    truth = np.array([sight.T_W_B for sight in sights])
+            rows.append(predictors([views[match] for match in matches], [views[query]] * len(matches)))
     found = np.array([edge is not None for _, edge in located], bool)
-    measured, right = _measured([(verdict, edge) for verdict, edge in located if edge is not None], truth)
-    is_true = found.copy()
-    is_true[found] = right
-    return Trials(np.array(queries, int), np.concatenate(rows), is_true, found & ~is_true, measured[right], measured[~right])
+    edges = LoopArrays.of([edge for _, edge in located if edge is not None])
+    cells = np.array([verdict.cells for verdict, edge in located if edge is not None], int)
+    errors, right, mistaken = judged(edges, views)
+    measured = MeasuredEdges(log(errors).reshape(-1, 6), edges.covariance, edges.inliers, cells)
+    is_true, is_false, kept = found.copy(), found.copy(), np.ones(len(found), bool)
+    is_true[found], is_false[found], kept[found] = right, ~right, ~mistaken
+    return Trials(
+        np.array(queries, int)[kept],
+        np.concatenate(rows)[kept],
+        is_true[kept],
+        is_false[kept],
+        measured[right],
+        measured[~right & ~mistaken],
+    )
 
 
-def _measured(
-    located: Sequence[tuple[Verdict, LoopEdge]], truth: Float64[np.ndarray, "n 4 4"]
-) -> tuple[MeasuredEdges, Bool[np.ndarray, "k"]]:
-    """Return the confirmed loop edges with their errors, and which of them are true, given the true poses."""
-    edges = LoopArrays.of([edge for _, edge in located])
-    errors = log(between(between(truth[edges.match], truth[edges.query]), edges.T_match_query))
-    cells = np.array([verdict.cells for verdict, _ in located], int)
-    right = true_edges(edges.query, edges.match, edges.T_match_query, truth)
-    return MeasuredEdges(errors.reshape(-1, 6), edges.covariance, edges.inliers, cells), right
+def judged(edges: LoopArrays, views: Sequence[TrueView]) -> Judged:
+    """Compare loop edges with the truth, given what the keyframes truly see."""
+    T_W_B = np.array([view.T_W_B for view in views]).reshape(-1, 4, 4)
+    mistaken = T_W_B[edges.query].copy()
+    for row, (match, query) in enumerate(zip(edges.match.tolist(), edges.query.tolist(), strict=True)):
+        offset = mistaken_by(views[match], views[query])
+        if offset is not None:
+            mistaken[row] = views[query].moved(offset).T_W_B
+    places = (T_W_B[edges.query], mistaken)
+    true, alike = (between(between(T_W_B[edges.match], place), edges.T_match_query) for place in places)
+    nearer = np.linalg.norm(alike[:, :3, 3], axis=1) < np.linalg.norm(true[:, :3, 3], axis=1)
+    is_true = is_true_edge(true)
+    return Judged(np.where(nearer[:, None, None], alike, true), is_true, ~is_true & is_true_edge(alike))
 
 
 def joined(parts: Sequence[Trials]) -> Trials:

@@ -13,9 +13,9 @@ from jaxtyping import Float32, Float64
 
 from lexis.maths.se3 import inverse
 from lexis.types import Camera, Features, Percept, Poses
-from sim.feature_sensor.covisibility_verifier import TrueView
 from sim.feature_sensor.ray_origins import RayGrid, cameras_at
 from sim.feature_sensor.surroundings import Surroundings, survey
+from sim.feature_sensor.true_view import TrueView, true_views
 from sim.feature_sensor.visible_shares import COLUMNS, ROWS, VisibleShares, look
 from worlds.house import House
 
@@ -43,8 +43,8 @@ class SensedCamera:
         self._chunks = list(_chunks(houses))
         self._ends = [chunk.frames.stop for chunk in self._chunks]
         self._surroundings: dict[int, Surroundings] = {}
-        self._depths: dict[int, Float32[np.ndarray, "n columns rows"]] = {}
-        """Depths of the rays [m], by the number of the chunk of frames, for the chunks whose rays have been cast."""
+        self._views: dict[int, list[TrueView]] = {}
+        """Views of the frames, by the number of the chunk of frames, for the chunks whose rays have been cast."""
         self._drawn: dict[int, Float32[np.ndarray, "n d"]] = {}
         """Embeddings by the number of the chunk of frames, for the chunks whose percepts have been requested."""
         self._grid = RayGrid.of(camera.intrinsics, COLUMNS, ROWS)
@@ -59,20 +59,18 @@ class SensedCamera:
 
     def view_at(self, frame: int) -> TrueView:
         """Return the ground truth of a frame, with the pose of the body that looks in the direction of this camera."""
-        T_W_C = np.asarray(self._T_W_B[frame]) @ self._camera.T_B_C
-        return TrueView(np.asarray(self._as_first[frame]), T_W_C, self._depth(frame), self._grid)
-
-    def _depth(self, frame: int) -> Float32[np.ndarray, "columns rows"]:
         number = bisect_right(self._ends, frame)
-        if number not in self._depths:
+        if number not in self._views:
             self._look(number)
-        return np.asarray(self._depths[number][frame - self._chunks[number].frames.start])
+        first: int = self._chunks[number].frames.start
+        return self._views[number][frame - first]
 
     def _points(self, number: int) -> Float64[np.ndarray, "n points 3"]:
         """Return end points of rays at the frames of a chunk, in the body frame [m]; NaN for rays that hit nothing."""
         frames = self._chunks[number].frames
         eyes = cameras_at(self._T_W_B[frames] @ self._camera.T_B_C, np.zeros(frames.stop - frames.start, int), self._grid)
-        depth = self._depths[number][:, _COLUMNS][:, :, _ROWS].astype(np.float64)
+        depths = np.stack([view.depth for view in self._views[number]])
+        depth = depths[:, _COLUMNS][:, :, _ROWS].astype(np.float64)
         depth[~np.isfinite(depth)] = np.nan
         across = eyes.place[:, None, None] + depth[..., None] * eyes.lines[:, _COLUMNS, None]
         height = eyes.height[:, None, None] + depth * eyes.slope[:, None, _ROWS]
@@ -83,9 +81,9 @@ class SensedCamera:
     def _look(self, number: int) -> VisibleShares:
         """Return the visible contents at the frames of the chunk with this number."""
         chunk = self._chunks[number]
-        views = look(self._survey(chunk.house), self._T_W_B[chunk.frames], self._camera)
-        self._depths[number] = views.hits.depth
-        return views
+        seen = look(self._survey(chunk.house), self._T_W_B[chunk.frames], self._camera)
+        self._views[number] = true_views(seen, self._T_W_B[chunk.frames], self._camera, self._as_first[chunk.frames])
+        return seen
 
     def _survey(self, house: House) -> Surroundings:
         if id(house) not in self._surroundings:

@@ -7,10 +7,11 @@ import numpy as np
 from jaxtyping import Float32
 
 from lexis.types import Camera, Percept, Poses
-from sim.feature_sensor.covisibility_verifier import CovisibilityVerifier, LoopModel, TrueView
+from sim.feature_sensor.covisibility_verifier import CovisibilityVerifier, LoopModel
 from sim.feature_sensor.model import FeatureModel
 from sim.feature_sensor.oracle import true_embeddings
 from sim.feature_sensor.sensed_camera import Embed, SensedCamera
+from sim.feature_sensor.true_view import TrueView
 from sim.feature_sensor.visible_shares import VisibleShares
 from worlds.house import House
 

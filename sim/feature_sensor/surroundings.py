@@ -27,6 +27,8 @@ CELL_M = 0.05
 """Cell size of `RoomMap` [m]."""
 _LEAST_M = 0.08
 """Objects that are smaller than this in every direction are left out [m]."""
+_LOOKS_DECIMALS = 3
+"""Sizes [m] and colours are compared after rounding to this number of decimals."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +62,20 @@ class Surroundings:
     room: Int[np.ndarray, "things"]
     """Index into `House.rooms` of the room that each thing belongs to."""
     blocks: Blocks
+
+    @cached_property
+    def looks(self) -> Int[np.ndarray, "things"]:
+        """What each thing looks like, as a number from 0 on.
+
+        Surfaces with the same finish, and objects of the same kind and size, look the same and have the same number.
+        """
+        surfaces = self.colour.reshape(-1, 3)
+        sizes = np.zeros((len(self.names), 3), np.float32)
+        blocks = self.blocks[self.blocks.thing != NOWHERE]
+        sizes[blocks.thing] = np.column_stack([blocks.half, blocks.z[:, 1] - blocks.z[:, 0]])
+        sizes[: len(surfaces)] = surfaces
+        described = np.column_stack([self.kind, np.round(sizes, _LOOKS_DECIMALS)])
+        return np.unique(described, axis=0, return_inverse=True)[1].reshape(-1)
 
     @cached_property
     def labels(self) -> Int[np.ndarray, "rooms"]:

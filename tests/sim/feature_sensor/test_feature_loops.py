@@ -9,26 +9,25 @@ from helpers.viewpoints import turned
 from lexis.config import PoseGraphConfig, VerificationConfig
 from lexis.graph.pose_graph import PoseGraph
 from lexis.maths import se3
-from lexis.types import Features, Keyframe, Landmarks
-from sim.feature_fitting.fit_loops import Trials, fit_loops
+from lexis.types import Features, Keyframe, Landmarks, LoopArrays, LoopEdge
+from sim.feature_fitting.fit_loops import Trials, fit_loops, judged
 from sim.feature_sensor.covisibility_verifier import (
     PREDICTORS,
     CovisibilityVerifier,
     LoopModel,
     MeasuredEdges,
-    TrueView,
     fit_logistic,
     predictors,
 )
 from sim.feature_sensor.ray_origins import RayGrid
 from sim.feature_sensor.surroundings import survey
-from sim.feature_sensor.visible_shares import COLUMNS, ROWS, look
+from sim.feature_sensor.true_view import mistaken_by, true_views
+from sim.feature_sensor.visible_shares import look
 from sim.render.camera import wide_camera
 from worlds.house import build_house
 from worlds.spec import HouseSpec, RoomSpec, StoreySpec
 
 CAMERA = wide_camera()
-GRID = RayGrid.of(CAMERA.intrinsics, COLUMNS, ROWS)
 ANYWHERE = VerificationConfig(gate_m=100.0, gate_rad=4.0, max_edges=1000)
 EMPTY = MeasuredEdges(np.zeros((0, 6)), np.zeros((0, 6, 6)), np.zeros(0, int), np.zeros(0, int))
 SOME = MeasuredEdges(np.array([[0.01, 0, 0, 0.02, 0, 0]]), np.eye(6)[None] * 1e-4, np.array([40]), np.array([20]))
@@ -39,19 +38,25 @@ def model(log_odds=0.0, query_share=0.0, false_rate=0.0):
     return LoopModel(np.array([log_odds, 0.0, 0.0, 0.0, 0.0]), query_share, false_rate, SOME, FAR)
 
 
-@pytest.fixture(scope="module")
-def house():
+def two_offices(seed=None):
+    """A house with two offices of equal shape; with a seed, they also have the same finish."""
+
     def room(name, x):
         corners = ((x, 0.0), (x + 6.0, 0.0), (x + 6.0, 5.0), (x, 5.0))
-        return RoomSpec(id=name, label="office", polygon_m=corners)
+        return RoomSpec(id=name, label="office", polygon_m=corners, seed=seed)
 
     return build_house(HouseSpec(storeys=(StoreySpec(rooms=(room("a", 0.0), room("b", 6.0)), furniture=(), windows=()),)))
 
 
-def sight(house, x, y, yaw):
+@pytest.fixture(scope="module")
+def house():
+    return two_offices()
+
+
+def sight(house, x, y, yaw, storey=0):
     T_W_B = np.eye(4)
-    T_W_B[:3, :3], T_W_B[:3, 3] = turned(yaw), (x, y, 1.4)
-    return TrueView(T_W_B, T_W_B @ CAMERA.T_B_C, look(survey(house), T_W_B[None], CAMERA).hits.depth[0], GRID)
+    T_W_B[:3, :3], T_W_B[:3, 3] = turned(yaw), (x, y, house.storeys[storey].floor_m + 1.4)
+    return true_views(look(survey(house), T_W_B[None], CAMERA), T_W_B[None], CAMERA)[0]
 
 
 def shared(first, second):
@@ -96,7 +101,8 @@ def graph_of(count, step_m=0.0):
 def confirmed(house, chosen, seed=0, queries=40, matches=10):
     """Loop edges between equal views, by query."""
     few = RayGrid(*np.float32([[-0.5, 0.5]] * 2))
-    here = replace(sight(house, 2.0, 2.5, 0.3), depth=np.ones((2, 2), np.float32), grid=few)
+    seen = {"depth": np.ones((2, 2), np.float32), "looks": np.zeros((2, 2), np.int16)}
+    here = replace(sight(house, 2.0, 2.5, 0.3), **seen, grid=few)
     verifier = CovisibilityVerifier(chosen, lambda index: (here,), seed)
     graph = graph_of(matches + queries)
     return [
@@ -155,6 +161,82 @@ def test_nothing_in_common_is_never_truly_confirmed(house):
     verifier = CovisibilityVerifier(model(40.0), lambda index: (sights[index],), 0)
     graph = graph_of(2)
     assert verifier(graph.keyframes[1], [0], graph, CAMERA, ANYWHERE).edges == ()
+
+
+def in_two_offices(house):
+    """A verifier that confirms whatever it can, for two views from the same place in either office."""
+    sights = [sight(house, 2.0, 2.5, 0.3), sight(house, 8.0, 2.5, 0.3)]
+    return CovisibilityVerifier(model(40.0), lambda index: (sights[index],), 0)
+
+
+def edges_of_two(verifier):
+    graph = graph_of(2)
+    return verifier(graph.keyframes[1], [0], graph, CAMERA, ANYWHERE).edges
+
+
+def test_a_room_that_looks_alike_is_taken_for_the_other_one():
+    (edge,) = edges_of_two(in_two_offices(two_offices(seed=3)))
+    np.testing.assert_allclose(edge.T_match_query, se3.exp(SOME.error[0]), atol=1e-9)
+    assert edge.inliers == SOME.inliers[0]
+
+
+def test_rooms_of_equal_shape_and_other_finish_are_not_mistaken(house):
+    assert edges_of_two(in_two_offices(house)) == ()
+
+
+def test_no_room_of_another_house_looks_alike():
+    verifier = in_two_offices(two_offices(seed=3))
+    again = verifier.renumbered(lambda index: index + 1)
+    assert len(edges_of_two(verifier.followed_by(again, 1))) == 1
+    assert edges_of_two(verifier.followed_by(again, 1, away_m=1000.0)) == ()
+
+
+def test_a_room_is_mistaken_for_the_one_nearest_to_the_match(house):
+    first, second, opposite = (sight(house, x, 2.5, 0.3) for x in (2.0, 8.0, 11.9))
+    np.testing.assert_allclose(mistaken_by(first, second), [-6.0, 0.0, 0.0])
+    np.testing.assert_allclose(mistaken_by(second, first), [6.0, 0.0, 0.0])
+    np.testing.assert_allclose(first.moved(mistaken_by(second, first)).T_W_B[:3, 3], second.T_W_B[:3, 3])
+    assert mistaken_by(first, first) is None
+    assert mistaken_by(sight(house, 5.9, 2.5, 0.3), second) is None, "the query is nearer in its own room"
+    assert mistaken_by(first, second.moved(np.zeros(3))) is None
+    np.testing.assert_allclose(mistaken_by(first, opposite), [-6.0, 0.0, 0.0])
+
+
+def test_only_rooms_of_one_label_are_mistaken():
+    """Upstairs, the rooms have the labels that they have downstairs, in the same places."""
+    corners = ((0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (0.0, 4.0)), ((5.0, 0.0), (9.0, 0.0), (9.0, 4.0), (5.0, 4.0))
+
+    def storey(number):
+        rooms = (
+            RoomSpec(id=f"{label}{number}", label=label, polygon_m=own, seed=5)
+            for label, own in zip(("office", "kitchen"), corners, strict=True)
+        )
+        return StoreySpec(rooms=tuple(rooms), furniture=(), windows=())
+
+    stacked = build_house(HouseSpec(storeys=(storey(0), storey(1))))
+    views = [sight(stacked, x, 2.0, 0.3, floor) for x in (2.0, 7.0) for floor in (0, 1)]
+    height = views[1].T_W_B[2, 3] - views[0].T_W_B[2, 3]
+    assert height > 2.0 and all(len(view.offsets) == 1 for view in views)
+    np.testing.assert_allclose(mistaken_by(views[0], views[1]), [0.0, 0.0, -height])
+    np.testing.assert_allclose(mistaken_by(views[0], views[3]), [0.0, 0.0, -height])
+    assert mistaken_by(views[0], views[2]) is None
+
+
+def test_edges_are_judged_by_the_truth_and_by_the_rooms_that_may_be_mistaken():
+    """The edge from keyframe 1 or 2 to a match leads to the place `along_x` from the match."""
+    offices = two_offices(seed=3)
+    views = [sight(offices, x, 2.5, 0.3) for x in (2.0, 8.0, 3.0)]
+    true = [(1, 0, 6.0), (2, 0, 1.0), (2, 1, -5.0)]
+    mistaken = [(1, 0, 0.0), (2, 1, 1.0)]
+    wrong = [(1, 0, 1.0), (2, 0, 3.0), (1, 0, 5.0)]
+    errors = [0.0] * len(true) + [0.0] * len(mistaken) + [1.0, 2.0, 1.0]
+    edges = []
+    for query, match, along_x in (*true, *mistaken, *wrong):
+        T_match_query = se3.between(views[match].T_W_B, views[match].moved(np.array([along_x, 0.0, 0.0])).T_W_B)
+        edges.append(LoopEdge(query, match, T_match_query, np.eye(6), 20))
+    found, is_true, is_mistaken = judged(LoopArrays.of(edges), views)
+    assert is_true.tolist() == [True] * 3 + [False] * 5 and is_mistaken.tolist() == [False] * 3 + [True] * 2 + [False] * 3
+    np.testing.assert_allclose(np.linalg.norm(found[:, :3, 3], axis=1), errors, atol=1e-9)
 
 
 def test_the_decision_on_a_pair_depends_on_that_pair_and_the_seed(house):

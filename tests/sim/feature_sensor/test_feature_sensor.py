@@ -17,14 +17,14 @@ from sim.errors import SimError
 from sim.faults.delivery import Dropped, Frozen
 from sim.faults.images import Blur, Smear
 from sim.faults.world import ClosedDoors, MovedFurniture, Pedestrian
-from sim.feature_sensor.covisibility_verifier import LoopModel, MeasuredEdges, TrueView
+from sim.feature_sensor.covisibility_verifier import LoopModel, MeasuredEdges
 from sim.feature_sensor.embedding import KERNELS, EmbeddingModel
 from sim.feature_sensor.model import MINI_FEATURES, FeatureModel, fingerprint, load_features, save_features
 from sim.feature_sensor.oracle import Oracle
-from sim.feature_sensor.ray_origins import RayGrid
 from sim.feature_sensor.sensor import FeatureSensor
 from sim.feature_sensor.surroundings import survey
-from sim.feature_sensor.visible_shares import COLUMNS, LABEL_WEIGHT, LABELS, ROWS, SIZE, look
+from sim.feature_sensor.true_view import true_views
+from sim.feature_sensor.visible_shares import LABEL_WEIGHT, LABELS, SIZE, look
 from sim.harness import Scenario, evaluate, run
 from sim.harness.adapters import Lexis
 from sim.harness.results import RoomFigures
@@ -103,11 +103,10 @@ def test_the_same_seed_gives_the_same_run_and_another_one_another(config, finish
 
 def test_the_points_of_a_percept_are_where_rays_hit_the_house(finished):
     camera, around = finished.session.camera, survey(finished.house)
-    grid = RayGrid.of(camera.intrinsics, COLUMNS, ROWS)
     for observation, truth in islice(finished.session, 20):
         points = transform(inverse(camera.T_B_C), observation.image.points)
-        depth = look(around, truth.T_W_B[None], camera).hits.depth[0]
-        ends = TrueView(truth.T_W_B, truth.T_W_B @ camera.T_B_C, depth, grid).points.T
+        (view,) = true_views(look(around, truth.T_W_B[None], camera), truth.T_W_B[None], camera)
+        ends = view.points.T
         assert 10 < len(points) <= 100
         assert np.abs(points[:, None] - ends).sum(axis=2).min(axis=1).max() < 1e-3
 

@@ -1,0 +1,145 @@
+"""`TrueView`: the ground truth of what one camera of a keyframe sees, and the covisibility of two views."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float32, Float64, Int
+
+from lexis.maths.se3 import inverse
+from lexis.maths.ties import rounded
+from lexis.types import Camera, Pose, Poses
+from sim.feature_sensor.ray_origins import RayGrid
+from sim.feature_sensor.visible_shares import COLUMNS, ROWS, VisibleShares
+from worlds.house import House, Room
+from worlds.truth import NOWHERE, room_at
+
+_DEPTH_SHARE, _DEPTH_M = 0.15, 0.05
+"""Two depths count as depths of the same point if they differ by at most this share of the depth plus this length [m]. These
+bounds are generous, because the grid of rays is coarse."""
+
+
+@dataclass(frozen=True, eq=False)
+class TrueView:
+    """Ground truth of what one camera of a keyframe sees: its pose, and the depths and looks of what its rays hit.
+
+    The camera is taken to be upright, so that the points of a camera that looks down by 20 degrees are up to 6 % off.
+
+    For a further camera of a rig, the pose of the body is the pose at which the first camera would look in the direction of
+    this camera.
+    """
+
+    T_W_B: Pose
+    T_W_C: Pose
+    depth: Float32[np.ndarray, "columns rows"]
+    """Depth of each ray [m]; infinite for a ray that hits nothing."""
+    looks: Int[np.ndarray, "columns rows"]
+    """What each ray hits, as in `Surroundings.looks`."""
+    grid: RayGrid
+    """Image positions of the rays, in the order of `depth`."""
+    offsets: Float64[np.ndarray, "rooms 3"]
+    """Offsets in W from the room of the camera to the other rooms of its label [m], for which it may be mistaken."""
+
+    def moved(self, offset: Float64[np.ndarray, "3"]) -> "TrueView":
+        """Return what the camera would see if the house were moved by an offset in W [m]. This view has no offsets."""
+        T = np.eye(4)
+        T[:3, 3] = offset
+        return replace(self, T_W_B=T @ self.T_W_B, T_W_C=T @ self.T_W_C, offsets=np.zeros((0, 3)))
+
+    @cached_property
+    def T_C_W(self) -> Pose:
+        """The inverse of `T_W_C`."""
+        return np.asarray(inverse(self.T_W_C))
+
+    @cached_property
+    def points(self) -> Float64[np.ndarray, "3 rays"]:
+        """End points of the rays in the frame of the camera [m]; NaN for a ray that hits nothing."""
+        z = np.where(np.isfinite(self.depth) & (self.depth > 0.0), self.depth, np.nan).astype(float)
+        return np.stack([self.grid.x[:, None] * z, self.grid.y[None] * z, z]).reshape(3, -1)
+
+
+def mistaken_by(match: TrueView, query: TrueView) -> Float64[np.ndarray, "3"] | None:
+    """Return by how much the query is misplaced if its room is mistaken for another room near the match, in W [m].
+
+    Of the rooms with the same label, the one that brings the query nearest to the match is taken. The result is None if
+    none brings the query nearer than it is.
+    """
+    apart = query.T_W_B[:3, 3] - match.T_W_B[:3, 3]
+    distances = rounded(np.linalg.norm(np.concatenate([[apart], apart + query.offsets]), axis=1))
+    nearest = int(distances.argmin())
+    return query.offsets[nearest - 1] if nearest else None
+
+
+def true_views(seen: VisibleShares, T_W_B: Poses, camera: Camera, as_first: Poses | None = None) -> list[TrueView]:
+    """Return the ground truth of the views of a camera from body poses, given what the camera sees from there.
+
+    For a further camera of a rig, `as_first` are the poses of the body at which the first camera would look in the same
+    directions.
+    """
+    house, grid = seen.around.house, RayGrid.of(camera.intrinsics, COLUMNS, ROWS)
+    T_W_C = T_W_B @ camera.T_B_C
+    looks = np.append(seen.around.looks, NOWHERE)[seen.hits.thing].astype(np.int16)  # NOWHERE, -1, chooses the last entry
+    rooms, bodies = room_at(house, T_W_C[:, :3, 3]).tolist(), T_W_B if as_first is None else as_first
+    offsets = {room: _offsets(house, room) for room in set(rooms)}
+    return [
+        TrueView(body, T, depth, own_looks, grid, offsets[room])
+        for body, T, depth, own_looks, room in zip(bodies, T_W_C, seen.hits.depth, looks, rooms, strict=True)
+    ]
+
+
+def _offsets(house: House, room: int) -> Float64[np.ndarray, "rooms 3"]:
+    """Return the offsets from a room to the other rooms of its label, from corner to corner; none from `NOWHERE`."""
+    if room == NOWHERE:
+        return np.zeros((0, 3))
+    own = house.rooms[room]
+    others = [_corner(other) for other in house.rooms if other.label == own.label and other.id != own.id]
+    return np.array(others).reshape(-1, 3) - _corner(own)
+
+
+def _corner(room: Room) -> tuple[float, float, float]:
+    """Return least x and least y of the outline of a room, and the height of its floor, in W [m]."""
+    x, y, *_ = room.polygon.bounds
+    return x, y, room.floor_m
+
+
+def covisibilities(firsts: Sequence[TrueView], seconds: Sequence[TrueView]) -> Float64[np.ndarray, "pairs"]:
+    """Return the covisibility of pairs of views, in [0, 1]: firsts[i] with seconds[i].
+
+    It is the geometric mean of two shares: of the second view in the first view, and of the first in the second.
+    """
+    shared = _seen_by(firsts, seconds)
+    overlap = np.flatnonzero(shared)  # pairs without overlap in this direction have covisibility 0
+    if len(overlap):
+        back = _seen_by([seconds[i] for i in overlap.tolist()], [firsts[i] for i in overlap.tolist()])
+        shared[overlap] = np.sqrt(shared[overlap] * back)
+    return shared
+
+
+def _seen_by(viewers: Sequence[TrueView], others: Sequence[TrueView]) -> Float64[np.ndarray, "pairs"]:
+    """Return, for each pair, the share of the rays of `others[i]` whose end points are also visible in `viewers[i]`.
+
+    A point is visible if the viewer's ray in its direction has the same depth, and hits something that looks the same. All
+    views have the same grid of rays.
+    """
+    T = np.stack([view.T_C_W for view in viewers]) @ np.stack([view.T_W_C for view in others])
+    points = T[:, :3, :3] @ np.stack([view.points for view in others]) + T[:, :3, 3:]
+    depths, grid = np.stack([view.depth.reshape(-1) for view in viewers]), viewers[0].grid
+    depth, rays = points[:, 2].reshape(-1), points.shape[2]
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # NaN for rays that hit nothing
+        column = _nearest(points[:, 0] / points[:, 2], grid.x).reshape(-1)
+        row = _nearest(points[:, 1] / points[:, 2], grid.y).reshape(-1)
+        inside = (column >= 0) & (column < len(grid.x)) & (row >= 0) & (row < len(grid.y))
+        inside &= depth > _DEPTH_M  # leaves out points behind the camera
+    point = np.flatnonzero(inside)  # one integer array selects faster than a boolean array
+    pair, depth = point // rays, depth[point]
+    ray = (column[point] * len(grid.y) + row[point]).astype(int)
+    same = np.abs(depths[pair, ray] - depth) <= _DEPTH_SHARE * depth + _DEPTH_M
+    looks, own_looks = (np.stack([view.looks.reshape(-1) for view in views]) for views in (viewers, others))
+    same &= looks[pair, ray] == own_looks.reshape(-1)[point]
+    return np.asarray(np.bincount(pair[same], minlength=len(points)) / rays)
+
+
+def _nearest(values: Float64[np.ndarray, "n k"], axis: Float32[np.ndarray, "m"]) -> Float64[np.ndarray, "n k"]:
+    """Return the number of the grid line nearest to each value, counted from 0, as if the grid had no ends; NaN for NaN."""
+    return np.asarray(np.rint((values - axis[0]) / (axis[1] - axis[0])))
