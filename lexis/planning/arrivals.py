@@ -23,7 +23,8 @@ INSIDE_M = 0.8
 """Least distance of a keyframe that is surely inside its room from the nearest keyframe with another label [m]."""
 SURE = 0.997
 """Least probability of the room's label at a keyframe that is surely inside the room. It is high, because where a path can
-end first, in front of an open boundary, some images are wrong and still quite sure."""
+end first, in front of an open boundary, some images are wrong and still quite sure. With an encoder that is never so sure,
+paths end at the innermost keyframe."""
 CLEAR = 0.2
 """Least evidence at a keyframe that is surely inside its room, as a share of the largest evidence of rooms of its label."""
 

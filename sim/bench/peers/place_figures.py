@@ -82,7 +82,10 @@ class PlaceFigures:
         return self.row.tp_1 + self.row.fp_1
 
     def counts_of(self, answered: int) -> tuple[Counts, ...]:
-        """Return the counts at N = 1, 3 and 5 if only this number of queries is answered: those with the best scores."""
+        """Return the counts at N = 1, 3 and 5 if only this number of queries is answered: those with the best scores.
+
+        Queries without any candidate cannot be answered, so that fewer may be.
+        """
         hits = self.hits[np.argsort(-self.best, kind="stable")[: min(answered, int(np.isfinite(self.best).sum()))]]
         possible = (self.row.possible_1, self.row.possible_3, self.row.possible_5)
         found = [int((hits >= n).sum()) for n in REQUIRED]

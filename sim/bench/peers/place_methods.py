@@ -111,6 +111,7 @@ def equally_often(found: Sequence[PlaceFigures]) -> dict[str, dict[str, tuple[Co
     for each in found:
         if each.row.method == lexis:
             own = each
+            continue
         counts = own.counts_of(each.answered)
         methods = sums.setdefault(each.row.preset, {})
         methods[each.row.method] = _added(methods.get(each.row.method), counts)

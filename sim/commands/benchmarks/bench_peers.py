@@ -1,7 +1,7 @@
 """Benchmarks that compare LEXIS with other methods in the same runs."""
 
 import argparse
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import astuple, replace
 from typing import TYPE_CHECKING
 
@@ -25,8 +25,12 @@ from sim.commands.benchmarks.bench_options import (
 from sim.errors import SimError
 
 if TYPE_CHECKING:
+    from lexis.evaluation.place_recognition import Counts
     from sim.bench.peers.difficulty_sweep import Difficulty
+    from sim.bench.peers.place_methods import PlaceTotal
     from sim.bench.peers.place_walks import PlaceWalk
+
+_AT_N = ("N = 1", "N = 3", "N = 5")
 
 
 def _openness(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -121,7 +125,7 @@ def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
 
 def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.peers.place_figures import PLACES
-    from sim.bench.peers.place_methods import METHODS, compare_place_methods, equally_often, totals
+    from sim.bench.peers.place_methods import compare_place_methods, equally_often, totals
     from sim.bench.peers.place_picture import write_places
     from sim.bench.peers.place_walks import record_walks
     from sim.bench.row_files import check_files
@@ -135,27 +139,38 @@ def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
         yield _tuned_places(walks)
         return
     found = list(compare_place_methods(walks))
-    lexis, as_often = next(iter(METHODS)), equally_often(found)
+    as_often = equally_often(found)
     for preset, methods in totals(found).items():
-        title = f"{preset}, seeds {seeds[0]} to {seeds[-1]}, walks of {arguments.length:g} m: true / false matches"
-        headers = (*(f"N = {n}" for n in (1, 3, 5)), "recall at 1 / 3 / 5", "at full precision", "average precision")
-        table, false = Table("method", *headers, title=title), Table("method", *PLACES, title="false matches at N = 1")
+        title = f"{preset}, seeds {seeds[0]} to {seeds[-1]}, walks of {arguments.length:g} m"
+        yield _matches(methods, title)
+        yield _matches_as_often(methods, as_often[preset], f"{preset}: true / false matches with as many answers")
+        false = Table("method", *PLACES, title=f"{preset}: false matches at N = 1")
         for name, total in methods.items():
-            cells = (f"{each.tp} / {each.fp} of {each.possible}" for each in total.counts)
-            recalls = " / ".join(f"{each:.2f}" for each in total.recalls)
-            table.add_row(
-                name, *cells, recalls, f"{total.curve.at_full_precision:.2f}", f"{total.curve.average_precision:.2f}"
-            )
             false.add_row(name, *map(str, total.false_places))
-        equal = Table("method", *headers[:3], title=f"true / false matches: {lexis} with as many answers, and the method")
-        for name, total in methods.items():
-            pairs = zip(as_often[preset][name], total.counts, strict=True)
-            equal.add_row(name, *(f"{own.tp} / {own.fp}, {other.tp} / {other.fp}" for own, other in pairs))
-        yield table
-        yield equal
         yield false
     for path in arguments.out:
         write_places(found, path)
+
+
+def _matches(methods: "Mapping[str, PlaceTotal]", title: str) -> Table:
+    headers = (*_AT_N, "recall at 1 / 3 / 5", "at full precision", "average precision")
+    table = Table("method", *headers, title=f"{title}: true / false matches")
+    for name, total in methods.items():
+        cells = (f"{each.tp} / {each.fp} of {each.possible}" for each in total.counts)
+        recalls = " / ".join(f"{each:.2f}" for each in total.recalls)
+        precision = (f"{each:.2f}" for each in (total.curve.at_full_precision, total.curve.average_precision))
+        table.add_row(name, *cells, recalls, *precision)
+    return table
+
+
+def _matches_as_often(
+    methods: "Mapping[str, PlaceTotal]", as_often: "Mapping[str, tuple[Counts, ...]]", title: str
+) -> Table:
+    table = Table("method", *(f"{n}, {whose}" for n in _AT_N for whose in ("LEXIS", "method")), title=title)
+    for name, counts in as_often.items():
+        pairs = zip(counts, methods[name].counts, strict=True)
+        table.add_row(name, *(f"{each.tp} / {each.fp}" for pair in pairs for each in pair))
+    return table
 
 
 def _tuned_places(walks: "Iterable[PlaceWalk]") -> Table:

@@ -30,19 +30,30 @@ def test_totals_are_sums_over_walks_and_recalls_are_means(found):
         assert total.recalls[1] == pytest.approx(np.mean([row.recall_at_3 for row in rows]))
 
 
-def test_with_equally_many_answers_the_first_method_keeps_its_own_counts_and_matches_the_number_of_the_others(found):
+def test_with_equally_many_answers_the_counts_of_both_methods_have_equal_sums(found):
     equal, own = equally_often(found)["home"], totals(found)["home"]
-    assert equal["embedding"] == own["embedding"].counts
+    assert list(equal) == ["sequences"]
     for ours, others in zip(equal["sequences"], own["sequences"].counts, strict=True):
         assert ours.tp + ours.fp == others.tp + others.fp and ours.possible == others.possible
+
+
+def test_a_method_with_as_many_answers_as_it_gave_keeps_its_counts(found):
+    for name, total in totals(found)["home"].items():
+        mine = [each for each in found if each.row.method == name]
+        kept = [each.counts_of(each.answered) for each in mine]
+        assert [sum(counts[k].tp for counts in kept) for k in range(3)] == [each.tp for each in total.counts]
+        assert [sum(counts[k].fp for counts in kept) for k in range(3)] == [each.fp for each in total.counts]
 
 
 def test_the_queries_with_the_best_scores_are_answered_first(found):
     for each in found:
         best = np.sort(each.best)[::-1]
-        for answered in (1, 5, 9):
+        for answered in (0, 1, 5, 9):
             taken = np.isin(each.best, best[:answered])
-            assert taken.sum() == answered and each.counts_of(answered)[1].tp == (each.hits[taken] >= 3).sum()
+            assert taken.sum() == answered
+            for n, counts in zip((1, 3, 5), each.counts_of(answered), strict=True):
+                assert counts.tp == (each.hits[taken] >= n).sum() and counts.tp + counts.fp == answered
+        assert each.counts_of(1000)[0].tp + each.counts_of(1000)[0].fp == np.isfinite(each.best).sum()
 
 
 def test_files_hold_the_rows_and_drawings(found, tmp_path):
