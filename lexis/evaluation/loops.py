@@ -56,7 +56,7 @@ def score_loops(
         stamps: stamps of all keyframes [s].
     """
     errors = _errors(query, match, T_match_query, T_W_B)
-    is_true = is_true_edge(errors)
+    is_true = within_limits(errors)
     revisits = true_revisits(T_W_B, stamps)
     found = np.isin(revisits, query[is_true])
     return LoopScores(
@@ -75,10 +75,10 @@ def true_edges(
     query: Int[np.ndarray, "m"], match: Int[np.ndarray, "m"], T_match_query: Float64[np.ndarray, "m 4 4"], T_W_B: Poses
 ) -> Bool[np.ndarray, "m"]:
     """Whether the relative pose of each edge is within 0.5 m and 0.2 rad of the truth."""
-    return is_true_edge(_errors(query, match, T_match_query, T_W_B))
+    return within_limits(_errors(query, match, T_match_query, T_W_B))
 
 
-def is_true_edge(errors: Float64[np.ndarray, "m 4 4"]) -> Bool[np.ndarray, "m"]:
+def within_limits(errors: Float64[np.ndarray, "m 4 4"]) -> Bool[np.ndarray, "m"]:
     """Whether each edge is true, by the errors `T_true^-1 T_measured` of the relative poses."""
     return np.asarray((np.linalg.norm(errors[:, :3, 3], axis=1) <= TRUE_M) & (rotation_angle(errors) <= TRUE_RAD))
 

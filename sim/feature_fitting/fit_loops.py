@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float64, Int
 from scipy.special import ndtr, ndtri
 
 from lexis.config import Config
-from lexis.evaluation.loops import is_true_edge
+from lexis.evaluation.loops import within_limits
 from lexis.locator import Locator
 from lexis.maths.se3 import between, log
 from lexis.perception import Encoder
@@ -58,8 +58,9 @@ class Trials:
     is_true: Bool[np.ndarray, "n"]
     """Whether each pair was confirmed and its edge is right."""
     is_false: Bool[np.ndarray, "n"]
-    """Whether each pair was confirmed and its edge is wrong. Rows with an edge to a room that looks alike are left out: they
-    are neither true nor false."""
+    """Whether each pair was confirmed and its edge is neither right nor mistaken."""
+    is_mistaken: Bool[np.ndarray, "n"]
+    """Whether each pair was confirmed and its edge would be right if a room were another one of its label."""
     true_edges: MeasuredEdges
     false_edges: MeasuredEdges
 
@@ -68,11 +69,11 @@ class Judged(NamedTuple):
     """Loop edges compared with the truth, one row for each edge."""
 
     errors: Float64[np.ndarray, "k 4 4"]
-    """Error of each edge: `T_true^-1 T_measured`. If the edge is nearer to the place for which the query's place may be
-    mistaken (`mistaken_by`), this place counts instead of the true one."""
+    """Error of each edge: `T_true^-1 T_measured`. If the edge is not true, the error is relative to the place for which the
+    query's place may be mistaken (`mistaken_by`), if there is one."""
     is_true: Bool[np.ndarray, "k"]
     is_mistaken: Bool[np.ndarray, "k"]
-    """Whether each edge would be true if the query were at the place for which its place may be mistaken."""
+    """Whether each edge is not true, but would be true at the place for which the query's place may be mistaken."""
 
 
 def fit_loops(trials: Trials) -> LoopModel:
@@ -80,7 +81,7 @@ def fit_loops(trials: Trials) -> LoopModel:
     model = LoopModel(
         fit_logistic(trials.predictors, trials.is_true.astype(float)),
         0.0,
-        float(trials.is_false.sum() / max(1, (~trials.is_true).sum())),
+        float(trials.is_false.sum() / max(1, (~trials.is_true & ~trials.is_mistaken).sum())),
         trials.true_edges,
         trials.false_edges,
     )
@@ -133,16 +134,12 @@ def _tried(
     cells = np.array([verdict.cells for verdict, edge in located if edge is not None], int)
     errors, right, mistaken = judged(edges, views)
     measured = MeasuredEdges(log(errors).reshape(-1, 6), edges.covariance, edges.inliers, cells)
-    is_true, is_false, kept = found.copy(), found.copy(), np.ones(len(found), bool)
-    is_true[found], is_false[found], kept[found] = right, ~right, ~mistaken
-    return Trials(
-        np.array(queries, int)[kept],
-        np.concatenate(rows)[kept],
-        is_true[kept],
-        is_false[kept],
-        measured[right],
-        measured[~right & ~mistaken],
-    )
+    false = ~right & ~mistaken
+    outcomes = np.zeros((3, len(found)), bool)
+    outcomes[:, found] = right, false, mistaken
+    is_true, is_false, is_mistaken = outcomes
+    inputs = np.concatenate(rows)
+    return Trials(np.array(queries, int), inputs, is_true, is_false, is_mistaken, measured[right], measured[false])
 
 
 def judged(edges: LoopArrays, views: Sequence[TrueView]) -> Judged:
@@ -155,9 +152,8 @@ def judged(edges: LoopArrays, views: Sequence[TrueView]) -> Judged:
             mistaken[row] = views[query].moved(offset).T_W_B
     places = (T_W_B[edges.query], mistaken)
     true, alike = (between(between(T_W_B[edges.match], place), edges.T_match_query) for place in places)
-    nearer = np.linalg.norm(alike[:, :3, 3], axis=1) < np.linalg.norm(true[:, :3, 3], axis=1)
-    is_true = is_true_edge(true)
-    return Judged(np.where(nearer[:, None, None], alike, true), is_true, ~is_true & is_true_edge(alike))
+    is_true = within_limits(true)
+    return Judged(np.where(is_true[:, None, None], true, alike), is_true, ~is_true & within_limits(alike))
 
 
 def joined(parts: Sequence[Trials]) -> Trials:
@@ -168,6 +164,7 @@ def joined(parts: Sequence[Trials]) -> Trials:
         np.concatenate([part.predictors for part in parts]),
         np.concatenate([part.is_true for part in parts]),
         np.concatenate([part.is_false for part in parts]),
+        np.concatenate([part.is_mistaken for part in parts]),
         _pooled([part.true_edges for part in parts]),
         _pooled([part.false_edges for part in parts]),
     )

@@ -8,9 +8,9 @@ For each candidate:
    real verification. With a rig of several cameras, the largest probability of all pairs of cameras counts.
 3. If the candidate is confirmed, draw a real edge that is true, at random. Return the true relative pose with the error,
    covariance, inlier count, and spread of inliers of the real edge.
-4. Otherwise, if another room with the label of the query's room is nearer to the candidate, move the query into that room,
-   and repeat the first three steps. Rooms that look alike, such as those of stacked apartments, thus give false edges as
-   often as one room gives true ones, which is what real verification does.
+4. Otherwise, if the query would be nearer to the candidate in another room of its label (`mistaken_by`), move it there, and
+   repeat the first three steps with the same random number. Rooms that look alike, such as those of stacked apartments, thus
+   give false edges as a single room gives true ones.
 5. Otherwise return an edge with the error of a real false edge, but only with a small probability.
 """
 
@@ -43,7 +43,8 @@ class MeasuredEdges:
     """Loop edges that LEXIS measured on rendered images: true errors, reported covariances, numbers of inliers and cells."""
 
     error: Float64[np.ndarray, "n 6"]
-    """Error of each measured relative pose: `log(T_true^-1 T_measured)`, rotation first [rad, m]."""
+    """Error of each measured relative pose: `log(T_true^-1 T_measured)`, rotation first [rad, m]. The errors of false edges
+    are relative to the place that may be mistaken for the true one (`mistaken_by`), if there is one."""
     covariance: Float64[np.ndarray, "n 6 6"]
     inliers: Int[np.ndarray, "n"]
     cells: Int[np.ndarray, "n"]
@@ -106,7 +107,7 @@ class CovisibilityVerifier:
 
         The first session has `count` observations; the observations of the second session are numbered from `count` on. The
         true poses of the second session are moved by `away_m` along x, so that it can be in another house. No room of that
-        house is taken for a room of the first session.
+        house is mistaken for a room of the first session.
         """
         offset = np.array([away_m, 0.0, 0.0])
 
@@ -137,20 +138,21 @@ class CovisibilityVerifier:
 
     def _places(self, before: Sequence[tuple[TrueView, ...]], seen: tuple[TrueView, ...]) -> list[list["_Place"]]:
         """Return, for each candidate, the places where verification may find the query: the true one is the first."""
-        pairs = [(i, views, seen) for i, views in enumerate(before)]
-        offsets = [mistaken_by(first, seen[0]) for first, *_ in before]
-        pairs += [
-            (i, before[i], tuple(view.moved(offset) for view in seen))
-            for i, offset in enumerate(offsets)
-            if offset is not None
-        ]
+        pairs = [_Pair(i, views, seen) for i, views in enumerate(before)]
+        moved: dict[tuple[float, ...], tuple[TrueView, ...]] = {}
+        for i, views in enumerate(before):
+            offset = mistaken_by(views[0], seen[0])
+            if offset is not None:
+                there = moved.setdefault(tuple(offset.tolist()), tuple(view.moved(offset) for view in seen))
+                pairs.append(_Pair(i, views, there))
+        firsts, seconds = [pair.before for pair in pairs], [pair.seen for pair in pairs]
         relative = between(
-            np.stack([first.T_W_B for _, (first, *_), _ in pairs]), np.stack([q.T_W_B for *_, (q, *_) in pairs])
+            np.stack([first.T_W_B for first, *_ in firsts]), np.stack([second.T_W_B for second, *_ in seconds])
         )
-        limits = ndtri(self._probabilities([views for _, views, _ in pairs], [views for *_, views in pairs]))
+        limits = ndtri(self._probabilities(firsts, seconds)).tolist()
         places: list[list[_Place]] = [[] for _ in before]
-        for (i, *_), T_match_query, limit in zip(pairs, relative, limits.tolist(), strict=True):
-            places[i].append(_Place(T_match_query, limit))
+        for pair, T_match_query, limit in zip(pairs, relative, limits, strict=True):
+            places[pair.candidate].append(_Place(T_match_query, limit))
         return places
 
     def _probabilities(
@@ -167,17 +169,17 @@ class CovisibilityVerifier:
     def _located(self, query: int, match: int, places: Sequence["_Place"], common: float) -> tuple[Verdict, LoopEdge | None]:
         """Return the verdict on a candidate, and the edge to it or None.
 
-        The query is found at the first place of which the limit exceeds a standard normal variable. The variable is partly
+        The query is found at the first place whose limit exceeds a standard normal variable. The variable is partly
         `common`, which all candidates of a query share, because the results of real verification are correlated within a
         query. If the query is found nowhere, a false edge is returned with the probability `LoopModel.false_rate`. Its error
-        is relative to the most probable place.
+        is relative to the last place, which is the one that may be mistaken for the true place, if there is one.
         """
         rng = np.random.default_rng((self._seed, _PAIR, query, match))
         share = self._model.query_share
         luck = math.sqrt(share) * common + math.sqrt(1.0 - share) * rng.standard_normal()
         found, pool = [place for place in places if luck < place.limit], self._model.true_edges
         if not found and rng.random() < self._model.false_rate:
-            found, pool = [max(places, key=lambda place: place.limit)], self._model.false_edges
+            found, pool = [places[-1]], self._model.false_edges
         if not found:
             return Verdict(query, match, "unconfirmed"), None
         drawn = int(rng.integers(len(pool.inliers)))
@@ -187,12 +189,21 @@ class CovisibilityVerifier:
         return Verdict(query, match, "accepted", inliers=inliers, cells=cells), edge
 
 
+class _Pair(NamedTuple):
+    """The views of a candidate, and those of the query at its true place or at one that may be mistaken for it."""
+
+    candidate: int
+    """Index into the candidates of the query."""
+    before: tuple[TrueView, ...]
+    seen: tuple[TrueView, ...]
+
+
 class _Place(NamedTuple):
     """A place where verification may find the query."""
 
     T_match_query: Pose
     limit: float
-    """Limit below which a standard normal variable has the probability that verification finds the query here."""
+    """Quantile of the standard normal distribution at the probability that verification finds the query here."""
 
 
 def fit_logistic(

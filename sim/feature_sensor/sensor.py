@@ -1,7 +1,6 @@
 """`FeatureSensor`: simulates percepts of a tour instead of rendering images, with a matching loop verifier."""
 
 from collections.abc import Iterator, Sequence
-from functools import cache
 
 import numpy as np
 from jaxtyping import Float32
@@ -56,7 +55,6 @@ class SensedTour:
     def verifier(self) -> CovisibilityVerifier:
         """Return the loop verifier for this tour."""
 
-        @cache
         def views_of(frame: int) -> tuple[TrueView, ...]:
             return tuple(camera.view_at(frame) for camera in self._cameras)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float32, Int
+from jaxtyping import Float32, Float64, Int
 
 from worlds.furniture.catalogue import CATALOGUE
 from worlds.house import House
@@ -27,8 +27,10 @@ CELL_M = 0.05
 """Cell size of `RoomMap` [m]."""
 _LEAST_M = 0.08
 """Objects that are smaller than this in every direction are left out [m]."""
-_LOOKS_DECIMALS = 3
-"""Sizes [m] and colours are compared after rounding to this number of decimals."""
+_LEAST_DIFFERENCE = 1e-3
+"""Sizes [m] and colours of things that look the same differ by less than this."""
+_DIGITS = 2 ** np.array([48, 32, 16, 0])
+"""Weights that make one number of a kind and three sizes or colours in units of `_LEAST_DIFFERENCE`, each less than 2^16."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,17 +67,33 @@ class Surroundings:
 
     @cached_property
     def looks(self) -> Int[np.ndarray, "things"]:
-        """What each thing looks like, as a number from 0 on.
+        """What each thing looks like, as a number from 0 on that does not depend on the rest of the house.
 
-        Surfaces with the same finish, and objects of the same kind and size, look the same and have the same number.
+        Surfaces of the same kind and colour look the same and have the same number, and so have objects of the same kind and
+        size. The colours of objects are ignored. If an object has several blocks, as stairs have, the last one counts.
         """
-        surfaces = self.colour.reshape(-1, 3)
-        sizes = np.zeros((len(self.names), 3), np.float32)
+        described = np.zeros((len(self.names), 4), np.int64)
+        described[:, 0] = self.kind - NOWHERE
+        described[: self.colour.size // 3, 1:] = np.rint(self.colour.reshape(-1, 3) / _LEAST_DIFFERENCE)
         blocks = self.blocks[self.blocks.thing != NOWHERE]
-        sizes[blocks.thing] = np.column_stack([blocks.half, blocks.z[:, 1] - blocks.z[:, 0]])
-        sizes[: len(surfaces)] = surfaces
-        described = np.column_stack([self.kind, np.round(sizes, _LOOKS_DECIMALS)])
-        return np.unique(described, axis=0, return_inverse=True)[1].reshape(-1)
+        sizes = np.column_stack([2.0 * blocks.half, blocks.z[:, 1] - blocks.z[:, 0]])
+        described[blocks.thing, 1:] = np.rint(sizes / _LEAST_DIFFERENCE)
+        return np.asarray(described @ _DIGITS)
+
+    def offsets(self, room: int) -> Float64[np.ndarray, "others 3"]:
+        """Return the offsets from a room to the other rooms of its label, from corner to corner, in W [m].
+
+        A room is given as its index into `House.rooms`, or as `NOWHERE`, which has no offsets.
+        """
+        if room == NOWHERE:
+            return np.zeros((0, 3))
+        others = np.flatnonzero(self.labels == self.labels[room])
+        return np.asarray(self._corners[others[others != room]] - self._corners[room])
+
+    @cached_property
+    def _corners(self) -> Float64[np.ndarray, "rooms 3"]:
+        """Least x and least y of the outline of each room, and the height of its floor, in W [m]."""
+        return np.array([(*room.polygon.bounds[:2], room.floor_m) for room in self.house.rooms]).reshape(-1, 3)
 
     @cached_property
     def labels(self) -> Int[np.ndarray, "rooms"]:

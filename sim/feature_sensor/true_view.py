@@ -11,8 +11,8 @@ from lexis.maths.se3 import inverse
 from lexis.maths.ties import rounded
 from lexis.types import Camera, Pose, Poses
 from sim.feature_sensor.ray_origins import RayGrid
+from sim.feature_sensor.surroundings import Surroundings
 from sim.feature_sensor.visible_shares import COLUMNS, ROWS, VisibleShares
-from worlds.house import House, Room
 from worlds.truth import NOWHERE, room_at
 
 _DEPTH_SHARE, _DEPTH_M = 0.15, 0.05
@@ -34,18 +34,31 @@ class TrueView:
     T_W_C: Pose
     depth: Float32[np.ndarray, "columns rows"]
     """Depth of each ray [m]; infinite for a ray that hits nothing."""
-    looks: Int[np.ndarray, "columns rows"]
-    """What each ray hits, as in `Surroundings.looks`."""
+    thing: Int[np.ndarray, "columns rows"]
+    """What each ray hits, as an index into the things of `around`; `NOWHERE` if nothing."""
     grid: RayGrid
     """Image positions of the rays, in the order of `depth`."""
-    offsets: Float64[np.ndarray, "rooms 3"]
-    """Offsets in W from the room of the camera to the other rooms of its label [m], for which it may be mistaken."""
+    around: Surroundings
+    room: int
+    """Index into `House.rooms` of the room of the camera; `NOWHERE` outside of all rooms."""
+    is_moved: bool = False
+    """Whether the camera and all that it sees are imagined at another place."""
 
     def moved(self, offset: Float64[np.ndarray, "3"]) -> "TrueView":
-        """Return what the camera would see if the house were moved by an offset in W [m]. This view has no offsets."""
+        """Return what the camera would see if the house were moved by an offset in W [m]."""
         T = np.eye(4)
         T[:3, 3] = offset
-        return replace(self, T_W_B=T @ self.T_W_B, T_W_C=T @ self.T_W_C, offsets=np.zeros((0, 3)))
+        return replace(self, T_W_B=T @ self.T_W_B, T_W_C=T @ self.T_W_C, is_moved=True)
+
+    @property
+    def looks(self) -> Int[np.ndarray, "columns rows"]:
+        """What the things that the rays hit look like; see `Surroundings.looks`."""
+        return np.where(self.thing == NOWHERE, NOWHERE, self.around.looks[self.thing])
+
+    @property
+    def rooms(self) -> Int[np.ndarray, "columns rows"]:
+        """The rooms of the things that the rays hit, as indices into `House.rooms`."""
+        return np.where(self.thing == NOWHERE, NOWHERE, self.around.room[self.thing])
 
     @cached_property
     def T_C_W(self) -> Pose:
@@ -62,13 +75,15 @@ class TrueView:
 def mistaken_by(match: TrueView, query: TrueView) -> Float64[np.ndarray, "3"] | None:
     """Return by how much the query is misplaced if its room is mistaken for another room near the match, in W [m].
 
-    Of the rooms with the same label, the one that brings the query nearest to the match is taken. The result is None if
-    none brings the query nearer than it is.
+    Of the rooms with the same label, the one that brings the query nearest to the match is taken. The result is None if both
+    are in one room, or if no other room brings the query nearer than it is.
     """
-    apart = query.T_W_B[:3, 3] - match.T_W_B[:3, 3]
-    distances = rounded(np.linalg.norm(np.concatenate([[apart], apart + query.offsets]), axis=1))
+    if match.room == query.room:
+        return None
+    apart, offsets = query.T_W_B[:3, 3] - match.T_W_B[:3, 3], query.around.offsets(query.room)
+    distances = rounded(np.linalg.norm(np.concatenate([[apart], apart + offsets]), axis=1))
     nearest = int(distances.argmin())
-    return query.offsets[nearest - 1] if nearest else None
+    return offsets[nearest - 1] if nearest else None
 
 
 def true_views(seen: VisibleShares, T_W_B: Poses, camera: Camera, as_first: Poses | None = None) -> list[TrueView]:
@@ -77,30 +92,11 @@ def true_views(seen: VisibleShares, T_W_B: Poses, camera: Camera, as_first: Pose
     For a further camera of a rig, `as_first` are the poses of the body at which the first camera would look in the same
     directions.
     """
-    house, grid = seen.around.house, RayGrid.of(camera.intrinsics, COLUMNS, ROWS)
-    T_W_C = T_W_B @ camera.T_B_C
-    looks = np.append(seen.around.looks, NOWHERE)[seen.hits.thing].astype(np.int16)  # NOWHERE, -1, chooses the last entry
-    rooms, bodies = room_at(house, T_W_C[:, :3, 3]).tolist(), T_W_B if as_first is None else as_first
-    offsets = {room: _offsets(house, room) for room in set(rooms)}
-    return [
-        TrueView(body, T, depth, own_looks, grid, offsets[room])
-        for body, T, depth, own_looks, room in zip(bodies, T_W_C, seen.hits.depth, looks, rooms, strict=True)
-    ]
-
-
-def _offsets(house: House, room: int) -> Float64[np.ndarray, "rooms 3"]:
-    """Return the offsets from a room to the other rooms of its label, from corner to corner; none from `NOWHERE`."""
-    if room == NOWHERE:
-        return np.zeros((0, 3))
-    own = house.rooms[room]
-    others = [_corner(other) for other in house.rooms if other.label == own.label and other.id != own.id]
-    return np.array(others).reshape(-1, 3) - _corner(own)
-
-
-def _corner(room: Room) -> tuple[float, float, float]:
-    """Return least x and least y of the outline of a room, and the height of its floor, in W [m]."""
-    x, y, *_ = room.polygon.bounds
-    return x, y, room.floor_m
+    grid, T_W_C = RayGrid.of(camera.intrinsics, COLUMNS, ROWS), T_W_B @ camera.T_B_C
+    rooms, thing = room_at(seen.around.house, T_W_C[:, :3, 3]).tolist(), seen.hits.thing.astype(np.int16)
+    bodies = T_W_B if as_first is None else as_first
+    rows = zip(bodies, T_W_C, seen.hits.depth, thing, rooms, strict=True)
+    return [TrueView(body, T, depth, own, grid, seen.around, room) for body, T, depth, own, room in rows]
 
 
 def covisibilities(firsts: Sequence[TrueView], seconds: Sequence[TrueView]) -> Float64[np.ndarray, "pairs"]:
@@ -119,8 +115,9 @@ def covisibilities(firsts: Sequence[TrueView], seconds: Sequence[TrueView]) -> F
 def _seen_by(viewers: Sequence[TrueView], others: Sequence[TrueView]) -> Float64[np.ndarray, "pairs"]:
     """Return, for each pair, the share of the rays of `others[i]` whose end points are also visible in `viewers[i]`.
 
-    A point is visible if the viewer's ray in its direction has the same depth, and hits something that looks the same. All
-    views have the same grid of rays.
+    A point is visible if the viewer's ray in its direction has the same depth, and hits something that looks the same. If no
+    view is moved, both things must also belong to one room, because the two faces of a wall are no common surface. All views
+    have the same grid of rays.
     """
     T = np.stack([view.T_C_W for view in viewers]) @ np.stack([view.T_W_C for view in others])
     points = T[:, :3, :3] @ np.stack([view.points for view in others]) + T[:, :3, 3:]
@@ -135,8 +132,14 @@ def _seen_by(viewers: Sequence[TrueView], others: Sequence[TrueView]) -> Float64
     pair, depth = point // rays, depth[point]
     ray = (column[point] * len(grid.y) + row[point]).astype(int)
     same = np.abs(depths[pair, ray] - depth) <= _DEPTH_SHARE * depth + _DEPTH_M
-    looks, own_looks = (np.stack([view.looks.reshape(-1) for view in views]) for views in (viewers, others))
+    looks, own_looks, rooms, own_rooms = (
+        np.stack([getattr(view, name).reshape(-1) for view in views])
+        for name in ("looks", "rooms")
+        for views in (viewers, others)
+    )
+    moved = np.array([viewer.is_moved or other.is_moved for viewer, other in zip(viewers, others, strict=True)])
     same &= looks[pair, ray] == own_looks.reshape(-1)[point]
+    same &= moved[pair] | (rooms[pair, ray] == own_rooms.reshape(-1)[point])
     return np.asarray(np.bincount(pair[same], minlength=len(points)) / rays)
 
 

@@ -25,6 +25,7 @@ from sim.feature_sensor.true_view import mistaken_by, true_views
 from sim.feature_sensor.visible_shares import look
 from sim.render.camera import wide_camera
 from worlds.house import build_house
+from worlds.presets import sample_house
 from worlds.spec import HouseSpec, RoomSpec, StoreySpec
 
 CAMERA = wide_camera()
@@ -101,7 +102,7 @@ def graph_of(count, step_m=0.0):
 def confirmed(house, chosen, seed=0, queries=40, matches=10):
     """Loop edges between equal views, by query."""
     few = RayGrid(*np.float32([[-0.5, 0.5]] * 2))
-    seen = {"depth": np.ones((2, 2), np.float32), "looks": np.zeros((2, 2), np.int16)}
+    seen = {"depth": np.ones((2, 2), np.float32), "thing": np.zeros((2, 2), np.int16)}
     here = replace(sight(house, 2.0, 2.5, 0.3), **seen, grid=few)
     verifier = CovisibilityVerifier(chosen, lambda index: (here,), seed)
     graph = graph_of(matches + queries)
@@ -184,11 +185,48 @@ def test_rooms_of_equal_shape_and_other_finish_are_not_mistaken(house):
     assert edges_of_two(in_two_offices(house)) == ()
 
 
+def test_a_false_edge_is_relative_to_the_room_that_may_be_mistaken():
+    sights = [sight(two_offices(seed=3), x, 2.5, 0.3) for x in (2.0, 8.0)]
+    chosen = model(-40.0, false_rate=1.0)
+    (edge,) = edges_of_two(CovisibilityVerifier(chosen, lambda index: (sights[index],), 0))
+    np.testing.assert_allclose(edge.T_match_query, se3.exp(FAR.error[0]), atol=1e-9)
+
+
+def test_all_cameras_of_a_rig_are_moved_into_the_room_that_looks_alike():
+    """The first cameras look away from each other; the second camera of the query sees what the match's first one sees."""
+    offices = two_offices(seed=3)
+    here, there = sight(offices, 2.0, 2.5, 0.3), sight(offices, 8.0, 2.5, 0.3)
+    back = sight(offices, 8.0, 2.5, 0.3 + np.pi)
+    seen = [(here, sight(offices, 2.0, 2.5, 0.3 + np.pi)), (back, there)]
+    (edge,) = edges_of_two(CovisibilityVerifier(model(40.0), lambda index: seen[index], 0))
+    expected = se3.between(here.T_W_B, back.moved(np.array([-6.0, 0.0, 0.0])).T_W_B)
+    np.testing.assert_allclose(edge.T_match_query, expected @ se3.exp(SOME.error[0]), atol=1e-9)
+
+
 def test_no_room_of_another_house_looks_alike():
     verifier = in_two_offices(two_offices(seed=3))
     again = verifier.renumbered(lambda index: index + 1)
     assert len(edges_of_two(verifier.followed_by(again, 1))) == 1
     assert edges_of_two(verifier.followed_by(again, 1, away_m=1000.0)) == ()
+
+
+def test_the_two_faces_of_a_wall_are_two_surfaces():
+    offices = two_offices(seed=3)
+    assert shared(sight(offices, 4.5, 2.5, 0.0), sight(offices, 7.5, 2.5, np.pi)) == 0.0
+    assert shared(sight(offices, 4.5, 2.5, 0.0), sight(offices, 4.0, 2.5, 0.0)) > 0.3
+
+
+def test_what_things_look_like_does_not_depend_on_the_rest_of_the_house():
+    """Without one piece of furniture, all other things look as they did, and things of other kinds look different."""
+    spec = sample_house("home", 7)
+    empty = spec.model_copy(update={"clutter": 0.0})
+    whole, fewer = (survey(build_house(each)) for each in (spec, empty))
+    numbers = dict(zip(whole.names, whole.looks.tolist(), strict=True))
+    common = [number for number, name in enumerate(fewer.names) if name in numbers]
+    assert [numbers[fewer.names[number]] for number in common] == fewer.looks[common].tolist()
+    kinds = dict(zip(whole.looks.tolist(), whole.kind.tolist(), strict=True))
+    assert [kinds[number] for number in whole.looks.tolist()] == whole.kind.tolist()
+    assert len(common) < len(whole.names) and 50 < len(kinds) < len(whole.names)
 
 
 def test_a_room_is_mistaken_for_the_one_nearest_to_the_match(house):
@@ -198,7 +236,8 @@ def test_a_room_is_mistaken_for_the_one_nearest_to_the_match(house):
     np.testing.assert_allclose(first.moved(mistaken_by(second, first)).T_W_B[:3, 3], second.T_W_B[:3, 3])
     assert mistaken_by(first, first) is None
     assert mistaken_by(sight(house, 5.9, 2.5, 0.3), second) is None, "the query is nearer in its own room"
-    assert mistaken_by(first, second.moved(np.zeros(3))) is None
+    assert mistaken_by(sight(house, 6.5, 2.5, 1.57), sight(house, 11.5, 2.5, 1.57)) is None, "both are in one room"
+    assert mistaken_by(first, sight(house, 2.0, 9.0, 0.3)) is None, "the query is outside of the house"
     np.testing.assert_allclose(mistaken_by(first, opposite), [-6.0, 0.0, 0.0])
 
 
@@ -216,7 +255,7 @@ def test_only_rooms_of_one_label_are_mistaken():
     stacked = build_house(HouseSpec(storeys=(storey(0), storey(1))))
     views = [sight(stacked, x, 2.0, 0.3, floor) for x in (2.0, 7.0) for floor in (0, 1)]
     height = views[1].T_W_B[2, 3] - views[0].T_W_B[2, 3]
-    assert height > 2.0 and all(len(view.offsets) == 1 for view in views)
+    assert height > 2.0 and all(len(view.around.offsets(view.room)) == 1 for view in views)
     np.testing.assert_allclose(mistaken_by(views[0], views[1]), [0.0, 0.0, -height])
     np.testing.assert_allclose(mistaken_by(views[0], views[3]), [0.0, 0.0, -height])
     assert mistaken_by(views[0], views[2]) is None
@@ -229,7 +268,7 @@ def test_edges_are_judged_by_the_truth_and_by_the_rooms_that_may_be_mistaken():
     true = [(1, 0, 6.0), (2, 0, 1.0), (2, 1, -5.0)]
     mistaken = [(1, 0, 0.0), (2, 1, 1.0)]
     wrong = [(1, 0, 1.0), (2, 0, 3.0), (1, 0, 5.0)]
-    errors = [0.0] * len(true) + [0.0] * len(mistaken) + [1.0, 2.0, 1.0]
+    errors = [0.0] * len(true) + [0.0] * len(mistaken) + [1.0, 2.0, 5.0]
     edges = []
     for query, match, along_x in (*true, *mistaken, *wrong):
         T_match_query = se3.between(views[match].T_W_B, views[match].moved(np.array([along_x, 0.0, 0.0])).T_W_B)
@@ -237,6 +276,7 @@ def test_edges_are_judged_by_the_truth_and_by_the_rooms_that_may_be_mistaken():
     found, is_true, is_mistaken = judged(LoopArrays.of(edges), views)
     assert is_true.tolist() == [True] * 3 + [False] * 5 and is_mistaken.tolist() == [False] * 3 + [True] * 2 + [False] * 3
     np.testing.assert_allclose(np.linalg.norm(found[:, :3, 3], axis=1), errors, atol=1e-9)
+    assert len(judged(LoopArrays.of([]), views).errors) == 0
 
 
 def test_the_decision_on_a_pair_depends_on_that_pair_and_the_seed(house):
@@ -275,7 +315,7 @@ def test_fitting_recovers_the_random_effect_of_queries(rng, share):
 
     chance = 1.0 / (1.0 + np.exp(-(4.0 * covisibility - 2.0)))
     is_true = luck < norm.ppf(chance)
-    fitted = fit_loops(Trials(query, rows, is_true, np.zeros(len(rows), bool), SOME, EMPTY))
+    fitted = fit_loops(Trials(query, rows, is_true, *np.zeros((2, len(rows)), bool), SOME, EMPTY))
     assert fitted.query_share == pytest.approx(share, abs=0.1)
     assert fitted.false_rate == 0.0
     np.testing.assert_allclose(fitted.probability(rows), chance, atol=0.08)
