@@ -1,6 +1,7 @@
 """Loops without key points: they are confirmed at the fitted rates, from the surfaces that two views truly share."""
 
 from dataclasses import fields, replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -217,7 +218,7 @@ def test_the_two_faces_of_a_wall_are_two_surfaces():
 
 
 def test_what_things_look_like_does_not_depend_on_the_rest_of_the_house():
-    """Without one piece of furniture, all other things look as they did, and things of other kinds look different."""
+    """Without furniture, everything else looks as it did, and things of other kinds look different."""
     spec = sample_house("home", 7)
     empty = spec.model_copy(update={"clutter": 0.0})
     whole, fewer = (survey(build_house(each)) for each in (spec, empty))
@@ -227,6 +228,17 @@ def test_what_things_look_like_does_not_depend_on_the_rest_of_the_house():
     kinds = dict(zip(whole.looks.tolist(), whole.kind.tolist(), strict=True))
     assert [kinds[number] for number in whole.looks.tolist()] == whole.kind.tolist()
     assert len(common) < len(whole.names) and 50 < len(kinds) < len(whole.names)
+
+
+def test_furniture_of_one_kind_looks_the_same_if_it_has_the_same_size():
+    house = build_house(sample_house("home", 7))
+    around = survey(house)
+    looks = dict(zip(around.names, around.looks.tolist(), strict=True))
+    pieces = [piece for piece in house.furniture if piece.id in looks]
+    pairs = [(a, b) for a, b in combinations(pieces, 2) if a.kind == b.kind]
+    equal = [np.allclose(a.size, b.size, atol=5e-4) for a, b in pairs]
+    assert 0 < sum(equal) < len(pairs)
+    assert [looks[a.id] == looks[b.id] for a, b in pairs] == equal
 
 
 def test_a_room_is_mistaken_for_the_one_nearest_to_the_match(house):
