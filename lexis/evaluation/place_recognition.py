@@ -25,6 +25,10 @@ class Counts:
     """Number of queries that could be true positives, because at least N of the keyframes that are old enough are right
     matches."""
 
+    def __add__(self, other: "Counts") -> "Counts":
+        """Return the counts of two sets of queries together."""
+        return Counts(self.tp + other.tp, self.fp + other.fp, self.possible + other.possible)
+
     @property
     def precision(self) -> float | None:
         """Share of true positives among all positives; None without positives."""

@@ -136,8 +136,8 @@ def compare_places(answers: Sequence[Answers]) -> Iterator[PlaceRow]:
 
 
 def _total(answers: Sequence[Answers], method: str, n: int) -> Counts:
-    found = [count_matches(walk.proposed[method], walk.eligible, walk.right, n) for walk in answers]
-    return Counts(*(sum(getattr(each, name) for each in found) for name in ("tp", "fp", "possible")))
+    found = (count_matches(walk.proposed[method], walk.eligible, walk.right, n) for walk in answers)
+    return sum(found, start=Counts(0, 0, 0))
 
 
 def fit_revisits(answers: Sequence[Answers]) -> PlaceRecognitionConfig:

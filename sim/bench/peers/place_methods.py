@@ -6,6 +6,7 @@ Every method proposes up to ten earlier keyframes for each keyframe, or none if 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
+from operator import add
 from types import MappingProxyType
 
 import numpy as np
@@ -112,16 +113,10 @@ def equally_often(found: Sequence[PlaceFigures]) -> dict[str, dict[str, tuple[Co
         if each.row.method == lexis:
             own = each
             continue
-        counts = own.counts_of(each.answered)
         methods = sums.setdefault(each.row.preset, {})
-        methods[each.row.method] = _added(methods.get(each.row.method), counts)
+        before = methods.get(each.row.method, (Counts(0, 0, 0),) * len(REQUIRED))
+        methods[each.row.method] = tuple(map(add, before, own.counts_of(each.answered)))
     return sums
-
-
-def _added(first: tuple[Counts, ...] | None, second: tuple[Counts, ...]) -> tuple[Counts, ...]:
-    if first is None:
-        return second
-    return tuple(Counts(a.tp + b.tp, a.fp + b.fp, a.possible + b.possible) for a, b in zip(first, second, strict=True))
 
 
 def totals(found: Sequence[PlaceFigures]) -> dict[str, dict[str, PlaceTotal]]:
