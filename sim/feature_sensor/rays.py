@@ -45,13 +45,15 @@ class Hits:
     """Horizontal distance along the direction of view [m], the depth of an upright camera; infinite if nothing is hit."""
     thing: Int[np.ndarray, "n columns rows"]
     """The thing (surface or object) that each ray hits, as an index into `Surroundings.names`; `NOWHERE` if none."""
+    rooms: Int[np.ndarray, "n"]
+    """The room of each camera, as an index into `House.rooms`; `NOWHERE` outside of all rooms."""
 
 
 def cast(around: Surroundings, T_W_C: Poses, grid: RayGrid) -> Hits:
     """Cast the rays of cameras at `T_W_C` and return the first hits. Rays of a camera that is in no room hit nothing."""
     n, shape = len(T_W_C), (len(grid.x), len(grid.y))
-    hits = Hits(np.full((n, *shape), np.inf, np.float32), np.full((n, *shape), NOWHERE))
     rooms, storeys = room_at(around.house, T_W_C[:, :3, 3]), floor_at(around.house, T_W_C[:, :3, 3])
+    hits = Hits(np.full((n, *shape), np.inf, np.float32), np.full((n, *shape), NOWHERE), rooms)
     for room in np.unique(rooms[rooms != NOWHERE]).tolist():
         caster = _Caster(around, room, grid)
         members = np.flatnonzero(rooms == room)

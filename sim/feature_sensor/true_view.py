@@ -13,7 +13,7 @@ from lexis.types import Camera, Pose, Poses
 from sim.feature_sensor.ray_origins import RayGrid
 from sim.feature_sensor.surroundings import Surroundings
 from sim.feature_sensor.visible_shares import COLUMNS, ROWS, VisibleShares
-from worlds.truth import NOWHERE, room_at
+from worlds.truth import NOWHERE
 
 _DEPTH_SHARE, _DEPTH_M = 0.15, 0.05
 """Two depths count as depths of the same point if they differ by at most this share of the depth plus this length [m]. These
@@ -93,9 +93,8 @@ def true_views(seen: VisibleShares, T_W_B: Poses, camera: Camera, as_first: Pose
     directions.
     """
     grid, T_W_C = RayGrid.of(camera.intrinsics, COLUMNS, ROWS), T_W_B @ camera.T_B_C
-    rooms, thing = room_at(seen.around.house, T_W_C[:, :3, 3]).tolist(), seen.hits.thing.astype(np.int16)
-    bodies = T_W_B if as_first is None else as_first
-    rows = zip(bodies, T_W_C, seen.hits.depth, thing, rooms, strict=True)
+    bodies, hits = T_W_B if as_first is None else as_first, seen.hits
+    rows = zip(bodies, T_W_C, hits.depth, hits.thing.astype(np.int16), hits.rooms.tolist(), strict=True)
     return [TrueView(body, T, depth, own, grid, seen.around, room) for body, T, depth, own, room in rows]
 
 
