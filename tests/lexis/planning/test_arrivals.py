@@ -47,6 +47,18 @@ def test_the_nearest_other_label_counts_and_not_the_nearest_other_room(rng):
     assert both == inside(lexis_map, office)
 
 
+def test_a_robot_is_not_surely_inside_where_images_show_another_room(rng):
+    """The images near x = 2 show a kitchen, though the keyframes there have the label of the office."""
+    x = np.arange(-3.0, 5.1, 0.1)
+    labels = (x > -0.01).astype(int)
+    similarities = np.where(labels[:, None] == [0, 1], 0.6, 0.1)
+    misled = np.flatnonzero(np.abs(x - 2.0) < 0.5)
+    similarities[misled] = [0.6, 0.1]
+    lexis_map = along_x(rng, x, labels, similarities)
+    found = x[inside(lexis_map, lexis_map.rooms[1], clear=0.0)]
+    assert not ((found > 1.5) & (found < 2.5)).any() and (found > 3.5).any()
+
+
 def test_a_robot_is_not_surely_inside_at_a_keyframe_whose_own_images_are_unsure(rng):
     """One keyframe among many is a little less sure of the office than `SURE`."""
     x = np.arange(-3.0, 5.1, 0.1)
