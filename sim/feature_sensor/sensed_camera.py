@@ -69,7 +69,7 @@ class SensedCamera:
         """Return end points of rays at the frames of a chunk, in the body frame [m]; NaN for rays that hit nothing."""
         frames = self._chunks[number].frames
         eyes = cameras_at(self._T_W_B[frames] @ self._camera.T_B_C, np.zeros(frames.stop - frames.start, int), self._grid)
-        depths = np.stack([view.depth for view in self._views[number]])
+        depths = np.stack([view.image.depth for view in self._views[number]])
         depth = depths[:, _COLUMNS][:, :, _ROWS].astype(np.float64)
         depth[~np.isfinite(depth)] = np.nan
         across = eyes.place[:, None, None] + depth[..., None] * eyes.lines[:, _COLUMNS, None]

@@ -21,17 +21,12 @@ bounds are generous, because the grid of rays is coarse."""
 
 
 @dataclass(frozen=True, eq=False)
-class TrueView:
-    """Ground truth of what one camera of a keyframe sees: its pose, and the depths and looks of what its rays hit.
+class RayImage:
+    """What the rays of one camera hit, as the camera sees it: depths, looks and rooms.
 
     The camera is taken to be upright, so that the points of a camera that looks down by 20 degrees are up to 6 % off.
-
-    For a further camera of a rig, the pose of the body is the pose at which the first camera would look in the direction of
-    this camera.
     """
 
-    T_W_B: Pose
-    T_W_C: Pose
     depth: Float32[np.ndarray, "columns rows"]
     """Depth of each ray [m]; infinite for a ray that hits nothing."""
     thing: Int[np.ndarray, "columns rows"]
@@ -39,6 +34,35 @@ class TrueView:
     grid: RayGrid
     """Image positions of the rays, in the order of `depth`."""
     around: Surroundings
+
+    @cached_property
+    def looks(self) -> Int[np.ndarray, "rays"]:
+        """What the things that the rays hit look like; see `Surroundings.looks`."""
+        return np.where(self.thing == NOWHERE, NOWHERE, self.around.looks[self.thing]).reshape(-1)
+
+    @cached_property
+    def rooms(self) -> Int[np.ndarray, "rays"]:
+        """The rooms of the things that the rays hit, as indices into `House.rooms`."""
+        return np.where(self.thing == NOWHERE, NOWHERE, self.around.room[self.thing]).reshape(-1)
+
+    @cached_property
+    def points(self) -> Float64[np.ndarray, "3 rays"]:
+        """End points of the rays in the frame of the camera [m]; NaN for a ray that hits nothing."""
+        z = np.where(np.isfinite(self.depth) & (self.depth > 0.0), self.depth, np.nan).astype(float)
+        return np.stack([self.grid.x[:, None] * z, self.grid.y[None] * z, z]).reshape(3, -1)
+
+
+@dataclass(frozen=True, eq=False)
+class TrueView:
+    """Ground truth of what one camera of a keyframe sees, and of where it stands.
+
+    For a further camera of a rig, the pose of the body is the pose at which the first camera would look in the direction of
+    this camera.
+    """
+
+    T_W_B: Pose
+    T_W_C: Pose
+    image: RayImage
     room: int
     """Index into `House.rooms` of the room of the camera; `NOWHERE` outside of all rooms."""
     is_moved: bool = False
@@ -50,26 +74,10 @@ class TrueView:
         T[:3, 3] = offset
         return replace(self, T_W_B=T @ self.T_W_B, T_W_C=T @ self.T_W_C, is_moved=True)
 
-    @property
-    def looks(self) -> Int[np.ndarray, "columns rows"]:
-        """What the things that the rays hit look like; see `Surroundings.looks`."""
-        return np.where(self.thing == NOWHERE, NOWHERE, self.around.looks[self.thing])
-
-    @property
-    def rooms(self) -> Int[np.ndarray, "columns rows"]:
-        """The rooms of the things that the rays hit, as indices into `House.rooms`."""
-        return np.where(self.thing == NOWHERE, NOWHERE, self.around.room[self.thing])
-
     @cached_property
     def T_C_W(self) -> Pose:
         """The inverse of `T_W_C`."""
         return np.asarray(inverse(self.T_W_C))
-
-    @cached_property
-    def points(self) -> Float64[np.ndarray, "3 rays"]:
-        """End points of the rays in the frame of the camera [m]; NaN for a ray that hits nothing."""
-        z = np.where(np.isfinite(self.depth) & (self.depth > 0.0), self.depth, np.nan).astype(float)
-        return np.stack([self.grid.x[:, None] * z, self.grid.y[None] * z, z]).reshape(3, -1)
 
 
 def mistaken_by(match: TrueView, query: TrueView) -> Float64[np.ndarray, "3"] | None:
@@ -80,7 +88,7 @@ def mistaken_by(match: TrueView, query: TrueView) -> Float64[np.ndarray, "3"] | 
     """
     if match.room == query.room:
         return None
-    apart, offsets = query.T_W_B[:3, 3] - match.T_W_B[:3, 3], query.around.offsets(query.room)
+    apart, offsets = query.T_W_B[:3, 3] - match.T_W_B[:3, 3], query.image.around.offsets(query.room)
     distances = rounded(np.linalg.norm(np.concatenate([[apart], apart + offsets]), axis=1))
     nearest = int(distances.argmin())
     return offsets[nearest - 1] if nearest else None
@@ -94,8 +102,8 @@ def true_views(seen: VisibleShares, T_W_B: Poses, camera: Camera, as_first: Pose
     """
     grid, T_W_C = RayGrid.of(camera.intrinsics, COLUMNS, ROWS), T_W_B @ camera.T_B_C
     bodies, hits = T_W_B if as_first is None else as_first, seen.hits
-    rows = zip(bodies, T_W_C, hits.depth, hits.thing.astype(np.int16), hits.rooms.tolist(), strict=True)
-    return [TrueView(body, T, depth, own, grid, seen.around, room) for body, T, depth, own, room in rows]
+    images = [RayImage(*hit, grid, seen.around) for hit in zip(hits.depth, hits.thing.astype(np.int16), strict=True)]
+    return [TrueView(*row) for row in zip(bodies, T_W_C, images, hits.rooms.tolist(), strict=True)]
 
 
 def covisibilities(firsts: Sequence[TrueView], seconds: Sequence[TrueView]) -> Float64[np.ndarray, "pairs"]:
@@ -119,8 +127,8 @@ def _seen_by(viewers: Sequence[TrueView], others: Sequence[TrueView]) -> Float64
     have the same grid of rays.
     """
     T = np.stack([view.T_C_W for view in viewers]) @ np.stack([view.T_W_C for view in others])
-    points = T[:, :3, :3] @ np.stack([view.points for view in others]) + T[:, :3, 3:]
-    depths, grid = np.stack([view.depth.reshape(-1) for view in viewers]), viewers[0].grid
+    points = T[:, :3, :3] @ np.stack([view.image.points for view in others]) + T[:, :3, 3:]
+    depths, grid = np.stack([view.image.depth.reshape(-1) for view in viewers]), viewers[0].image.grid
     depth, rays = points[:, 2].reshape(-1), points.shape[2]
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # NaN for rays that hit nothing
         column = _nearest(points[:, 0] / points[:, 2], grid.x).reshape(-1)
@@ -130,15 +138,13 @@ def _seen_by(viewers: Sequence[TrueView], others: Sequence[TrueView]) -> Float64
     point = np.flatnonzero(inside)  # one integer array selects faster than a boolean array
     pair, depth = point // rays, depth[point]
     ray = (column[point] * len(grid.y) + row[point]).astype(int)
-    same = np.abs(depths[pair, ray] - depth) <= _DEPTH_SHARE * depth + _DEPTH_M
-    looks, own_looks, rooms, own_rooms = (
-        np.stack([getattr(view, name).reshape(-1) for view in views])
-        for name in ("looks", "rooms")
-        for views in (viewers, others)
-    )
+    meets = np.flatnonzero(np.abs(depths[pair, ray] - depth) <= _DEPTH_SHARE * depth + _DEPTH_M)
+    pair, ray, own = pair[meets], ray[meets], point[meets] % rays
     moved = np.array([viewer.is_moved or other.is_moved for viewer, other in zip(viewers, others, strict=True)])
-    same &= looks[pair, ray] == own_looks.reshape(-1)[point]
-    same &= moved[pair] | (rooms[pair, ray] == own_rooms.reshape(-1)[point])
+    looks, own_looks = (np.stack([view.image.looks for view in views]) for views in (viewers, others))
+    rooms, own_rooms = (np.stack([view.image.rooms for view in views]) for views in (viewers, others))
+    same = looks[pair, ray] == own_looks[pair, own]
+    same &= moved[pair] | (rooms[pair, ray] == own_rooms[pair, own])
     return np.asarray(np.bincount(pair[same], minlength=len(points)) / rays)
 
 

@@ -104,7 +104,8 @@ def confirmed(house, chosen, seed=0, queries=40, matches=10):
     """Loop edges between equal views, by query."""
     few = RayGrid(*np.float32([[-0.5, 0.5]] * 2))
     seen = {"depth": np.ones((2, 2), np.float32), "thing": np.zeros((2, 2), np.int16)}
-    here = replace(sight(house, 2.0, 2.5, 0.3), **seen, grid=few)
+    there = sight(house, 2.0, 2.5, 0.3)
+    here = replace(there, image=replace(there.image, **seen, grid=few))
     verifier = CovisibilityVerifier(chosen, lambda index: (here,), seed)
     graph = graph_of(matches + queries)
     return [
@@ -267,7 +268,7 @@ def test_only_rooms_of_one_label_are_mistaken():
     stacked = build_house(HouseSpec(storeys=(storey(0), storey(1))))
     views = [sight(stacked, x, 2.0, 0.3, floor) for x in (2.0, 7.0) for floor in (0, 1)]
     height = views[1].T_W_B[2, 3] - views[0].T_W_B[2, 3]
-    assert height > 2.0 and all(len(view.around.offsets(view.room)) == 1 for view in views)
+    assert height > 2.0 and all(len(view.image.around.offsets(view.room)) == 1 for view in views)
     np.testing.assert_allclose(mistaken_by(views[0], views[1]), [0.0, 0.0, -height])
     np.testing.assert_allclose(mistaken_by(views[0], views[3]), [0.0, 0.0, -height])
     assert mistaken_by(views[0], views[2]) is None

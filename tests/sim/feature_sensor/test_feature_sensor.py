@@ -106,7 +106,7 @@ def test_the_points_of_a_percept_are_where_rays_hit_the_house(finished):
     for observation, truth in islice(finished.session, 20):
         points = transform(inverse(camera.T_B_C), observation.image.points)
         (view,) = true_views(look(around, truth.T_W_B[None], camera), truth.T_W_B[None], camera)
-        ends = view.points.T
+        ends = view.image.points.T
         assert 10 < len(points) <= 100
         assert np.abs(points[:, None] - ends).sum(axis=2).min(axis=1).max() < 1e-3
 
