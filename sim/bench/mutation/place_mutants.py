@@ -70,6 +70,18 @@ PLACE_MUTANTS = (
         "near = np.linalg.norm(off_m, axis=1) <= 0.01 * (config.gate_m + config.gate_share * path_m)",
     ),
     Mutant(
+        "loops that turn the estimate count even if their inliers lie in a small part of the image",
+        "verification.py",
+        "few_cells = verdict.cells is not None and verdict.cells < config.min_cells_turned",
+        "few_cells = False",
+    ),
+    Mutant(
+        "uncertain loops that contradict the estimate count",
+        "verification.py",
+        "((turned or shifted) and _is_uncertain(edge, config))",
+        "False",
+    ),
+    Mutant(
         "the weights of loops are those of the odometry's poses",
         "graph/pose_graph.py",
         "return loop_weights(self.T_W_B, self.loops, self._config)",
