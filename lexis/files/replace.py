@@ -5,6 +5,9 @@
 2. Sync it to the disk, so that a power cut cannot leave a renamed but empty file.
 3. Rename it to the target. For a folder that exists, exchange the two names (`lexis.files.swap`), so that the target exists
    at any time.
+
+A folder is only replaced if this module has written all files in it. Every folder therefore holds a list of its files,
+`.lexis-contents`.
 """
 
 import errno
@@ -18,6 +21,10 @@ from lexis.errors import LexisError
 from lexis.files.swap import swap, sync, sync_folder
 from lexis.files.temporary_folder import remove_abandoned, temporary_folder
 
+CONTENTS = ".lexis-contents"
+"""File in every folder that `replaced_folder` has written: the names of all other files in it, one a line."""
+_CACHE = "__pycache__"
+"""Folders in which Python keeps what can be made again, for example when a written test is run."""
 _TRIES = 100
 """Number of attempts to replace a folder that other processes keep replacing too."""
 _OCCUPIED = (errno.EEXIST, errno.ENOTEMPTY, errno.ENOTDIR)
@@ -46,10 +53,11 @@ def replaced_file(path: Path) -> Iterator[Path]:
 def replaced_folder(path: Path, *markers: str) -> Iterator[Path]:
     """Yield an empty temporary folder, which replaces `path` if the `with` block ends without an exception.
 
-    An existing folder is only replaced if it is empty or holds one of the files `markers`. If the system can exchange names
-    (`lexis.files.swap`), `path` is at any time the complete old folder or the complete new one, even if this process is
-    killed. A symbolic link is followed. Raises LexisError if `path` is any other folder or cannot be written. If the
-    new folder was written but cannot be renamed to `path`, it is kept under a similar name, which the error states.
+    An existing folder is only replaced if it is empty, or if it holds one of the files `markers` and no file that somebody
+    else has put there. If the system can exchange names (`lexis.files.swap`), `path` is at any time the complete old folder
+    or the complete new one, even if this process is killed. A symbolic link is followed. Raises LexisError if `path` is any
+    other folder or cannot be written. If the new folder was written but cannot be renamed to `path`, it is kept under a
+    similar name, which the error states.
     """
     check_replaceable(path, *markers)
     target = _resolved(path)
@@ -59,19 +67,21 @@ def replaced_folder(path: Path, *markers: str) -> Iterator[Path]:
             new = folder / "new" / target.name
             new.mkdir()
             yield new
+            (new / CONTENTS).write_text("".join(f"{name}\n" for name in _files(new)), encoding="utf-8")
             _install(path, new, target, lambda: _replace_folder(path, new, target, folder / "old" / target.name, markers))
 
 
 def check_replaceable(path: Path, *markers: str) -> None:
     """Raise LexisError unless `replaced_folder` could write to `path`.
 
-    `path` must be free, an empty folder, or a folder that holds one of the files `markers`.
-    Call this before long work whose result is written to `path`. It leaves nothing behind.
+    `path` must be free, an empty folder, or a folder that `replaced_folder` has written and that holds one of the files
+    `markers`. Call this before long work whose result is written to `path`. It leaves nothing behind.
     """
     try:
         target = _resolved(path)
         remove_abandoned(target.parent)
         _check_may_replace(path, target, markers)
+        _check_own(path, target)
     except OSError as error:
         raise LexisError(f"{path}: cannot be accessed: {error.strerror}; valid: a folder that can be made") from None
     if os.path.ismount(target):
@@ -80,6 +90,12 @@ def check_replaceable(path: Path, *markers: str) -> None:
     place = next(folder for folder in target.parents if folder.exists())
     with _os_errors_as_lexis_errors(path, "a folder that can be made"), temporary_folder(place):
         pass
+
+
+def check_outside(path: Path, folder: Path) -> None:
+    """Raise LexisError if a file or folder that is to be written, `path`, is inside `folder`, which has been read."""
+    if Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder)):
+        raise LexisError(f"{path}: is inside {folder}, which is only read; valid: a place outside of it")
 
 
 def _resolved(path: Path) -> Path:
@@ -105,6 +121,24 @@ def _check_may_replace(path: Path, target: Path, markers: tuple[str, ...]) -> No
         raise LexisError(
             f"{path}: exists and holds no {' or '.join(markers)}; valid: a new name, or an earlier folder of this kind"
         )
+
+
+def _check_own(path: Path, target: Path) -> None:
+    """Raise LexisError if the folder `target` holds a file that is not in its list. `path` is for messages."""
+    if not target.is_dir():
+        return
+    files = _files(target)
+    own = (target / CONTENTS).read_text(encoding="utf-8").splitlines() if (target / CONTENTS).is_file() else []
+    if strange := sorted(set(files) - set(own)):
+        raise LexisError(
+            f"{path}: holds {strange[0]}, which was not written with this folder and would be lost; valid: a new name"
+        )
+
+
+def _files(folder: Path) -> list[str]:
+    """Return the paths of all files in a folder, relative to it, except for its list and for caches of Python."""
+    paths = (path.relative_to(folder) for path in folder.rglob("*") if path.is_symlink() or not path.is_dir())
+    return sorted(path.as_posix() for path in paths if path != Path(CONTENTS) and _CACHE not in path.parts)
 
 
 @contextmanager
@@ -153,10 +187,14 @@ def _replace_folder(path: Path, new: Path, target: Path, old: Path, markers: tup
 
 
 def _swap_checked(path: Path, new: Path, target: Path, old: Path, markers: tuple[str, ...]) -> None:
-    """Exchange two folders. If the old folder turns out not to be replaceable, exchange them again and raise LexisError."""
+    """Exchange two folders. If the old folder turns out not to be replaceable, exchange them again and raise LexisError.
+
+    Only now is the old folder searched for files of others, because before, other processes may replace it meanwhile.
+    """
     replaced = swap(new, target, old)
     try:
         _check_may_replace(path, replaced, markers)
+        _check_own(path, replaced)
     except LexisError:
         swap(replaced, target, old if replaced == new else new)
         raise

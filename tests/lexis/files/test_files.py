@@ -16,7 +16,7 @@ from helpers.map_builder import corridor_with_offices
 from lexis.errors import LexisError
 from lexis.files import replace as files
 from lexis.files import swap, temporary_folder
-from lexis.files.replace import check_replaceable, replaced_file, replaced_folder
+from lexis.files.replace import CONTENTS, check_replaceable, replaced_file, replaced_folder
 from lexis.map.folder import load_map, save_map
 
 MARKER = "marker"
@@ -42,7 +42,7 @@ def write(folder, content):
 def content_of(folder):
     """The content of the folder; the test fails if it is missing or incomplete."""
     first, second = ((folder / name).read_text() for name in (MARKER, "inner/more"))
-    assert first == second and sorted(path.name for path in folder.iterdir()) == ["inner", MARKER]
+    assert first == second and sorted(path.name for path in folder.iterdir()) == [CONTENTS, "inner", MARKER]
     return first
 
 
@@ -269,6 +269,33 @@ def test_a_disk_that_fills_up_leaves_the_old(tmp_path, way, monkeypatch):
     assert content_of(tmp_path / "map") == "old" and os.listdir(tmp_path) == ["map"]
 
 
+@pytest.mark.parametrize("strange", ["thesis.tex", "inner/thesis.tex", "src/deep/thesis.tex"])
+def test_a_file_that_somebody_else_put_into_a_folder_is_never_lost(tmp_path, way, strange):
+    folder = tmp_path / "map"
+    write(folder, "old")
+    with pytest.raises(LexisError, match=rf"map: holds {strange}.* is kept as .*map-1$"), replaced_folder(folder, MARKER):
+        (folder / strange).parent.mkdir(parents=True, exist_ok=True)
+        (folder / strange).write_text("years of work")
+    with pytest.raises(LexisError, match=f"map: holds {strange}, which was not written with this folder"):
+        check_replaceable(folder, MARKER)
+    assert (folder / strange).read_text() == "years of work" and (folder / MARKER).read_text() == "old"
+
+
+def test_a_marker_alone_does_not_make_a_folder_replaceable(tmp_path):
+    (tmp_path / MARKER).write_text("result of another program")
+    with pytest.raises(LexisError, match=f"holds {MARKER}, which was not written"):
+        check_replaceable(tmp_path, MARKER)
+
+
+def test_caches_of_python_are_no_files_of_others(tmp_path, way):
+    write(tmp_path / "map", "old")
+    (tmp_path / "map" / "__pycache__").mkdir()
+    (tmp_path / "map" / "__pycache__" / "test_replay.pyc").write_text("")
+    check_replaceable(tmp_path / "map", MARKER)
+    write(tmp_path / "map", "new")
+    assert content_of(tmp_path / "map") == "new"
+
+
 def test_an_error_inside_leaves_the_old(tmp_path, way):
     write(tmp_path / "map", "old")
     with pytest.raises(KeyboardInterrupt), replaced_folder(tmp_path / "map", MARKER):
@@ -300,6 +327,7 @@ def test_a_writer_that_takes_the_place_in_the_middle_of_a_swap_is_replaced(tmp_p
         if next(calls) == 0:
             folder.mkdir()
             (folder / MARKER).write_text("another")
+            (folder / CONTENTS).write_text(MARKER)
 
     monkeypatch.setattr(swap, "move_folder", and_another_writes)
     write(place, "new")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from lexis.evaluation.trajectory import ate_rmse
+from lexis.files.replace import CONTENTS
 from lexis.files.tum_trajectory import read_tum
 from lexis.map.folder import load_map
 from sim.faults.delivery import Duplicated
@@ -127,7 +128,7 @@ def test_the_folder_holds_what_the_result_says(finished, result, trials, tmp_pat
     write_run(finished, result, trials, out)
     assert {path.name for path in out.iterdir()} == {
         "result.json", "scenario.json", "house.json", "report.html", "trajectory.tum", "ground_truth.tum", "odometry.tum",
-        "map",
+        "map", CONTENTS,
     }  # fmt: skip
     assert json.loads((out / "result.json").read_text()) == json.loads(json.dumps(result.data()))
     assert Scenario.load(out / "scenario.json") == finished.scenario

@@ -10,6 +10,7 @@ import yaml
 from helpers.two_rooms import ROOMS, two_rooms
 
 from lexis.errors import LexisError, MapError
+from lexis.files.replace import CONTENTS
 from lexis.map.export import export_map
 
 
@@ -68,6 +69,8 @@ def test_rooms_lie_beside_the_grids(folder):
 def test_an_earlier_folder_is_replaced_and_anything_else_is_left_alone(folder, tmp_path):
     written = {path.name for path in folder.iterdir()}
     (folder / "floor1.pgm").write_bytes(b"of an earlier map")
+    with (folder / CONTENTS).open("a") as listed:
+        listed.write("floor1.pgm\n")
     export_map(two_rooms(np.random.default_rng(3)), "ros", folder)
     assert {path.name for path in folder.iterdir()} == written
     (tmp_path / "thesis").mkdir()
