@@ -15,6 +15,7 @@ from lexis.config import Config, read_config
 from lexis.encoder.options import PRECISIONS, EncoderOptions
 from lexis.errors import EncoderError, LexisError, MapError
 from lexis.files.reading import FileKind, read_json
+from lexis.files.replace import check_outside
 from lexis.graph.components import sessions_apart
 from lexis.map.export import FORMATS, export_map
 from lexis.map.folder import JSON_FILE, load_map, save_map
@@ -259,6 +260,8 @@ def _info(arguments: argparse.Namespace) -> int:
     picture = arguments.picture
     if picture and picture.suffix.lower() != ".svg":
         raise LexisError(f"--picture {picture}: only SVG is drawn; valid: a name that ends in .svg")
+    if picture:
+        check_outside(picture, arguments.map)
     lexis_map = load_map(arguments.map)
     info = map_info(lexis_map)
     print(json.dumps(info, indent=1) if arguments.json else info_text(info))
@@ -366,6 +369,7 @@ def _map_encoder(lexis_map: LexisMap, asked: str | None) -> "OpenClipEncoder":
 
 
 def _export(arguments: argparse.Namespace) -> int:
+    check_outside(arguments.out, arguments.map)
     export_map(load_map(arguments.map), arguments.format, arguments.out)
     print(arguments.out)
     return 0

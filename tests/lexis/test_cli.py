@@ -95,6 +95,20 @@ def test_from_a_recording_to_a_map_a_plan_and_an_export(dataset, tmp_path, capsy
     assert "no room: garage\n" in printed.out and printed.out.endswith(f"{exported}\n")
 
 
+@pytest.mark.parametrize("place", ["arrays.npz", "map.json", "new.json", "../linked/map.json"])
+def test_nothing_is_written_into_a_map_that_is_read(mapped, tmp_path, capsys, place):
+    (mapped.parent / "linked").symlink_to(mapped)
+    before = {path: path.read_bytes() for path in mapped.iterdir()}
+    out = str(mapped / place)
+    for command in (
+        ["export", str(mapped), "--format", "json", "-o", out],
+        ["info", str(mapped), "--picture", f"{out}.svg"],
+    ):
+        assert cli.main(command) == 2
+        assert "which is only read; valid: a place outside of it" in capsys.readouterr().err
+    assert {path: path.read_bytes() for path in mapped.iterdir()} == before
+
+
 def test_a_query_asks_the_encoder_of_the_map_and_lists_rooms_and_keyframes(mapped, encoders, calibration, capsys):
     query = ["query", str(mapped), "something green", "--keyframes", "2", "--top", "1", "--calibration", str(calibration)]
     assert cli.main(query) == 0
