@@ -13,7 +13,7 @@ from jaxtyping import Int, Shaped
 
 from lexis.errors import MapError
 from lexis.files.arrays import Arrays, Layout
-from lexis.inputs import DESCRIPTOR_BYTES, MAX_POSITION_M, NORM_TOLERANCE, is_invertible, usable_covariances
+from lexis.inputs import DESCRIPTOR_BYTES, MAX_POSITION_M, MAX_STAMP_S, NORM_TOLERANCE, is_invertible, usable_covariances
 from lexis.map.other_views import pack_others, unpack_others
 from lexis.maths.se3 import is_rigid
 from lexis.types import LOOP_OUTCOMES, Features, Keyframe, Landmarks, LexisMap, LoopArrays, LoopEdge, Verdict
@@ -198,6 +198,8 @@ def check(arrays: Arrays) -> None:
             raise MapError(f"array {name} has a matrix that is no rigid motion")
         if np.abs(arrays[name]).max(initial=0.0) > MAX_POSITION_M:
             raise MapError(f"array {name} has a position beyond {MAX_POSITION_M:g} m; valid: positions on Earth")
+    if np.abs(arrays["stamp"]).max(initial=0.0) > MAX_STAMP_S:
+        raise MapError(f"array stamp has a time beyond {MAX_STAMP_S:g} s; valid: seconds of a usual clock")
     for name in ("step_covariance", "loop_covariance"):
         if not usable_covariances(arrays[name]).all():
             raise MapError(f"array {name} has a matrix that is no covariance; valid: symmetric, positive semi-definite ones")

@@ -185,6 +185,7 @@ def rewritten(folder, **changes):
         ({"loop_covariance": np.full((2, 6, 6), 1e300)}, "loop_covariance has a matrix that is no covariance"),
         ({"loop_covariance": np.zeros((2, 6, 6))}, "loop_covariance has a singular matrix"),
         ({"feature_count": np.array([2**62, 2**62, 2**62, 2**62] + [0] * 36)}, "feature_count does not add up"),
+        ({"stamp": np.arange(40) * 1e300}, "array stamp has a time beyond"),
         ({"T_W_B": np.eye(4)[None] + np.pad([[1e155]], ((0, 3), (3, 0))) * np.ones((40, 1, 1))}, "T_W_B .* position beyond"),
     ],
 )
