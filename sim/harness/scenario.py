@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Any
 
-from annotated_types import Ge, Gt, Interval
+from annotated_types import Ge, Interval
 
 from lexis.files.reading import FileKind, read_json
 from lexis.files.replace import replaced_file
@@ -21,6 +21,7 @@ from sim.odometry.config import ODOMETRY_PRESETS
 from sim.render.rig import RigConfig
 from sim.tours.config import TourKind
 from sim.tours.sway import SwayName
+from worlds.errors import WorldsError, reworded
 from worlds.spec import HouseSpec
 from worlds.valid_names import did_you_mean
 
@@ -28,6 +29,10 @@ FORMAT = "lexis-scenario"
 VERSION = 1
 NEEDS_PIXELS = (ImageFault, Smear, ClosedDoors, Pedestrian)
 """Faults that the feature sensor cannot represent, because it has no pixels and sees no moving doors or people."""
+LONGEST_M, FASTEST_HZ = 100_000.0, 120.0
+"""The longest tour [m] and the largest number of observations per second [Hz]. More would not fit in memory."""
+_LARGEST = 1e6
+"""Largest number in a fault of a scenario file."""
 _FILE = FileKind("a scenario, such as scenario.json in the folder of a run", 16_000_000, SimError)
 
 
@@ -45,13 +50,13 @@ class Scenario(Settings, place="scenario", error=SimError):
     """Seed of the house (if `house` is None), the tour, the odometry and the faults, each with its own random stream."""
     house: HouseSpec | None = None
     """House of the run. None: the house is sampled from preset and seed."""
-    length_m: Annotated[float, Gt(0)] | None = None
+    length_m: Annotated[float, Interval(gt=0, le=LONGEST_M)] | None = None
     """Requested length of the tour [m]. None: the length that is usual for the preset, or for the kind of tour."""
     tour_kind: TourKind = "rooms"
     """Kind of tour through the house; see `TourConfig.kind`."""
     reverse: bool = False
     """Whether the tour is walked in the opposite direction; see `TourConfig.reverse`."""
-    frame_rate_hz: Annotated[float, Gt(0)] = 10.0
+    frame_rate_hz: Annotated[float, Interval(ge=0.1, le=FASTEST_HZ)] = 10.0
     """Observations per second [Hz]. With fewer than two observations per keyframe, LEXIS triangulates no landmarks."""
     sway: SwayName = "none"
     """Gait whose sway is added to the motion of the camera; see `sim.tours.sway`."""
@@ -122,13 +127,15 @@ class Scenario(Settings, place="scenario", error=SimError):
             if str(error).startswith(str(path)):
                 raise
             raise SimError(f"{path}: {error}") from None
+        except WorldsError as error:
+            raise reworded(error, f"{path}: {error}") from None
 
 
 def scenario_of(data: object) -> Scenario:
     """Build a scenario from plain data; absent fields get defaults. Raises `SimError` or `worlds.WorldsError` if invalid."""
     if not isinstance(data, Mapping) or data.get("format") != FORMAT:
         raise SimError(f"is no scenario; valid: a JSON object with format {FORMAT!r}")
-    if data.get("version") != VERSION:
+    if type(data.get("version")) is not int or data["version"] != VERSION:
         raise SimError(f"scenario has version {data.get('version')!r:.40}; valid: {VERSION}")
     values = {name: value for name, value in data.items() if name not in ("format", "version")}
     if values.get("house") is not None:
@@ -172,6 +179,8 @@ def _fault(data: Mapping[str, Any]) -> Fault:
     for key, value in values.items():
         if key not in known:
             raise SimError(f"scenario.faults: {name} has no field {key!r:.60}; valid: {', '.join(known)}")
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise SimError(f"scenario.faults: {name}.{key} is {value!r:.60}; valid: a number")
+        whole = known[key] is int
+        if type(value) not in (int, *(() if whole else (float,))) or not abs(value) <= _LARGEST:
+            valid = f"a {'whole ' if whole else ''}number up to {_LARGEST:g}"
+            raise SimError(f"scenario.faults: {name}.{key} is {value!r:.60}; valid: {valid}")
     return kind(**values)

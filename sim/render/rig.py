@@ -1,10 +1,10 @@
 """Camera rigs: several cameras mounted on one body, and a renderer of all of them in one GL context."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from numbers import Real
 from types import MappingProxyType, TracebackType
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from annotated_types import Ge, Interval
@@ -28,6 +28,8 @@ LEVER_ARM_M = 0.15
 """Largest distance between the IMU and the cameras that `displaced` accepts [m]."""
 FREE_M = 0.24
 """Horizontal distance from the IMU within which cameras are free of obstacles [m]: the body keeps 0.25 m away from these."""
+_LARGEST = 1e6
+"""Largest number in the lever arm of a configuration, in metres or degrees."""
 _FISHEYE_PX = 480
 _FISHEYE_DEG = 180.0
 
@@ -99,9 +101,13 @@ class RigConfig(Settings, place="rig", error=SimError):
             raise SimError(f"unknown rig {self.name!r}{did_you_mean(self.name, RIGS)}; valid: {', '.join(RIGS)}")
         for name in ("lever_arm_m", "lever_arm_rpy_deg"):
             value = getattr(self, name)
-            if len(value) != 3 or not all(isinstance(each, Real) for each in value):
-                self.refuse(name, "three numbers")
+            if not isinstance(value, Sequence) or len(value) != 3 or not all(map(_is_small, value)):
+                self.refuse(name, f"three numbers up to {_LARGEST:g}")
             object.__setattr__(self, name, tuple(map(float, value)))  # JSON has lists
+
+
+def _is_small(number: Any) -> bool:
+    return isinstance(number, Real) and bool(abs(number) <= _LARGEST)  # type: ignore[operator]
 
 
 def build_rig(config: RigConfig) -> Rig:

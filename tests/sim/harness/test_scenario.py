@@ -18,6 +18,7 @@ from sim.odometry.config import ODOMETRY_PRESETS
 from sim.render.rig import RIGS, RigConfig
 from sim.tours.config import TOUR_KINDS
 from sim.tours.sway import SWAYS
+from worlds.errors import WorldsError
 from worlds.presets import PRESETS, sample_from_rooms
 
 HOUSE = sample_from_rooms(("kitchen", "bedroom"), seed=21)
@@ -87,7 +88,14 @@ GOOD = {"format": "lexis-scenario", "version": 1}
         (GOOD | {"faults": [{"name": "fog"}]}, "scenario.faults: unknown fault 'fog'; valid: dropped"),
         (GOOD | {"faults": [{"name": "dropped", "sahre": 1}]}, "scenario.faults: dropped has no field 'sahre'; valid: "),
         (GOOD | {"faults": [{"name": "dropped", "share": "x"}]}, "scenario.faults: dropped.share is 'x'; valid: a number"),
+        (GOOD | {"faults": [{"name": "dropped", "burst": 2.5}]}, "scenario.faults: dropped.burst is 2.5; valid: a whole"),
+        (GOOD | {"faults": [{"name": "kidnap", "at_s": 10**400}]}, "scenario.faults: kidnap.at_s is 1"),
+        (GOOD | {"version": True}, "scenario has version True; valid: 1"),
+        (GOOD | {"frame_rate_hz": 1e308}, "scenario.frame_rate_hz is 1e+308; valid: >= 0.1 and <= 120 Hz"),
+        (GOOD | {"length_m": 2**70}, "scenario.length_m is 1.18"),
         (GOOD | {"rig": {"name": "wide", "width": 3}}, "rig.width is 3; valid: >= 16"),
+        (GOOD | {"rig": {"lever_arm_m": None}}, "rig.lever_arm_m is None; valid: three numbers up to 1e+06"),
+        (GOOD | {"rig": {"lever_arm_rpy_deg": [0, 0, 10**400]}}, "rig.lever_arm_rpy_deg is (0.0, 0.0, 1"),
     ],
 )
 def test_bad_data_names_the_field_and_what_is_valid(data, message):
@@ -100,6 +108,9 @@ def test_a_bad_file_is_named(tmp_path):
     file = tmp_path / "scenario.json"
     file.write_text(json.dumps(GOOD | {"sede": 3}))
     with pytest.raises(SimError, match=r"scenario\.json: scenario has no setting 'sede'"):
+        Scenario.load(file)
+    file.write_text(json.dumps(GOOD | {"house": {"storeys": []}}))
+    with pytest.raises(WorldsError, match=r"^.*scenario\.json: "):
         Scenario.load(file)
     file.write_text("{")
     with pytest.raises(SimError, match=r"scenario\.json: cannot be used: is not JSON"):
