@@ -5,15 +5,19 @@ from dataclasses import dataclass, field
 from numbers import Real
 from operator import index
 from types import MappingProxyType
+from typing import TypeGuard
 
 import numpy as np
 from jaxtyping import Float64, Int
 
+from lexis.inputs import MAX_POSITION_M
 from lexis.maths.se3 import is_rigid
 from lexis.types import Poses
 from sim.errors import ClaimError
 
 _NO_SECONDS: Mapping[str, float] = MappingProxyType({})
+_LONGEST_S = 1e9
+"""Longest time of a stage [s]."""
 _RIGID = 1e-3
 """Tolerance in the check of claimed rotation matrices, which may have been computed in single precision."""
 _FORMS: Mapping[str, tuple[str, tuple[int | None, ...]]] = MappingProxyType(
@@ -70,8 +74,8 @@ class Estimate:
     """The claims of a SLAM about a run. Arrays have one row for each frame in `frames`: a SLAM's keyframes, or all frames.
 
     Raises `ClaimError` for claims of another type than the fields state; for arrays that differ in their number of rows, or
-    have numbers that are not finite; for rows that do not exist; for poses that are no rigid motions; for labels, rooms and
-    floors below -1; and for loops whose query is not later than its match.
+    have numbers that are not finite; for rows that do not exist; for poses that are no rigid motions or not on Earth; for
+    labels, rooms and floors below -1; and for loops whose query is not later than its match.
     """
 
     frames: Int[np.ndarray, "n"]
@@ -119,8 +123,8 @@ class Estimate:
         rows += [] if self.candidates is None else _candidate_rows(self.candidates)
         rows += [] if self.verdicts is None else _verdict_rows(self.verdicts)
         object.__setattr__(self, "stage_seconds", _checked_stages(self.stage_seconds))
-        if self.encoder is not None and not isinstance(self.encoder, str):
-            raise ClaimError(f"estimate: encoder is {_form_of(self.encoder)}; valid: a text")
+        if self.encoder is not None:
+            _check_text("encoder", self.encoder)
         if rows and not 0 <= min(rows) <= max(rows) < n:
             found = f"rows {min(rows)} to {max(rows)}"
             raise ClaimError(f"estimate: loops, candidates and verdicts refer to {found}; valid: 0 to {n - 1}")
@@ -166,18 +170,37 @@ def _verdict_rows(verdicts: object) -> list[int]:
     if not isinstance(verdicts, Sequence) or not all(isinstance(each, VerdictClaim) for each in verdicts):
         raise ClaimError(f"estimate: verdicts is {verdicts!r:.60}; valid: a tuple of VerdictClaim")
     for verdict in verdicts:
+        _check_text("reason of a verdict", verdict.reason)
+        if not isinstance(verdict.figures, Mapping):
+            raise ClaimError(
+                f"estimate: figures of a verdict are {verdict.figures!r:.40}; valid: a mapping of names to numbers"
+            )
         for name, value in verdict.figures.items():
+            _check_text("name of a figure of a verdict", name)
             if not isinstance(value, Real):
                 given = f"figures[{name!r:.40}] of a verdict is {value!r:.40}"
                 raise ClaimError(f"estimate: {given}; valid: a number; leave unknown figures out")
-    return [row for verdict in verdicts for row in (verdict.query, verdict.match)]
+    try:
+        return [index(row) for verdict in verdicts for row in (verdict.query, verdict.match)]
+    except TypeError:
+        raise ClaimError("estimate: query or match of a verdict is no whole number; valid: rows of frames") from None
 
 
 def _checked_stages(seconds: object) -> Mapping[str, float]:
     """Return the times of the stages as numbers of Python. Raises `ClaimError` for anything but a mapping to numbers."""
     if not isinstance(seconds, Mapping) or not all(isinstance(each, Real) for each in seconds.values()):
         raise ClaimError(f"estimate: stage_seconds is {seconds!r:.60}; valid: a mapping of the stage's name to seconds")
-    return MappingProxyType({str(name): float(value) for name, value in seconds.items()})
+    for name, value in seconds.items():
+        _check_text("name in stage_seconds", name)
+        if not 0.0 <= value <= _LONGEST_S:
+            raise ClaimError(f"estimate: stage_seconds[{name!r:.40}] is {value!r:.40}; valid: 0 to {_LONGEST_S:g} s")
+    return MappingProxyType({name: float(value) for name, value in seconds.items()})
+
+
+def _check_text(name: str, text: object) -> None:
+    """Raise `ClaimError` unless a claim is a text that can be written to a file."""
+    if not isinstance(text, str) or (not text.isascii() and text.encode(errors="replace").decode() != text):
+        raise ClaimError(f"estimate: {name} is {text!r:.40}; valid: a text")
 
 
 def _check_loops(loops: object) -> None:
@@ -209,12 +232,17 @@ def _check_rigid(name: str, motions: Float64[np.ndarray, "n 4 4"]) -> None:
         if is_rigid(np.asarray(motions[row], np.float64).T, _RIGID):
             raise ClaimError(f"{problem}: the last row is not 0 0 0 1; is the pose transposed?")
         raise ClaimError(f"{problem}; valid: rotation and translation")
+    far = np.abs(motions[:, :3, 3]).max(axis=1, initial=0.0) > MAX_POSITION_M
+    if far.any():
+        raise ClaimError(
+            f"estimate: {name} is beyond {MAX_POSITION_M:g} m in row {int(far.argmax())}; valid: places on Earth"
+        )
 
 
 def _check_rows(name: str, claim: object, n: int, kinds: str, row: tuple[int | None, ...]) -> None:
     """Raise `ClaimError` unless a claim is an array with `n` finite rows of the given shape."""
     wanted = "whole numbers" if kinds == "iu" else "numbers"
-    if not isinstance(claim, np.ndarray) or claim.dtype.kind not in kinds or claim.ndim != 1 + len(row):
+    if not _is_plain(claim) or claim.dtype.kind not in kinds or claim.ndim != 1 + len(row):
         shape = ", ".join(["n", *("any" if size is None else str(size) for size in row)])
         valid = f"an array of {wanted} of shape ({shape}){_MEANINGS.get(name, '')}"
         raise ClaimError(f"estimate: {name} is {_form_of(claim)}; valid: {valid}")
@@ -228,4 +256,9 @@ def _check_rows(name: str, claim: object, n: int, kinds: str, row: tuple[int | N
 
 def _form_of(value: object) -> str:
     """Return the type of a value, or the number type and shape of an array, as text for messages."""
-    return f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"
+    return f"{value.dtype} {value.shape}" if _is_plain(value) else f"a {type(value).__name__}"
+
+
+def _is_plain(value: object) -> TypeGuard[np.ndarray]:
+    """Whether a value is an array of numpy, and not one that hides some of its numbers."""
+    return isinstance(value, np.ndarray) and not isinstance(value, np.ma.MaskedArray)

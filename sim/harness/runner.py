@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from typing import NamedTuple
 
@@ -171,7 +171,8 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     if not isinstance(estimate, Estimate):
         raise ClaimError(f"SLAM under test: finish() returned {type(estimate).__name__}; valid: an Estimate")
     seconds = timed.seconds | {"render_s": session.render_seconds - rendered_before_s}
-    _check_estimate(estimate, given, len(walked.house.spec.room_labels))
+    # The claims are checked again, because a SLAM may have written into its arrays since it made the estimate.
+    _check_estimate(replace(estimate), given, len(walked.house.spec.room_labels))
     last.run = Run(
         scenario, session.house, walked.walkable, session, slam, estimate, given, seconds, tuple(delivered), tuple(refused)
     )

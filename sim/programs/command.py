@@ -108,7 +108,7 @@ def run_command(
         try:
             estimate = read_estimate(folders[OUT], _times(take, frames), take.walk.house.spec.room_labels)
         except (SimError, LexisError) as error:
-            raise ClaimError(str(error)) from error
+            raise ClaimError(str(error).replace(str(folders[OUT]), OUT)) from error
     walked = frames[take.rest_frames :]
     last.run = Run(
         scenario,
