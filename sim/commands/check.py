@@ -3,6 +3,7 @@
 import argparse
 import shlex
 import sys
+from functools import partial
 from typing import TYPE_CHECKING
 
 from lexis.command_line import MAX_LINE, Commands, add_command, warn_of_replacement
@@ -44,7 +45,7 @@ def _check(arguments: argparse.Namespace) -> int:
         return run_suite(arguments)
     refuse_suite_options(arguments)
     from sim.harness import Claim, evaluate, write_run
-    from sim.harness.crash import Crash, attempt, attempt_plans
+    from sim.harness.crash import Crash, attempt, attempt_plans, attempt_write
     from sim.harness.failure_signature import CRASH
     from sim.harness.outputs import MARKERS, REPORT
 
@@ -67,7 +68,9 @@ def _check(arguments: argparse.Namespace) -> int:
         return _crashed(trials, arguments)
     result = evaluate(finished, trials)
     if arguments.out is not None:
-        write_run(finished, result, trials, arguments.out)
+        crash = attempt_write(finished, partial(write_run, finished, result, trials, arguments.out))
+        if crash is not None:
+            return _crashed(crash, arguments)
     print_result(finished, result, nulls=False, keys=True)
     if arguments.out is not None:
         print(f"report: {arguments.out / REPORT}")

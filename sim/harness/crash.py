@@ -3,13 +3,14 @@
 import os
 import traceback
 from collections.abc import Callable, Sequence
+from contextlib import chdir
 from dataclasses import dataclass
 from pathlib import Path
 
 import lexis
 import sim
 import worlds
-from lexis.errors import EncoderError, one_line
+from lexis.errors import EncoderError, LexisError, one_line
 from sim.errors import USER_ERRORS, ProgramError, SimError
 from sim.harness.last_run import noted
 from sim.harness.planning import Trial, try_plans
@@ -80,7 +81,7 @@ def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None
     are passed on. `SimError` and `EncoderError` are always passed on: the scenario or the claims of the SLAM are not valid,
     or a model cannot be loaded.
     """
-    with noted() as last:
+    with noted() as last, chdir("."):  # a SLAM may change the working directory
         last.in_slam = False
         try:
             return runner(scenario, progress)
@@ -99,7 +100,7 @@ def attempt_plans(finished: Run) -> Sequence[Trial] | Crash:
 
     Exceptions from outside `plan` are passed on. Raises `ClaimError` for a plan that is not valid.
     """
-    with noted() as last:
+    with noted() as last, chdir("."):
         last.in_slam = False
         try:
             return try_plans(finished)
@@ -109,3 +110,21 @@ def attempt_plans(finished: Run) -> Sequence[Trial] | Crash:
             if not last.in_slam:
                 raise
             return Crash(finished.scenario, error, None, type(finished.slam).__name__)
+
+
+def attempt_write(finished: Run, write: Callable[[], None]) -> Crash | None:
+    """Call `write`, which writes the files of a finished run; return the crash if the SLAM's `save` raised an exception.
+
+    Exceptions from outside `save` are passed on, and so are `SimError` and `LexisError`: the files cannot be written.
+    """
+    with noted() as last, chdir("."):
+        last.in_slam = False
+        try:
+            write()
+        except (SimError, LexisError):
+            raise
+        except USER_ERRORS as error:
+            if not last.in_slam:
+                raise
+            return Crash(finished.scenario, error, None, type(finished.slam).__name__)
+    return None

@@ -1,6 +1,7 @@
 """Writes the folder of a run or of a crash; the folder is written completely or not at all."""
 
 import json
+import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -8,7 +9,9 @@ from types import MappingProxyType
 
 from lexis.files.replace import replaced_folder
 from lexis.files.tum_trajectory import write_tum
+from sim.errors import ClaimError
 from sim.harness.crash import TRACEBACK, Crash
+from sim.harness.last_run import last_run
 from sim.harness.planning import Trial
 from sim.harness.report_data import report_data
 from sim.harness.results import RESULT, RunResult
@@ -34,7 +37,8 @@ def write_run(
     """Write result.json, scenario.json, house.json, report.html, the trajectories and the SLAM's own files to `out`.
 
     `more` contains further files: their contents, by file name. The report shows the `failure`, if there is one. A folder of
-    an earlier run is replaced. Raises `LexisError` where `out` holds anything else or cannot be written.
+    an earlier run is replaced. Raises `LexisError` where `out` holds anything else or cannot be written, `ClaimError` where
+    a file of the SLAM has the name of a file of the harness, and whatever the SLAM raises.
     """
     with _folder_with(more, out) as folder:
         fill_run_folder(run, result, trials, folder, failure)
@@ -69,13 +73,24 @@ def fill_run_folder(
     run: Run, result: RunResult, trials: Sequence[Trial], folder: Path, failure: ShownFailure | None = None
 ) -> None:
     """Write the files of `write_run` into an existing folder."""
-    (folder / RESULT).write_text(json.dumps(result.data(), indent=1) + "\n")
+    (folder / RESULT).write_text(json.dumps(result.data(), indent=1, allow_nan=False) + "\n")
     (folder / "house.json").write_text(run.house.spec.to_json())
     run.scenario.save(folder / SCENARIO)
     if run.estimate.T_W_B is not None:
         write_tum(folder / "trajectory.tum", run.stamps, run.estimate.T_W_B)
     write_tum(folder / "ground_truth.tum", run.stamps, run.true_poses)
     write_tum(folder / "odometry.tum", run.stamps, run.odometry_poses)
-    if isinstance(run.slam, SavesFiles):
-        run.slam.save(folder)
     write_report(folder / REPORT, report_data(run, result, trials, failure))
+    if isinstance(run.slam, SavesFiles):
+        _save_files_of(run.slam, folder)
+
+
+def _save_files_of(slam: SavesFiles, folder: Path) -> None:
+    """Let a SLAM write files into an empty folder, and move them into the folder of the run."""
+    with tempfile.TemporaryDirectory(dir=folder.parent) as name:
+        with last_run().calling_slam():
+            slam.save(Path(name))
+        for path in sorted(Path(name).iterdir()):
+            if (folder / path.name).exists():
+                raise ClaimError(f"SLAM under test: save() wrote {path.name!r}, a name of the harness; valid: other names")
+            path.rename(folder / path.name)

@@ -112,7 +112,10 @@ class SavesFiles(Protocol):
     """Interface of a SLAM that adds files of its own to the folder of a run."""
 
     def save(self, folder: Path) -> None:
-        """Write files into `folder`. The harness calls this method after `finish`."""
+        """Write files into `folder`, which is empty. The harness calls this method after `finish`.
+
+        The harness then moves the files into the folder of the run, whose own files have other names.
+        """
 
 
 @dataclass(frozen=True)

@@ -38,6 +38,9 @@ def folder(tmp_path, monkeypatch):
         "class Half:\n    def start(self, camera, room_names): pass\n"
         "class Lost(Mine):\n    def finish(self): return 1 / 0\n"
         "class Leaving(Mine):\n    def finish(self): raise SystemExit(0)\n"
+        "class Unsaved(Mine):\n    def save(self, folder): 1 / 0\n"
+        "class Roaming(Mine):\n    def process(self, seen):\n        import os\n        os.chdir('/')\n"
+        "        super().process(seen)\n"
         "class Lexical(Mine):\n    def start(self, camera, names): raise LexisError('no floor')\n"
         "class Unlicensed(Mine):\n    def __init__(self): raise OSError('no licence')\n"
         "class Planless(Mine):\n    def plan(self, start, goal): raise KeyError(goal)\n"
@@ -51,6 +54,18 @@ def folder(tmp_path, monkeypatch):
     yield tmp_path
     for name in ("own_slam_here", "own_slam_broken", "own_slam_exits"):
         sys.modules.pop(name, None)
+
+
+def test_a_slam_that_cannot_save_its_files_has_crashed(folder, capsys):
+    assert status_of(["check", "--scenario", "scenario.json", "--slam", "own_slam_here:Unsaved", "-o", "out"]) == 1
+    printed = capsys.readouterr()
+    assert "failed: the SLAM raises ZeroDivisionError: division by zero" in printed.err and "why: out/why.md" in printed.out
+    assert "1 / 0" in (folder / "out" / "failure-traceback.txt").read_text()
+
+
+def test_a_slam_may_change_the_working_directory(folder, capsys):
+    assert status_of(["check", "--scenario", "scenario.json", "--slam", "own_slam_here:Roaming", "-o", "out"]) == 0
+    assert (folder / "out" / "result.json").is_file()
 
 
 def test_a_check_in_which_nothing_fails(capsys):

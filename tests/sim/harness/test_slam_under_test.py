@@ -148,7 +148,19 @@ def test_claims_of_another_size_are_named():
             {"stage_seconds": {"loops": None}},
             "stage_seconds is {'loops': None}; valid: a mapping of the stage's name to seconds",
         ),
-        ({"encoder": 5}, "encoder is a int; valid: a text"),
+        ({"stage_seconds": {"loops": np.nan}}, "stage_seconds['loops'] is nan; valid: 0 to 1e+09 s"),
+        ({"stage_seconds": {"loops": 10**400}}, "stage_seconds['loops'] is 1"),
+        ({"stage_seconds": {3: 1.0}}, "name in stage_seconds is 3; valid: a text"),
+        ({"encoder": 5}, "encoder is 5; valid: a text"),
+        ({"encoder": "\ud800"}, r"encoder is '\ud800'; valid: a text"),
+        ({"T_W_B": np.ma.masked_array(np.tile(np.eye(4), (5, 1, 1)), mask=True)}, "T_W_B is a MaskedArray; valid: an array"),
+        (
+            {"T_W_B": np.tile(np.eye(4), (5, 1, 1)) + np.eye(4, k=3) * 1e160},
+            "T_W_B is beyond 1e+08 m in row 0; valid: places",
+        ),
+        ({"verdicts": (VerdictClaim(None, 0, True, "", {}),)}, "query or match of a verdict is no whole number"),
+        ({"verdicts": (VerdictClaim(1, 0, True, ["far"], {}),)}, "reason of a verdict is ['far']; valid: a text"),
+        ({"verdicts": (VerdictClaim(1, 0, True, "", None),)}, "figures of a verdict are None; valid: a mapping"),
         (
             {"verdicts": (VerdictClaim(1, 0, True, "", {"inliers": None}),)},
             "figures['inliers'] of a verdict is None; valid: a number",
@@ -194,6 +206,45 @@ def test_a_crash_is_placed_at_the_frame_that_the_slam_was_given_even_if_frames_w
     faulty = Scenario(**{**vars(SCENARIO), "faults": (Dropped(0.5),)})
     crash = attempt(lambda scenario, progress: run(scenario, slam, progress), faulty)
     assert crash_frame(scene_of(faulty), crash.done).frame == slam.frames[-1] > 10
+
+
+def test_claims_are_checked_as_they_are_returned():
+    class Spoiling(Recorder):
+        def finish(self):
+            estimate = super().finish()
+            estimate.T_W_B[5, 0, 3] = np.nan
+            return estimate
+
+    with pytest.raises(SimError, match="T_W_B is not finite in row 5"):
+        check(SCENARIO, Spoiling(T_W_B=poses))
+
+
+class Saving(Recorder):
+    """Saves a file in its own folder and one beside it."""
+
+    def save(self, folder):
+        assert not list(folder.iterdir())
+        (folder / "map").mkdir()
+        for name in ("map/weights.bin", self.claims.get("name", "notes.txt")):
+            (folder / name).write_text("own")
+
+    def finish(self):
+        return Estimate(np.array(self.frames))
+
+
+def test_files_of_a_slam_are_in_the_folder_of_the_run(tmp_path):
+    finished = run(SCENARIO, Saving())
+    write_run(finished, evaluate(finished), (), tmp_path / "out")
+    assert (tmp_path / "out" / "map" / "weights.bin").read_text() == (tmp_path / "out" / "notes.txt").read_text() == "own"
+    write_run(finished, evaluate(finished), (), tmp_path / "out")
+
+
+@pytest.mark.parametrize("name", ["result.json", "scenario.json", "report.html"])
+def test_files_of_a_slam_never_replace_those_of_the_harness(tmp_path, name):
+    finished = run(SCENARIO, Saving(name=name))
+    with pytest.raises(SimError, match=re.escape(f"save() wrote {name!r}, a name of the harness")):
+        write_run(finished, evaluate(finished), (), tmp_path / "out")
+    assert not list(tmp_path.iterdir())
 
 
 def test_loops_of_another_form_are_named():
