@@ -68,6 +68,9 @@ class StoreyGrid:
     free: Bool[np.ndarray, "rows columns"]
     occupied: Bool[np.ndarray, "rows columns"]
     """Occupied cells. Cells that are neither free nor occupied are unknown."""
+    low: Bool[np.ndarray, "rows columns"]
+    """Cells that a view looks through below `LOW_M` above the floor, and those of the camera's path. Free cells that are not
+    among them may be over a table."""
     heights: tuple[float, float]
     """Heights of the floor and the ceiling in W, as far as the landmarks and cameras show them [m]."""
 
@@ -112,7 +115,7 @@ def storey_grid(map: LexisMap, floor: int) -> StoreyGrid:
     views = count_views(map, floor)
     occupied = views.occupied(OCCUPIED_SHARE)
     free = ((views.passed >= MIN_VIEWS) & ~occupied) | views.walked
-    return StoreyGrid(floor, views.origin, free, occupied, views.heights)
+    return StoreyGrid(floor, views.origin, free, occupied, (views.low > 0) | views.walked, views.heights)
 
 
 def count_views(map: LexisMap, floor: int) -> ViewCounts:

@@ -2,7 +2,8 @@
 
 For floor 0, the folder holds `floor0.yaml`, `floor0.pgm` and `floor0.geojson`, and so on for other floors. `storeys.json`
 lists the storeys. Pixels are 254 for free, 0 for occupied and 205 for unknown cells, as map_saver writes them; the
-thresholds are chosen so that unknown cells do not count as free. All coordinates are in the frame W of the map [m], also
+thresholds are chosen so that unknown cells do not count as free. A cell is only free if a camera also looks through it near
+the floor, because otherwise it may be over a table. All coordinates are in the frame W of the map [m], also
 those of the GeoJSON.
 """
 
@@ -67,7 +68,7 @@ def _entry(grid: StoreyGrid) -> dict[str, Any]:
 def _pixels(grid: StoreyGrid) -> UInt8[np.ndarray, "rows columns"]:
     """Return the image of a grid. Its first row is the row with the highest y."""
     pixels = np.full(grid.free.shape, UNKNOWN, np.uint8)
-    pixels[grid.free] = FREE
+    pixels[grid.free & grid.low] = FREE
     pixels[grid.occupied] = OCCUPIED
     return pixels[::-1]
 

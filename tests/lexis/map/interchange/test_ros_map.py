@@ -1,6 +1,7 @@
 """The grids mean to map_server what they should: each place is free, occupied or unknown, at its coordinates."""
 
 import json
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -12,6 +13,8 @@ from helpers.two_rooms import ROOMS, two_rooms
 from lexis.errors import LexisError, MapError
 from lexis.files.replace import CONTENTS
 from lexis.map.export import export_map
+from lexis.maths.se3 import transform
+from lexis.types import Landmarks
 
 
 @pytest.fixture(scope="module")
@@ -85,3 +88,18 @@ def test_a_map_of_stairs_alone_has_no_grid(tmp_path):
     whole.floors[:] = -1
     with pytest.raises(MapError, match="only stairs"):
         export_map(whole, "ros", tmp_path / "maps")
+
+
+def test_a_place_that_cameras_only_look_over_is_not_free(folder, tmp_path):
+    """Without landmarks near the floor, every line of sight passes above tables. The path of the camera stays free."""
+    seen = two_rooms(np.random.default_rng(3))
+    over = tuple(
+        replace(each, landmarks=Landmarks(kept, np.full(len(kept), -1)))
+        for each, T_W_B in zip(seen.keyframes, seen.T_W_B, strict=True)
+        for points in (each.landmarks.points,)
+        for height in (transform(T_W_B, points)[:, 2],)
+        for kept in (points[(height > 1.0) | (height < 0.1) & (each.id < 2)],)
+    )
+    export_map(replace(seen, keyframes=over), "ros", tmp_path / "over")
+    assert state(folder, 6.0, 1.0) == "free" and state(tmp_path / "over", 6.0, 1.0) == "unknown"
+    assert state(tmp_path / "over", 6.0, 2.0) == "free"
