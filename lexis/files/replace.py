@@ -23,8 +23,8 @@ from lexis.files.temporary_folder import remove_abandoned, temporary_folder
 
 CONTENTS = ".lexis-contents"
 """File in every folder that `replaced_folder` has written: the names of all other files in it, one a line."""
-_CACHE = "__pycache__"
-"""Folders in which Python keeps what can be made again, for example when a written test is run."""
+_CACHES = {"__pycache__", ".pytest_cache", ".hypothesis"}
+"""Folders in which Python and pytest keep what can be made again, for example when a written test is run."""
 _TRIES = 100
 """Number of attempts to replace a folder that other processes keep replacing too."""
 _OCCUPIED = (errno.EEXIST, errno.ENOTEMPTY, errno.ENOTDIR)
@@ -138,7 +138,7 @@ def _check_own(path: Path, target: Path) -> None:
 def _files(folder: Path) -> list[str]:
     """Return the paths of all files in a folder, relative to it, except for its list and for caches of Python."""
     paths = (path.relative_to(folder) for path in folder.rglob("*") if path.is_symlink() or not path.is_dir())
-    return sorted(path.as_posix() for path in paths if path != Path(CONTENTS) and _CACHE not in path.parts)
+    return sorted(path.as_posix() for path in paths if path != Path(CONTENTS) and not _CACHES & set(path.parts))
 
 
 @contextmanager

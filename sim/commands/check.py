@@ -114,5 +114,5 @@ def _failure(fails: "Claim", result: "RunResult") -> str:
     value = fails.value(result)
     if value is None:
         null = " or ".join(fails.figures)
-        return f"failed: {null} is null, because the run has no such figure; it cannot be judged by {str(fails)!r}"
+        return f"failed: {null} is null: the SLAM makes no claim about it, or nothing in the run calls for it; it cannot be judged by {str(fails)!r}"
     return f"failed: {fails.figure} is {value:g}, and fails if {fails}"

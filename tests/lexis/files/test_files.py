@@ -287,10 +287,11 @@ def test_a_marker_alone_does_not_make_a_folder_replaceable(tmp_path):
         check_replaceable(tmp_path, MARKER)
 
 
-def test_caches_of_python_are_no_files_of_others(tmp_path, way):
+@pytest.mark.parametrize("cache", ["__pycache__", ".pytest_cache", ".hypothesis"])
+def test_caches_of_python_and_pytest_are_no_files_of_others(tmp_path, way, cache):
     write(tmp_path / "map", "old")
-    (tmp_path / "map" / "__pycache__").mkdir()
-    (tmp_path / "map" / "__pycache__" / "test_replay.pyc").write_text("")
+    (tmp_path / "map" / cache / "v").mkdir(parents=True)
+    (tmp_path / "map" / cache / "v" / "cached").write_text("")
     check_replaceable(tmp_path / "map", MARKER)
     write(tmp_path / "map", "new")
     assert content_of(tmp_path / "map") == "new"
