@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int
 
 from worlds.furniture.catalogue import CATALOGUE
+from worlds.furniture.registry import own_kinds
 from worlds.house import House
 from worlds.labels import ROOM_LABELS
 from worlds.truth import NOWHERE
@@ -17,8 +18,7 @@ from worlds.visuals.surface_textures import finishes
 from worlds.visuals.surfaces import rectangles
 
 SURFACES = ("wall", "floor", "ceiling")
-_SHIPPED = sorted(name for name, kind in CATALOGUE.items() if kind.build.__module__.startswith("worlds."))
-OBJECTS = (*_SHIPPED, "door", "window", STAIRS_OBJECT)
+OBJECTS = (*sorted(CATALOGUE.keys() - set(own_kinds())), "door", "window", STAIRS_OBJECT)
 """Kinds of objects that the included feature model knows. Furniture that a user declares has none of these kinds."""
 KINDS = (*OBJECTS, *(f"{pattern} {surface}" for surface in SURFACES for pattern in PATTERNS))
 """Visual kinds of things: kinds of objects, then one kind for each combination of a surface and a pattern of its finish. The

@@ -22,10 +22,12 @@ from sim.render.rig import RigConfig
 from sim.tours.config import TourKind
 from sim.tours.sway import SwayName
 from worlds.errors import WorldsError, reworded
+from worlds.furniture.registry import own_kinds
 from worlds.spec import HouseSpec
 from worlds.valid_names import did_you_mean
 
 FORMAT = "lexis-scenario"
+_OWN_FURNITURE = "own_furniture"
 VERSION = 1
 NEEDS_PIXELS = (ImageFault, Smear, ClosedDoors, Pedestrian)
 """Faults that the feature sensor cannot represent, because it has no pixels and sees no moving doors or people."""
@@ -94,8 +96,12 @@ class Scenario(Settings, place="scenario", error=SimError):
             raise SimError(f"fault {unseen[0]!r} is seen in images only; valid: with fidelity 'render'")
 
     def data(self) -> dict[str, Any]:
-        """Return the scenario as plain data for JSON; `scenario_of` is the inverse."""
+        """Return the scenario as plain data for JSON; `scenario_of` is the inverse.
+
+        If the user has declared kinds of furniture, the data name them, because without them another house would be built.
+        """
         plain = {each.name: getattr(self, each.name) for each in fields(self)}
+        own = {_OWN_FURNITURE: list(kinds)} if (kinds := own_kinds()) else {}
         return (
             {"format": FORMAT, "version": VERSION}
             | plain
@@ -105,6 +111,7 @@ class Scenario(Settings, place="scenario", error=SimError):
                 "faults": [_fault_data(fault) for fault in self.faults],
                 "rig": settings_data(self.rig),
             }
+            | own
         )
 
     @property
@@ -137,7 +144,8 @@ def scenario_of(data: object) -> Scenario:
         raise SimError(f"is no scenario; valid: a JSON object with format {FORMAT!r}")
     if type(data.get("version")) is not int or data["version"] != VERSION:
         raise SimError(f"scenario has version {data.get('version')!r:.40}; valid: {VERSION}")
-    values = {name: value for name, value in data.items() if name not in ("format", "version")}
+    _check_declared(data.get(_OWN_FURNITURE, []))
+    values = {name: value for name, value in data.items() if name not in ("format", "version", _OWN_FURNITURE)}
     if values.get("house") is not None:
         values["house"] = HouseSpec.from_json(json.dumps(values["house"]))
     if values.get("feature_model") is not None:
@@ -145,6 +153,17 @@ def scenario_of(data: object) -> Scenario:
     if "faults" in values:
         values["faults"] = _faults(values["faults"])
     return settings_of(Scenario, values)
+
+
+def _check_declared(kinds: object) -> None:
+    """Raise `SimError` unless all kinds of furniture are declared that were declared where the scenario was made."""
+    if not isinstance(kinds, list) or not all(isinstance(kind, str) for kind in kinds):
+        raise SimError(f"scenario.{_OWN_FURNITURE} is {kinds!r:.60}; valid: a list of names")
+    if missing := sorted(set(kinds) - set(own_kinds())):
+        raise SimError(
+            f"scenario was made with a kind of furniture that is not declared here, {missing[0]!r:.60}, so that the house "
+            "would be another one; valid: a program or test that imports the module with its @furniture"
+        )
 
 
 def _with_whole_numbers(data: Any) -> Any:

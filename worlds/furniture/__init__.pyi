@@ -39,6 +39,7 @@ from .palette import WHITE as WHITE
 from .palette import WHITES as WHITES
 from .palette import WOODS as WOODS
 from .palette import pick as pick
+from .registry import own_kinds as own_kinds
 from .shapes import about as about
 from .shapes import ball as ball
 from .shapes import box as box

@@ -41,6 +41,11 @@ def furniture(
     return declare
 
 
+def own_kinds() -> tuple[str, ...]:
+    """Return the names of the kinds that users have declared, sorted. Houses that are built now may have such pieces."""
+    return tuple(sorted(name for name, kind in KINDS.items() if not kind.build.__module__.startswith("worlds.")))
+
+
 def _origin(build: Build) -> tuple[str, object]:
     """Return the module and the name of a build function."""
     return build.__module__, getattr(build, "__qualname__", build)

@@ -19,6 +19,7 @@ from sim.render.rig import RIGS, RigConfig
 from sim.tours.config import TOUR_KINDS
 from sim.tours.sway import SWAYS
 from worlds.errors import WorldsError
+from worlds.furniture import registry
 from worlds.presets import PRESETS, sample_from_rooms
 
 HOUSE = sample_from_rooms(("kitchen", "bedroom"), seed=21)
@@ -102,6 +103,18 @@ def test_bad_data_names_the_field_and_what_is_valid(data, message):
     with pytest.raises(SimError) as caught:
         scenario_of(data)
     assert str(caught.value).startswith(message)
+
+
+def test_furniture_of_ones_own_belongs_to_a_scenario(tmp_path, monkeypatch):
+    monkeypatch.setattr(registry, "KINDS", dict(registry.KINDS))
+    plain = Scenario().content_hash
+    sizes = dict.fromkeys(("width", "depth", "height"), (1.0, 1.2))
+    registry.furniture("grand piano", **sizes, rooms={"kitchen": (1, 1)})(lambda s, rng: ())
+    Scenario().save(tmp_path / "scenario.json")
+    assert Scenario.load(tmp_path / "scenario.json") == Scenario() and Scenario().content_hash != plain
+    del registry.KINDS["grand piano"]
+    with pytest.raises(SimError, match=r"scenario\.json: .* furniture that is not declared here, 'grand piano'.*@furniture"):
+        Scenario.load(tmp_path / "scenario.json")
 
 
 def test_a_bad_file_is_named(tmp_path):
