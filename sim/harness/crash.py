@@ -5,7 +5,9 @@ import traceback
 from collections.abc import Callable, Sequence
 from contextlib import chdir
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 import lexis
 import sim
@@ -22,6 +24,7 @@ Runner = Callable[[Scenario, Progress | None], Run]
 keeps its SLAM."""
 TRACEBACK = "failure-traceback.txt"
 """Name of the file with the traceback. A folder with this file is the output of a crash, which a new result may replace."""
+_Result = TypeVar("_Result")
 _NOT_OWN = tuple(
     f"{Path(package.__file__).parent}{os.sep}" for package in (lexis, sim, worlds, traceback) if package.__file__
 )
@@ -100,16 +103,7 @@ def attempt_plans(finished: Run) -> Sequence[Trial] | Crash:
 
     Exceptions from outside `plan` are passed on. Raises `ClaimError` for a plan that is not valid.
     """
-    with noted() as last, chdir("."):
-        last.in_slam = False
-        try:
-            return try_plans(finished)
-        except SimError:
-            raise
-        except USER_ERRORS as error:
-            if not last.in_slam:
-                raise
-            return Crash(finished.scenario, error, None, type(finished.slam).__name__)
+    return _attempted(finished, partial(try_plans, finished), SimError)
 
 
 def attempt_write(finished: Run, write: Callable[[], None]) -> Crash | None:
@@ -117,14 +111,21 @@ def attempt_write(finished: Run, write: Callable[[], None]) -> Crash | None:
 
     Exceptions from outside `save` are passed on, and so are `SimError` and `LexisError`: the files cannot be written.
     """
+    return _attempted(finished, write, SimError, LexisError)
+
+
+def _attempted(finished: Run, act: Callable[[], _Result], *passed_on: type[Exception]) -> _Result | Crash:
+    """Return what `act` returns, or the crash if a method of the SLAM of a finished run raised an exception in it.
+
+    Exceptions of the types `passed_on`, and those from outside the SLAM's methods, are passed on.
+    """
     with noted() as last, chdir("."):
         last.in_slam = False
         try:
-            write()
-        except (SimError, LexisError):
+            return act()
+        except passed_on:
             raise
         except USER_ERRORS as error:
             if not last.in_slam:
                 raise
             return Crash(finished.scenario, error, None, type(finished.slam).__name__)
-    return None
