@@ -67,7 +67,7 @@ def replaced_folder(path: Path, *markers: str) -> Iterator[Path]:
             new = folder / "new" / target.name
             new.mkdir()
             yield new
-            (new / CONTENTS).write_text("".join(f"{name}\n" for name in _files(new)), encoding="utf-8")
+            (new / CONTENTS).write_bytes(b"".join(os.fsencode(f"{name}\n") for name in _files(new)))
             _install(path, new, target, lambda: _replace_folder(path, new, target, folder / "old" / target.name, markers))
 
 
@@ -127,9 +127,8 @@ def _check_own(path: Path, target: Path) -> None:
     """Raise LexisError if the folder `target` holds a file that is not in its list. `path` is for messages."""
     if not target.is_dir():
         return
-    files = _files(target)
-    own = (target / CONTENTS).read_text(encoding="utf-8").splitlines() if (target / CONTENTS).is_file() else []
-    if strange := sorted(set(files) - set(own)):
+    own = os.fsdecode((target / CONTENTS).read_bytes()).split("\n") if (target / CONTENTS).is_file() else []
+    if strange := sorted(set(_files(target)) - set(own)):
         raise LexisError(
             f"{path}: holds {strange[0]}, which was not written with this folder and would be lost; valid: a new name"
         )
