@@ -21,6 +21,8 @@ _SLOPE = 0.02
 wall may be off by `snap_m`."""
 _AGREE_RAD = math.radians(3.0)
 """Largest angle between walls that count as having the same direction [rad]."""
+_LEAST_AREA_M2 = 0.25
+"""Least area of a room [m²]."""
 _ROUNDING_M = 1e-6
 """Tolerance for rounding [m]: lines 0.1 m apart in a file may be slightly more than 0.1 m apart in floating point."""
 _TURN_RAD = 1e-3
@@ -32,7 +34,8 @@ Lines = Callable[[float], float]
 def main_direction(rooms: Sequence[DrawnRoom]) -> float:
     """Return the angle from the x and y axes to the walls, counter-clockwise, in [-pi/4, pi/4] [rad].
 
-    The angle is 0 if the walls that agree on a direction make up less than half of the total length of all walls.
+    The angle is 0 if the walls that agree on a direction make up less than half of the total length of all walls, or if no
+    wall has a length.
     """
     edges = [edge for room in rooms for edge in _edges(room.corners)]
     length = np.array([math.dist(a, b) for a, b in edges])
@@ -44,7 +47,7 @@ def main_direction(rooms: Sequence[DrawnRoom]) -> float:
     mode = math.radians(float(np.argmax(near_by)) + 0.5)
     off = (angle - mode + math.pi / 4) % (math.pi / 2) - math.pi / 4
     agree = np.abs(off) <= _AGREE_RAD
-    if length[agree].sum() < 0.5 * length.sum() or not agree.any():
+    if length[agree].sum() < 0.5 * length.sum() or not length[agree].any():
         return 0.0
     main = mode + float(np.average(off[agree], weights=length[agree]))
     main = (main + math.pi / 4) % (math.pi / 2) - math.pi / 4
@@ -69,8 +72,11 @@ def straighten(outlines: Sequence[tuple[DrawnRoom, tuple[Point, ...]]], snap_m: 
     for (room, _), around in zip(outlines, walls, strict=True):
         lines = [(axis, (y if axis == 0 else x)(at)) for axis, at in around]
         polygon = _corners(lines)
-        if len(polygon) < 4 or abs(_area(polygon)) < 0.25:
-            raise SpecError(f"{room.where}: nothing is left of the room once its corners have snapped to common lines")
+        if len(polygon) < 4 or abs(_area(polygon)) < _LEAST_AREA_M2:
+            raise SpecError(
+                f"{room.where}: nothing is left of the room once its corners have snapped to common lines; "
+                f"valid: at least {_LEAST_AREA_M2} m² that are wider than {snap_m} m"
+            )
         polygons.append(polygon if _area(polygon) > 0 else polygon[::-1])
     return polygons
 
@@ -87,7 +93,10 @@ def _walls(room: DrawnRoom, corners: Sequence[Point], snap_m: float) -> Iterator
     """
     kept = [corner for corner, after in _edges(corners) if math.dist(corner, after) > snap_m]
     if len(kept) < 4:
-        raise SpecError(f"{room.where}: has too few corners; valid: at least 4 corners farther apart than {snap_m} m")
+        raise SpecError(
+            f"{room.where}: has too few corners; valid: at least 4 corners farther apart than {snap_m} m, at the scale of "
+            "the plan and after all transforms"
+        )
     for i, ((x0, y0), (x1, y1)) in enumerate(_edges(kept)):
         dx, dy = abs(x1 - x0), abs(y1 - y0)
         if min(dx, dy) > 2 * snap_m + _SLOPE * max(dx, dy) or min(dx, dy) > 0.5 * max(dx, dy):

@@ -57,6 +57,7 @@ _UNCLEAR = "several shapes could be the room that their group names"
 _PAGE = re.compile(r"\s*[\d.]+\s*(?:mm|cm|in|pt|pc)\s*")
 
 
+@np.errstate(over="ignore", invalid="ignore")  # huge transforms give infinite corners, which _points refuses
 def read_svg(text: str, metres_per_unit: float | None) -> DrawnPlan:
     """Read the plan in an SVG. Raises `SpecError` if the text is not SVG, or if a room or an opening is invalid.
 
@@ -107,13 +108,17 @@ def _scale(root: Element) -> float:
             "does not state its scale; give --metres-per-unit (in Python metres_per_unit) or data-metres-per-unit on <svg>, "
             "for example 0.01 where a unit is a centimetre"
         )
-    box = re.findall(r"[-+.\deE]+", root.get("viewBox", ""))
     page_px = length_px("<svg>", "width", width)
+    if page_px == 0.0:
+        raise SpecError(f"has a page with the width {width[:40]!r}; valid: a width above 0")
+    box = re.findall(r"[-+.\deE]+", root.get("viewBox", ""))
     try:
         units = float(box[2]) if len(box) == 4 else page_px
         return page_px * _PX_M / units
     except (ValueError, ZeroDivisionError):
-        raise SpecError(f"has the viewBox {root.get('viewBox', '')[:60]!r}; valid: x, y, width and height above 0") from None
+        raise SpecError(
+            f"has the viewBox {root.get('viewBox', '')[:60]!r}; valid: the numbers x, y, width and height, the width above 0"
+        ) from None
 
 
 def _check_true_to_scale(drawing: DrawnPlan, scale: float) -> None:

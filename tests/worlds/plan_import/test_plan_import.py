@@ -579,7 +579,8 @@ BOMB = '<!DOCTYPE svg [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;
         (f'<svg data-metres-per-unit="1"><path id="gym" d="M{"0 0 " * 250_001}Z"/></svg>', "more than 1000000 characters"),
         ('<svg data-metres-per-unit="1"><rect id="gym" width="5ft" height="3"/></svg>', "width is '5ft'"),
         ('<svg data-metres-per-unit="ten"/>', "data-metres-per-unit is 'ten'"),
-        ('<svg width="9mm" viewBox="0 0 0 9"/>', "has the viewBox '0 0 0 9'"),
+        ('<svg width="9mm" viewBox="0 0 0 9"/>', "has the viewBox '0 0 0 9'; valid: the numbers x, y,"),
+        ('<svg width="0mm"/>', "has a page with the width '0mm'; valid: a width above 0"),
         ("<svg data-metres-per-unit='1'><g id='a'><use href='#a'/></g></svg>", "nested deeper than 100"),
         (LAUGHS, "more than 100000"),
         (
@@ -593,6 +594,22 @@ def test_hostile_and_broken_svg_is_refused(tmp_path, text, message):
     path = tmp_path / "plan.svg"
     path.write_text(text)
     assert message in refusal(path)
+
+
+SINGULAR = ["scale(0)", "scale(0 1)", "scale(1e-9)", "skewX(90)", "matrix(0 0 0 0 0 0)", "matrix(1 1 1 1 0 0)"]
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("transform", [*SINGULAR, "scale(1e300) scale(1e300)"])
+def test_a_transform_that_leaves_nothing_of_a_room_is_refused_with_the_element(tmp_path, transform):
+    path = svg(tmp_path, f'<g transform="{transform}"><rect id="kitchen" width="400" height="400"/></g>')
+    assert "<rect> 'kitchen' on line 1: " in refusal(path) and "; valid: " in refusal(path)
+
+
+@pytest.mark.parametrize("beside", ["", '<rect id="gym" width="400" height="400"/>'])
+def test_a_room_without_any_size_is_refused_with_its_place(tmp_path, beside):
+    path = svg(tmp_path, f'{beside}<rect id="kitchen"/>')
+    assert "<rect> 'kitchen' on line 1: has too few corners; valid: " in refusal(path)
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"features": 3}', "[" * 100_000, '{"features": [null, 3, {}]}'])
