@@ -19,6 +19,12 @@ def check_output_file(path: Path) -> None:
         tempfile.TemporaryFile(dir=folder).close()
 
 
+def check_not_input(path: Path, source: Path) -> None:
+    """Raise `SimError` if the file to write is the file `source` that is read, by whatever name or link."""
+    if path.resolve() == source.resolve():
+        raise SimError(f"{path}: is the file that is read, and would be replaced; valid: a name of another file")
+
+
 def check_ending(path: Path, endings: Collection[str]) -> None:
     """Raise `SimError` unless the name of a file ends in one of `endings`, such as ".svg", in small letters or capitals."""
     if path.suffix.lower() not in endings:

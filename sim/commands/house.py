@@ -12,13 +12,17 @@ from sim.commands.house_action import FILE, describe
 from sim.commands.house_check import CHECK, PROVE
 from sim.commands.house_make import GENERATE, IMPORT, VARIANT
 from sim.errors import SimError
+from sim.harness.wording import counted
 from sim.house_files import MODELS, PLANS, Writer, writer_for
-from sim.output_files import check_ending
+from sim.output_files import check_ending, check_not_input
 from worlds.house import build_house
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec, json_schema
+from worlds.valid_names import did_you_mean, listed
 from worlds.validation import built_and_checked
 
+_VIEW_PX = (960, 720)
+"""Width and height of the picture of a room [px]."""
 _MOST_TILES = 1000
 """Largest number of floor plans on one page of a gallery."""
 
@@ -38,10 +42,29 @@ def _export(arguments: argparse.Namespace) -> int:
 
 def _write(arguments: argparse.Namespace, writers: Mapping[str, Writer], checked: bool) -> int:
     write = writer_for(arguments.out, writers)
+    check_not_input(arguments.out, arguments.file)
     spec = HouseSpec.load(arguments.file)
     house = built_and_checked(spec) if checked else build_house(spec)
     write(house, arguments.out)
     print(f"{arguments.out}: {describe(house)}")
+    return 0
+
+
+def _view(arguments: argparse.Namespace) -> int:
+    from sim.gallery import best_view, png
+
+    check_ending(arguments.out, [".png"])
+    check_not_input(arguments.out, arguments.file)
+    house = build_house(HouseSpec.load(arguments.file))  # unchecked, because a picture helps to see what is wrong
+    if (room := house.room_by_id.get(arguments.room)) is None:
+        guess = did_you_mean(arguments.room, house.room_by_id)
+        raise SimError(
+            f"{arguments.file}: has no room {arguments.room!r:.60}{guess}; valid: {listed(list(house.room_by_id))}"
+        )
+    view = best_view(house, room, _VIEW_PX)
+    with replaced_file(arguments.out) as file:
+        file.write_bytes(png(view))
+    print(f"{arguments.out}: {room.id} ({room.label})")
     return 0
 
 
@@ -58,7 +81,7 @@ def _gallery(arguments: argparse.Namespace) -> int:
     page = plans_page(houses) if arguments.view == "plans" else rooms_page(list(room_views(houses)))
     with replaced_file(arguments.out) as file:
         file.write_bytes(png(page))
-    print(f"{arguments.out}: {arguments.view} of {len(houses)} houses")
+    print(f"{arguments.out}: {arguments.view} of {counted(len(houses), 'house')}")
     return 0
 
 
@@ -85,6 +108,17 @@ _ACTIONS = (
         "write the house for other tools: as glTF, MJCF with textures, truth as JSON, plan as GeoJSON, or rooms for Hydra",
         "lexis-sim house export home.json -o home.glb",
         (FILE, out_file("FILE.glb|.xml|.json|.geojson|.yaml")),
+    ),
+    Action(
+        "view",
+        _view,
+        "render a room with its furniture, from the corner or side from which most of it can be seen",
+        "lexis-sim house view home.json --room 'kitchen 0.1' -o kitchen.png",
+        (
+            FILE,
+            argument("--room", required=True, metavar="ID", help="id of the room, which 'house show' writes into the plan"),
+            out_file("FILE.png"),
+        ),
     ),
     Action(
         "gallery",

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from lexis.files.replace import replaced_file
 from sim.commands.arguments import argument
+from sim.harness.wording import counted
 from worlds.house import House
 from worlds.spec import HouseSpec
 from worlds.truth import floor_area, openness
@@ -22,8 +23,7 @@ def write_checked(spec: HouseSpec, path: Path) -> None:
 
 def describe(house: House) -> str:
     """Describe a house in one line: rooms, floors, area, openness, furniture."""
-    floors = len(house.storeys)
     return (
-        f"{len(house.rooms)} rooms on {floors} floor{'s' * (floors > 1)}, {floor_area(house):.0f} m², "
-        f"openness {openness(house):.2f}, {len(house.furniture)} pieces of furniture"
+        f"{counted(len(house.rooms), 'room')} on {counted(len(house.storeys), 'floor')}, {floor_area(house):.0f} m², "
+        f"openness {openness(house):.2f}, {counted(len(house.furniture), 'piece')} of furniture"
     )

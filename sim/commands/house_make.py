@@ -9,6 +9,7 @@ from sim.commands.action import Action
 from sim.commands.arguments import PRESET_HELP, SEED, argument, number, out_file
 from sim.commands.house_action import FILE, write_checked
 from sim.errors import SimError
+from sim.output_files import check_not_input
 from worlds.presets import sample_from_rooms, sample_house
 from worlds.spec import AppearanceSpec, HouseSpec
 from worlds.validation import built_and_checked
@@ -48,6 +49,7 @@ def _generate(arguments: argparse.Namespace) -> int:
 def _variant(arguments: argparse.Namespace) -> int:
     from worlds.variant import variant
 
+    check_not_input(arguments.out, arguments.file)
     spec = built_and_checked(HouseSpec.load(arguments.file)).spec
     changed = variant(
         spec,
@@ -69,6 +71,7 @@ def _variant(arguments: argparse.Namespace) -> int:
 def _import(arguments: argparse.Namespace) -> int:
     from worlds.plan_import.importer import import_plan
 
+    check_not_input(arguments.out, arguments.plan)
     plan = import_plan(
         arguments.plan,
         metres_per_unit=arguments.metres_per_unit,

@@ -7,11 +7,15 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from helpers import command_line
+from PIL import Image
 
 from sim import house_proof
+from sim.gallery import best_view
 from sim.house_proof import cases, prove
+from worlds.house import build_house
 from worlds.openings.openness import openness_of
 from worlds.plan_import.importer import to_geojson
 from worlds.presets import PRESETS, sample_house
@@ -78,6 +82,28 @@ def test_a_plan_becomes_a_house_and_notes_are_printed(here, capsys):
 def test_the_schema_is_printed(capsys):
     assert status_of("schema") == 0
     assert json.loads(capsys.readouterr().out) == json_schema()
+
+
+def test_a_view_is_the_picture_of_the_room(here, capsys):
+    (here / "h.json").write_text(two_rooms(furniture=[SOFA]))
+    assert status_of("view", "h.json", "--room", "bedroom", "-o", "v.png") == 0
+    assert capsys.readouterr().out == "v.png: bedroom (bedroom)\n"
+    house = build_house(HouseSpec.load("h.json"))
+    picture = np.asarray(Image.open("v.png"))
+    assert picture.shape == (720, 960, 3)
+    np.testing.assert_array_equal(picture, best_view(house, house.room_by_id["bedroom"], (960, 720)))
+
+
+def test_a_check_describes_the_house_and_counts_in_good_english(here, capsys):
+    room, sofa = BEDROOM | {"id": "b"}, SOFA | {"room": "b"}
+    for rooms, openings, furniture in (([room], [], [sofa]), ([KITCHEN, BEDROOM], [DOOR], [])):
+        (here / "h.json").write_text(two_rooms(rooms=rooms, openings=openings, furniture=furniture))
+        assert status_of("check", "h.json") == 0
+        printed = capsys.readouterr().out
+        assert ("1 room on 1 floor" in printed) == (len(rooms) == 1) and ("2 rooms on 1 floor" in printed) == (
+            len(rooms) == 2
+        )
+        assert ("1 piece of furniture" if furniture else "0 pieces of furniture") in printed
 
 
 def test_a_check_names_every_problem(here, capsys):
@@ -169,6 +195,8 @@ def test_every_malformed_field_has_a_line_of_its_own(here, capsys):
         (["import", "huge.svg", "-o", "h.json"], "huge.svg: larger than 16 MB"),
         (["import", "good.json", "-o", "h.json"], "good.json: "),
         (["import", "huge.svg", "--snap", "7", "-o", "h.json"], "valid: a number from 0.001 to 0.3"),
+        (["view", "good.json", "--room", "kitchn", "-o", "h.png"], "(did you mean 'kitchen'?); valid: kitchen, bedroom"),
+        (["view", "good.json", "--room", "kitchen", "-o", "h.jpg"], "valid: a name that ends in .png"),
         (["prove", "--preset", "home,castle"], "unknown preset 'castle'; valid: home"),
     ],
 )
@@ -180,6 +208,19 @@ def test_bad_arguments_cost_a_line_and_leave_nothing(argv, message, here, capsys
     printed = capsys.readouterr()
     assert message in printed.err and printed.err.count("\n") == 1 and printed.out == ""
     assert not (here / "h.json").exists()
+
+
+@pytest.mark.parametrize("command", ["export", "variant --mirror", "import"])
+@pytest.mark.parametrize("other_name", ["./b.json", "link.json"])
+def test_no_command_replaces_the_file_that_it_reads(command, other_name, here, capsys):
+    (here / "b.json").write_text(two_rooms())
+    (here / "link.json").symlink_to("b.json")
+    name, *options = command.split()
+    for file, out in (("b.json", other_name), (other_name, "b.json")):
+        assert status_of(name, file, *options, "-o", out) == 2
+        printed = capsys.readouterr()
+        assert "is the file that is read" in printed.err and printed.err.count("\n") == 1 and printed.out == ""
+        assert (here / "b.json").read_text() == two_rooms() and (here / "link.json").is_symlink()
 
 
 def test_a_reader_that_closes_the_pipe_causes_no_traceback():
