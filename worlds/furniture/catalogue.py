@@ -5,6 +5,7 @@ refused at the user's declaration.
 """
 
 from collections.abc import Mapping
+from difflib import get_close_matches
 from importlib import import_module
 from types import MappingProxyType
 
@@ -25,7 +26,12 @@ CATALOGUE: Mapping[str, Kind] = MappingProxyType(KINDS)
 
 
 def kind_of(name: str) -> Kind:
-    """Return the kind called `name`. Raises `WorldsError`, which lists the valid names, if no kind has this name."""
+    """Return the kind called `name`. Raises `WorldsError`, which names the most similar kinds, if no kind has this name."""
     if name not in CATALOGUE:
-        raise WorldsError(f"unknown furniture kind {name!r}; valid: {', '.join(sorted(CATALOGUE))}")
+        some = ", ".join(dict.fromkeys([*get_close_matches(name, CATALOGUE), "bookshelf"]))
+        raise WorldsError(
+            f"unknown furniture kind {name!r}; valid: one of {len(CATALOGUE)} kinds, such as {some}; in Python, "
+            "sorted(worlds.furniture.CATALOGUE) lists them; a kind of your own has to be declared first (see "
+            "Furniture of your own in worlds/README.md)"
+        )
     return CATALOGUE[name]

@@ -80,3 +80,12 @@ def test_the_catalogue_is_large_and_stairs_are_bare():
 def test_an_unknown_kind_is_refused():
     with pytest.raises(WorldsError, match=r"'throne'; valid: .*bookshelf"):
         kind_of("throne")
+
+
+def test_the_refusal_of_an_unknown_kind_is_short_and_names_the_nearest_kinds_and_the_way_to_all():
+    with pytest.raises(WorldsError) as error:
+        kind_of("grand piano")
+    message = str(error.value)
+    for said in (" piano, ", f"{len(CATALOGUE)} kinds", "sorted(worlds.furniture.CATALOGUE)", "declared first"):
+        assert said in message
+    assert len(message) < 300
