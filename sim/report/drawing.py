@@ -58,8 +58,9 @@ STYLES: dict[str, Style] = {
     "swing": Style(stroke="#59626c", width=1.0),
     "leaf": Style(fill="#ffffff", stroke="#2b3138", width=1.2),
     "scale": Style(stroke="#59626c", width=3.0),
-    "walk": Style(stroke="#6b7178", width=1.3),
-    "walked": Style(stroke="#6b7178", width=4.0),
+    "sight": Style(fill="#ffee00", fill_opacity=0.45, stroke="#111111", width=1.4),
+    "walk": Style(stroke="#a7adb4", width=4.5),
+    "walked": Style(stroke="#a7adb4", width=10.0),
     "belief": Style(stroke="#6aa0f2", width=1.3),
     "odometry": Style(stroke="#c77700", width=2.5, dash=(14.0, 8.0)),
     "true": Style(stroke="#2b3138", width=2.5, opacity=0.5),
@@ -67,6 +68,8 @@ STYLES: dict[str, Style] = {
     "loop-true": Style(stroke="#12866b", width=1.8, opacity=0.6),
     "plan": Style(stroke="#8b3fd1", width=3.0, opacity=0.3),
     "path": Style(stroke="#8b3fd1", width=5.0, opacity=0.75),
+    "wrong-claim": Style(fill="#ffffff", stroke="#111111", width=4.0, radius=0.115),
+    "claim": Style(fill="#ffffff", radius=0.08),
     "name": Style(fill="#3a4149"),
     "error": Style(stroke="#d5202a", width=3.0),
     "heading": Style(stroke="#2b3138", width=2.2),
@@ -76,10 +79,11 @@ STYLES: dict[str, Style] = {
     "plan-end": Style(stroke="#d5202a", width=6.0),
     "plan-number": Style(fill="#d5202a"),
     "wrong": Style(fill="#ffffff", stroke="#d5202a", width=4.0, radius=0.115),
-    "camera": Style(fill="#d5202a", stroke="#ffffff", width=1.6, radius=0.07),
+    "camera": Style(fill="#ffee00", stroke="#111111", width=3.0, radius=0.11),
 }
 """Styles by name, in painting order. For readers who cannot tell green from red, marks of errors are not only red, but also
-larger, dashed or with a thick outline."""
+larger, dashed or with a thick outline. Claims about many frames lie beneath the names of rooms: rings of wrong claims
+beneath all dots, so that the dots of neighbouring frames, which overlap, can still be seen."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,18 +5,22 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int
+from shapely.geometry import LineString, Point, Polygon
+from shapely.geometry.base import BaseGeometry
+from shapely.ops import unary_union
 
 from lexis.types import Image, Pose, Poses
 from sim.report.drawing import Mark
 from sim.report.house_plan import marked_plan_image
 from sim.report.legend import LegendEntry
 from sim.session import Session
+from worlds.house import House
 
-_SIGHT_M = 1.2
-"""Length of the sector that shows the field of view [m]."""
+_SIGHT_M, _RAYS = 1.5, 33
+"""Length of the sector that shows the field of view [m], and number of directions in which walls may cut it off."""
 _HEADING_M = 0.5
 """Length of the line that shows where the estimated camera looks [m]."""
-_RED, _BLUE = "#d5202a", "#1f6feb"
+_BLUE = "#1f6feb"
 _LISTED = 12
 """Largest number of claims in the legend."""
 
@@ -48,9 +52,9 @@ def place_image(session: Session, frame: int, claims: FrameClaims | None = None)
 def frame_marks(session: Session, frame: int, claims: FrameClaims | None = None) -> tuple[list[Mark], list[LegendEntry]]:
     """Return the marks of a frame on the plan of its storey, and the entries of their legend.
 
-    The true path on this storey is grey, the estimated path is blue, and both are thick up to the frame. The camera's place
-    and field of view are red. With `claims.groups`, dots at the true positions of the frames show these claims. Otherwise,
-    a line leads from the true to the estimated position of the frame.
+    The true path on this storey is grey, the estimated path above it is blue, and both are thick up to the frame. The
+    camera's place and what it sees of the floor nearby are yellow. With `claims.groups`, dots at the true positions of the
+    frames show these claims. Otherwise, a line leads from the true to the estimated position of the frame.
     """
     storeys = np.array([truth.storey for truth in session.truths])
     here, positions = storeys == storeys[frame], session.tour.T_W_B[:, :2, 3]
@@ -87,18 +91,19 @@ def _estimate(claims: FrameClaims, shown: Bool[np.ndarray, "n"], so_far: Bool[np
 
 def _dots(claims: FrameClaims, positions: Float64[np.ndarray, "n 2"], shown: Bool[np.ndarray, "n"]) -> Iterator[Mark]:
     for k in np.flatnonzero(shown).tolist():
-        style = "wrong" if claims.wrong is not None and claims.wrong[k] else "right"
-        yield Mark("dot", style, positions[k : k + 1], claims.colours[claims.groups[k]], claims.groups[k])
+        if claims.wrong is not None and claims.wrong[k]:
+            yield Mark("dot", "wrong-claim", positions[k : k + 1])
+        yield Mark("dot", "claim", positions[k : k + 1], claims.colours[claims.groups[k]], claims.groups[k])
 
 
 def _dot_entries(claims: FrameClaims, shown: Bool[np.ndarray, "n"]) -> Iterator[LegendEntry]:
     present = {claims.groups[k] for k in np.flatnonzero(shown)}
-    listed = [LegendEntry("dot", "right", group, colour) for group, colour in claims.colours.items() if group in present]
+    listed = [LegendEntry("dot", "claim", group, colour) for group, colour in claims.colours.items() if group in present]
     yield from listed[:_LISTED]
     if len(listed) > _LISTED:
-        yield LegendEntry("dot", "right", f"and {len(listed) - _LISTED} more", "#ffffff")
+        yield LegendEntry("dot", "claim", f"and {len(listed) - _LISTED} more", "#ffffff")
     if claims.wrong is not None and (claims.wrong & shown).any():
-        yield LegendEntry("dot", "wrong", "ringed: wrong")
+        yield LegendEntry("dot", "wrong-claim", "ringed: wrong")
 
 
 def _error(session: Session, frame: int, T_W_B: Pose) -> Iterator[Mark]:
@@ -116,11 +121,27 @@ def _ahead(T_W_C: Pose) -> Float64[np.ndarray, "2"]:
 
 
 def _sight(session: Session, frame: int) -> Iterator[Mark]:
+    """Yield the camera's place, and the part of its field of view that is near and neither behind a wall nor outdoors."""
     k = session.camera.intrinsics
     T_W_B = session.tour.T_W_B[frame]
     T_W_C = T_W_B @ session.camera.T_B_C
     forward, half = _ahead(T_W_C), np.arctan(k.width / 2 / k.fx)
-    angles = np.arctan2(forward[1], forward[0]) + np.linspace(-half, half, 17)
-    arc = T_W_C[:2, 3] + _SIGHT_M * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    yield Mark("line", "heading", np.concatenate([T_W_C[None, :2, 3], arc, T_W_C[None, :2, 3]]), _RED)
+    angles = np.arctan2(forward[1], forward[0]) + np.linspace(-half, half, _RAYS)
+    directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    eye, solid = T_W_C[:2, 3], _solid(session.house, session.truths[frame].storey, float(T_W_C[2, 3]))
+    reach = [_reach_m(eye, direction, solid) for direction in directions]
+    yield Mark("polygon", "sight", np.concatenate([eye[None], eye + np.array(reach)[:, None] * directions]))
     yield Mark("dot", "camera", T_W_B[None, :2, 3])
+
+
+def _solid(house: House, level: int, eye_m: float) -> BaseGeometry:
+    """Return the walls of a storey at the height `eye_m` in the world [m], and the outline of all its rooms."""
+    walls = [wall.footprint for wall in house.walls if wall.storey == level and wall.bottom_m <= eye_m <= wall.top_m]
+    rooms = unary_union([Polygon(room.polygon_m) for room in house.spec.storeys[level].rooms])
+    return unary_union([*walls, rooms.boundary])
+
+
+def _reach_m(eye: Float64[np.ndarray, "2"], direction: Float64[np.ndarray, "2"], solid: BaseGeometry) -> float:
+    """Return the distance to the first solid point in a direction, at most `_SIGHT_M` [m]."""
+    end = eye + _SIGHT_M * direction
+    return Point(eye).distance(LineString([eye, end]).intersection(solid).union(Point(end)))

@@ -9,6 +9,8 @@ from PIL import Image, ImageColor, ImageDraw, ImageFont
 from sim.report.drawing import STYLES, Drawing, Mark
 
 _OVERSAMPLING = 3
+_OUTLINE = 0.1
+"""Width of the white outline around letters, relative to their height."""
 
 
 def to_image(drawing: Drawing, *, pixels_per_metre: int = 60) -> UInt8[np.ndarray, "h w 3"]:
@@ -34,7 +36,9 @@ class _Painter:
         width = max(1, round(style.width / 100 * self._scale))
         points = self._pixels(mark.points)
         if mark.kind == "text":
-            draw.text(points[0], mark.text, fill, ImageFont.load_default(mark.size * self._scale), anchor="lm")
+            letter = mark.size * self._scale
+            font, outline = ImageFont.load_default(letter), round(_OUTLINE * letter)
+            draw.text(points[0], mark.text, fill, font, anchor="lm", stroke_width=outline, stroke_fill="white")
         elif mark.kind == "line":
             for stretch in [points] if style.dash is None else _dashes(points, style.dash, self._scale / 100):
                 draw.line(stretch, stroke, width, joint="curve")

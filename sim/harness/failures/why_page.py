@@ -178,7 +178,7 @@ def _frame_page(
     pictures = {_PLAN: encoded(place_image(session, frame.frame, claims), ".png")}
     shown = f"![the place on the plan]({_PLAN})"
     storey = f"storey {session.truths[frame.frame].storey}" if len(session.house.storeys) > 1 else "the storey"
-    caption = f"The plan shows {storey}, and the camera's place and field of view in red.{how_drawn}"
+    caption = f"The plan shows {storey}, and the camera's place and field of view in yellow.{how_drawn}"
     try:
         (image,) = session.pictures([frame.frame])
         pictures[_IMAGE] = encoded(image, ".png")

@@ -4,12 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from PIL import ImageColor
+from shapely.geometry import LineString, Polygon
+from shapely.ops import unary_union
 
 from sim.harness import Scenario
 from sim.harness.runner import scene_of
 from sim.report.drawing import STYLES, Drawing, Mark
 from sim.report.frame_picture import FrameClaims, frame_marks, place_image
 from sim.report.legend import LegendEntry, with_legend
+from sim.report.palette import instance_colours, label_colours
+from worlds.labels import ROOM_LABELS
 from worlds.presets import sample_from_rooms, sample_house
 
 FRAME = 20
@@ -60,9 +65,38 @@ def test_every_frame_is_a_dot_in_the_colour_of_its_claim_at_its_true_position(se
     dots = [mark for mark in marks if mark.kind == "dot" and mark.colour in claims.colours.values()]
     assert [mark.colour for mark in dots] == [claims.colours[group] for group in claims.groups]
     np.testing.assert_array_equal(np.concatenate([mark.points for mark in dots]), session.tour.T_W_B[claims.frames, :2, 3])
-    assert [mark.style for mark in dots] == ["right"] * (len(dots) - 1) + ["wrong"]
+    assert {mark.style for mark in dots} == {"claim"}
+    rings = np.concatenate([mark.points for mark in of_style(marks, "wrong-claim")])
+    np.testing.assert_array_equal(rings, session.tour.T_W_B[claims.frames[claims.wrong], :2, 3])
     assert {("room 0", "#0072b2"), ("room 1", "#e69f00")} <= {(entry.text, entry.colour) for entry in legend}
     assert "ringed: wrong" in [entry.text for entry in legend]
+
+
+def test_names_of_rooms_are_above_dots_and_dots_above_the_rings_of_wrong_ones():
+    order = list(STYLES)
+    assert order.index("walked") < order.index("wrong-claim") < order.index("claim") < order.index("name")
+    assert STYLES["claim"].radius < STYLES["wrong-claim"].radius
+
+
+def test_marks_of_wrong_claims_and_of_the_camera_have_the_colour_of_no_room():
+    def far(a, b):
+        return np.abs(np.subtract(ImageColor.getrgb(a), ImageColor.getrgb(b))).max() > 60
+
+    claimed = {*label_colours(ROOM_LABELS).values(), *instance_colours(map(str, range(12)), "").values()}
+    for colour in (STYLES["camera"].fill, STYLES["wrong-claim"].stroke):
+        assert all(far(colour, other) for other in {*claimed, STYLES["error"].stroke})
+
+
+def test_the_field_of_view_ends_at_walls_and_stays_in_the_house(session):
+    rooms = [Polygon(room.polygon_m) for room in session.house.spec.storeys[0].rooms]
+    walls = unary_union([wall.footprint for wall in session.house.walls if wall.bottom_m < 1.0 < wall.top_m])
+    inside, areas = unary_union(rooms).buffer(1e-6), []
+    for frame in range(len(session)):
+        (sight,) = of_style(frame_marks(session, frame)[0], "sight")
+        assert all(inside.contains(LineString([sight.points[0], end])) for end in sight.points[1:])
+        assert all(walls.intersection(LineString([sight.points[0], end])).length < 1e-6 for end in sight.points[1:])
+        areas.append(Polygon(sight.points).area)
+    assert min(areas) < 0.5 * max(areas)
 
 
 def test_the_legend_says_how_many_claims_it_leaves_out(session, claims):
