@@ -6,9 +6,9 @@ import numpy as np
 from jaxtyping import Float64
 
 from sim.errors import SimError
-from sim.report.data import FloorPlan, PlannedOpening, PlannedRoom
+from sim.report.data import FloorPlan, PlannedRoom
 from sim.report.drawing import Drawing, Mark
-from sim.report.symbols import NAMES, WINDOW, leaf_marks, opening_marks, window_marks
+from sim.report.symbols import NAMES, WINDOW, WITH_LEAF, leaf_marks, opening_marks, sample_marks, window_marks
 
 _MARGIN_M = 0.5
 _INSET_M = 0.16
@@ -93,15 +93,14 @@ def _corners(outline: Float64[np.ndarray, "corners 2"]) -> Iterator[tuple[Float6
 def _legend(plan: FloorPlan, start: Float64[np.ndarray, "2"], right: float) -> Iterator[Mark]:
     """Yield the marks of the legend: each symbol of the plan with its name, in rows as wide as the plan."""
     kinds = {opening.kind for opening in plan.openings}
-    names = [NAMES[kind] for kind in NAMES if kind in kinds] + ([WINDOW] if plan.windows else [])
+    leaf, window = [WITH_LEAF] if plan.leaves else [], [WINDOW] if plan.windows else []
     x, y = start
-    for name in names:
+    for name in [*leaf, *(NAMES[kind] for kind in NAMES if kind in kinds), *window]:
         width = _SAMPLE_M + 0.12 + _GLYPH_ASPECT * _LEGEND_TEXT_M * len(name) + 0.3
         if x > start[0] and x + width > right:
             x, y = start[0], y - 0.45
         ends = np.array([[x, y], [x + _SAMPLE_M, y]])
-        kind = next((kind for kind in NAMES if NAMES[kind] == name), None)
-        yield from window_marks(ends) if kind is None else opening_marks(PlannedOpening(kind, ends))
+        yield from sample_marks(name, ends)
         yield Mark("text", "name", ends[1:] + [0.12, 0.0], text=name, size=_LEGEND_TEXT_M)
         x += width
 

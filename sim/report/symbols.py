@@ -20,7 +20,8 @@ NAMES: dict[OpeningKind, str] = {
     "open": "open boundary, no wall",
 }
 """Name of each kind of opening in the legend and in tooltips."""
-WINDOW = "window"
+WINDOW, WITH_LEAF = "window", "door with a leaf"
+"""Further names in the legend."""
 _HALF = WALL_THICKNESS_M / 2
 
 
@@ -50,6 +51,23 @@ def leaf_marks(leaf: PlannedLeaf) -> Iterator[Mark]:
     """Yield the marks of a door leaf (the moving panel) at its opening angle, and of the arc on which its free end moves."""
     yield Mark("line", "swing", leaf.arc)
     yield Mark("polygon", "leaf", leaf.outline, text="door leaf")
+
+
+def sample_marks(name: str, ends: Float64[np.ndarray, "2 2"]) -> Iterator[Mark]:
+    """Yield the symbol that has this name in the legend, from `ends[0]` to `ends[1]`, two points on a line along x."""
+    if name == WINDOW:
+        return window_marks(ends)
+    if name == WITH_LEAF:
+        return leaf_marks(_sample_leaf(ends))
+    return opening_marks(PlannedOpening(next(kind for kind in NAMES if NAMES[kind] == name), ends))
+
+
+def _sample_leaf(ends: Float64[np.ndarray, "2 2"]) -> PlannedLeaf:
+    """Return a small open leaf in the middle of a symbol, and the quarter circle on which it moves."""
+    length, hinge = 0.3, ends.mean(axis=0) - 0.15
+    angle = np.linspace(0.0, np.pi / 2, 9)
+    arc = hinge + length * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return PlannedLeaf(_band(np.array([hinge, arc[-1]]), _HALF / 2), arc)
 
 
 def window_marks(ends: Float64[np.ndarray, "2 2"]) -> Iterator[Mark]:

@@ -1,6 +1,7 @@
 """Drawings of floor plans: SVG and PNG show the same, with the right orientation, and agree with the house's geometry."""
 
 import re
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -128,6 +129,15 @@ def test_every_kind_of_opening_has_a_symbol_of_its_own_and_is_named():
     told = [mark.text for mark in drawing.marks if mark.kind == "text"]
     assert {*NAMES.values(), "window"} <= set(told)
     assert all((drawing.low <= mark.points).all() and (mark.points <= drawing.high).all() for mark in drawing.marks)
+
+
+def test_the_legend_names_doors_with_a_leaf_where_there_are_any():
+    plan = floor_plans(build_house(every_kind()))[0]
+    assert plan.leaves
+    for drawn in (plan, replace(plan, leaves=())):
+        marks = plan_drawing(drawn, label_colours(ROOM_LABELS)).marks
+        assert ("door with a leaf" in [mark.text for mark in marks]) == bool(drawn.leaves)
+        assert len([mark for mark in marks if mark.style == "swing"]) == len(drawn.leaves) + bool(drawn.leaves)
 
 
 def test_leaves_windows_and_fences_are_the_houses():
