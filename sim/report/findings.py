@@ -9,6 +9,7 @@ import numpy as np
 
 from lexis.evaluation.trajectory import LEAST_POSES, ate_rmse, rpe_translation
 from lexis.planning.connections import MIN_LOOP_WEIGHT
+from sim.harness.wording import counted
 from sim.report.data import UNKNOWN, KeyframeTable, PlanPath, ReportData
 from sim.report.room_errors import SUBSTANTIAL, Groups, room_errors, surplus
 
@@ -70,7 +71,7 @@ def rooms_without_keyframe(rooms: Sequence[str]) -> str | None:
     if not rooms:
         return None
     names = f"{', '.join(rooms[:-1])} and {rooms[-1]}" if len(rooms) > 1 else rooms[0]
-    count = f"{len(rooms)} rooms" if len(rooms) > 1 else "1 room"
+    count = counted(len(rooms), "room")
     return f"No keyframe was taken in {count} of the walk, so the figures of labels and rooms do not cover {names}."
 
 
@@ -96,8 +97,10 @@ def _confusions(data: ReportData, most: int = 3) -> Iterator[Finding]:
     pairs = Counter((int(table.true_labels[k]), int(table.predicted_labels[k])) for k in wrong)
     for (true, said), count in pairs.most_common(most):
         those = np.flatnonzero((table.true_labels == true) & (table.predicted_labels == said))
-        what = "have no label" if said == UNKNOWN else f"are labelled {names[said]}"
-        text = f"{count} of {np.sum(table.true_labels == true)} keyframes in the {names[true]} {what}."
+        verb = _suiting(count, "has", "have") if said == UNKNOWN else _suiting(count)
+        what = "no label" if said == UNKNOWN else f"labelled {names[said]}"
+        total = counted(int(np.sum(table.true_labels == true)), "keyframe")
+        text = f"{count} of {total} in the {names[true]} {verb} {what}."
         yield Finding(False, text, int(those[0]))
 
 
@@ -109,7 +112,8 @@ def _refinement(data: ReportData) -> Iterator[Finding]:
     mended, spoiled = int(np.sum(~before & after)), int(np.sum(before & ~after))
     if mended or spoiled:
         first = int(np.flatnonzero(before & ~after)[0]) if spoiled else None
-        text = f"Refinement corrected the labels of {mended} keyframes and made {spoiled} correct labels wrong."
+        wrong, right = counted(mended, "wrong label"), counted(spoiled, "correct label")
+        text = f"Refinement corrected {wrong} and made {right} wrong."
         yield Finding(mended >= spoiled, text, first)
 
 
@@ -123,13 +127,14 @@ def _rooms(data: ReportData) -> Iterator[Finding]:
         (predicted, errors.merges, surplus(errors.merges), "merge", "several true rooms lie mostly in one predicted room"),
     ):
         if groups:
-            text = f"{count} {kind}{'s' * (count > 1)} ({meaning}): {_listed(groups, ' = ')}."
+            text = f"{counted(count, kind)} ({meaning}): {_listed(groups, ' = ')}."
             yield Finding(False, text, rooms.index(next(iter(groups))))
     if errors.partial_losses:
-        have = "has at least {:.0%} of its" if len(errors.partial_losses) == 1 else "have at least {:.0%} of their"
+        have = _suiting(len(errors.partial_losses), "has at least {:.0%} of its", "have at least {:.0%} of their")
+        losses = f"{len(errors.partial_losses)} of {counted(len(set(true)), 'true room')}"
         text = (
-            f"{len(errors.partial_losses)} of {len(set(true))} true rooms {have.format(SUBSTANTIAL)} keyframes in a "
-            "predicted room that lies mostly elsewhere, which counts as neither split nor merge: "
+            f"{losses} {have.format(SUBSTANTIAL)} keyframes in a predicted room that lies mostly elsewhere, "
+            "which counts as neither split nor merge: "
             f"{_listed(errors.partial_losses, ' partly in ')}."
         )
         yield Finding(False, text, true.index(next(iter(errors.partial_losses))))
@@ -153,15 +158,17 @@ def _loops(data: ReportData) -> Iterator[Finding]:
     if not data.loops:
         yield Finding(False, "No loop was closed.")
     elif not false:
-        yield Finding(True, f"All {len(data.loops)} loop edges are true.")
+        count = len(data.loops)
+        yield Finding(True, _suiting(count, "The only loop edge is true.", f"All {count} loop edges are true."))
     else:
         worst = false[0]
         ends = data.keyframes.true_poses[[worst.query, worst.match], :3, 3]
         ignored = worst.weight < MIN_LOOP_WEIGHT
         held = ", but the optimiser gives little weight to any of them" if ignored else ""
+        edges = f"{len(false)} of {counted(len(data.loops), 'loop edge')} {_suiting(len(false))}"
         yield Finding(
             ignored,
-            f"{len(false)} of {len(data.loops)} loop edges are false{held}; the strongest has weight {worst.weight:.2f} and "
+            f"{edges} false{held}; the strongest has weight {worst.weight:.2f} and "
             f"connects keyframe {worst.query} to keyframe {worst.match}, truly {np.linalg.norm(ends[0] - ends[1]):.1f} m "
             "away.",
             worst.query,
@@ -205,9 +212,16 @@ def _plans(data: ReportData, most: int = 3) -> Iterator[Finding]:
     if failed:
         examples = "; ".join(_failure(path) for path in failed[:most])
         more = f"; and {len(failed) - most} more" if len(failed) > most else ""
-        yield Finding(False, f"{len(failed)} of {len(driven)} plans did not reach their room: {examples}{more}.")
+        what = f"{counted(len(driven), 'plan')} did not reach {_suiting(len(failed), 'its', 'their')} room"
+        yield Finding(False, f"{len(failed)} of {what}: {examples}{more}.")
     elif driven:
-        yield Finding(True, f"All {len(driven)} plans reached their room.")
+        count = len(driven)
+        yield Finding(True, _suiting(count, "The only plan reached its room.", f"All {count} plans reached their room."))
+
+
+def _suiting(count: int, one: str = "is", more: str = "are") -> str:
+    """Return the words that suit a count: `one` after 1, otherwise `more`."""
+    return one if count == 1 else more
 
 
 def _failure(path: PlanPath) -> str:

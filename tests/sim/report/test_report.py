@@ -246,6 +246,24 @@ def test_findings_name_the_planted_faults_and_nothing_on_a_perfect_run(rng):
         assert fault in bad
 
 
+@pytest.mark.parametrize("said", [2, UNKNOWN])
+@pytest.mark.parametrize("false_loops", [0, 1])
+def test_findings_about_one_thing_have_its_verb_and_noun(rng, said, false_loops):
+    data = example(rng, wrong=0)
+    table = data.keyframes
+    after, before = (table.true_labels.copy() for _ in range(2))
+    after[3] = said
+    before[5] = 2
+    loops = (LoopMark(30, 2, not false_loops, 0.9),)
+    spoiled = replace(data, keyframes=replace(table, predicted_labels=after, baseline_labels=before), loops=loops)
+    failed = replace(spoiled, paths=(replace(data.paths[0], success=False),))
+    text = " ".join(finding.text for each in (spoiled, failed) for finding in findings(each))
+    assert ("1 of 20 keyframes in the kitchen has no label." if said == UNKNOWN else "is labelled library.") in text
+    assert "Refinement corrected 1 wrong label and made 1 correct label wrong." in text
+    assert ("1 of 1 loop edge is false" if false_loops else "The only loop edge is true.") in text
+    assert "The only plan reached its room." in text and "1 of 1 plan did not reach its room: " in text
+
+
 def silent(data: ReportData) -> ReportData:
     """The same walk with a SLAM that claims nothing but a trajectory."""
     nothing = np.full(len(data.keyframes.stamps), UNKNOWN)
