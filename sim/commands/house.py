@@ -12,9 +12,9 @@ from sim.commands.house_action import FILE, describe
 from sim.commands.house_check import CHECK, PROVE
 from sim.commands.house_make import GENERATE, IMPORT, VARIANT
 from sim.errors import SimError
-from sim.harness.wording import counted
 from sim.house_files import MODELS, PLANS, Writer, writer_for
 from sim.output_files import check_ending, check_not_input
+from sim.wording import counted
 from worlds.house import build_house
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec, json_schema

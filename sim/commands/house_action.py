@@ -4,7 +4,7 @@ from pathlib import Path
 
 from lexis.files.replace import replaced_file
 from sim.commands.arguments import argument
-from sim.harness.wording import counted
+from sim.wording import counted
 from worlds.house import House
 from worlds.spec import HouseSpec
 from worlds.truth import floor_area, openness

@@ -17,7 +17,7 @@ from sim.harness.reducer import Fails, Reduction
 from sim.harness.reductions import with_features
 from sim.harness.runner import run
 from sim.harness.scenario import Scenario
-from sim.harness.wording import joined
+from sim.wording import joined
 from worlds.errors import WorldsError
 from worlds.spec import HouseSpec
 from worlds.validation import built_and_checked

@@ -14,7 +14,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from sim.errors import SimError
 from sim.harness.results import MATCHES, RunResult, figure_meant
-from sim.harness.wording import kind_of
+from sim.wording import kind_of
 
 _OPERATORS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
     {"<=": operator.le, ">=": operator.ge, "==": operator.eq, "!=": operator.ne, "<": operator.lt, ">": operator.gt}

@@ -13,8 +13,8 @@ from sim.harness import house_reductions as house_steps
 from sim.harness.parts import house_spec, in_house
 from sim.harness.scenario import NEEDS_PIXELS, Scenario
 from sim.harness.walk import shortest_walk_m
-from sim.harness.wording import counted
 from sim.render.rig import RIGS, RigConfig
+from sim.wording import counted
 from worlds.errors import WorldsError
 from worlds.labels import ROOM_LABELS
 from worlds.spec import AppearanceSpec, HouseSpec, RoomSpec

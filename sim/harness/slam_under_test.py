@@ -16,7 +16,7 @@ from sim.feature_sensor.model import FeatureModel
 from sim.feature_sensor.oracle import Oracle
 from sim.harness.estimate import Estimate
 from sim.harness.last_run import last_run
-from sim.harness.wording import kind_of
+from sim.wording import kind_of
 
 
 @runtime_checkable

@@ -9,9 +9,9 @@ import numpy as np
 
 from lexis.evaluation.trajectory import LEAST_POSES, ate_rmse, rpe_translation
 from lexis.planning.connections import MIN_LOOP_WEIGHT
-from sim.harness.wording import counted
 from sim.report.data import UNKNOWN, KeyframeTable, PlanPath, ReportData
 from sim.report.room_errors import SUBSTANTIAL, Groups, room_errors, surplus
+from sim.wording import counted
 
 WELL_COVERED = 0.95
 """The map counts as complete if it covers at least this share of the walk. The report then mentions no missing share."""

@@ -10,13 +10,13 @@ from sim.errors import SimError
 from sim.faults import parse_fault
 from sim.harness.claims import Claim
 from sim.harness.scenario import Scenario
-from sim.harness.wording import kind_of
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ, HOUSE_SEEDS
 from sim.suites.checks import Check
 from sim.suites.consistency import CONSISTENCY, LEVEL_FLOORS, Consistent
 from sim.suites.laws import LAWS
 from sim.suites.plans import plans_can_be_walked
 from sim.suites.suite import Suite, SuitePart, claims
+from sim.wording import kind_of
 from worlds.presets import sample_house
 from worlds.valid_names import did_you_mean
 from worlds.variant import in_light, variant

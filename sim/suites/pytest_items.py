@@ -16,13 +16,13 @@ import numpy as np
 
 from sim.errors import SimError
 from sim.harness.slam_under_test import check_slam_factory
-from sim.harness.wording import kind_of
 from sim.programs.command import Program
 from sim.suites.catalogue import suite_named
 from sim.suites.checks import NewSlam
 from sim.suites.examination import COMPLETES
 from sim.suites.report import SEED, CheckVerdict, SuiteOutcome, SuiteReport, check_slam, runnable
 from sim.suites.suite import Suite, SuitePart
+from sim.wording import kind_of
 from worlds.errors import WorldsError
 from worlds.valid_names import did_you_mean, listed
 

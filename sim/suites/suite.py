@@ -12,10 +12,10 @@ import numpy as np
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.scenario import Scenario
-from sim.harness.wording import kind_of
 from sim.harness.world_tests import RENDER_FRAME_RATE_HZ
 from sim.number_checks import check_count
 from sim.suites.checks import Check, ClaimCheck
+from sim.wording import kind_of
 from worlds.valid_names import did_you_mean, listed
 
 

@@ -27,9 +27,9 @@ from sim.harness.figures import check
 from sim.harness.results import RunResult
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import SlamUnderTest, check_slam_factory
-from sim.harness.wording import counted
 from sim.number_checks import check_between
 from sim.verdicts.items import items
+from sim.wording import counted
 
 Change = Literal["worse", "better", "not shown to differ"]
 COMPLETED = "the run completed"

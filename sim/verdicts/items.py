@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from typing import TypeVar
 
 from sim.errors import SimError
-from sim.harness.wording import kind_of
+from sim.wording import kind_of
 
 T = TypeVar("T")
 

@@ -16,10 +16,10 @@ from scipy.stats import t as student
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.results import RunResult
-from sim.harness.wording import counted
 from sim.number_checks import check_between
 from sim.verdicts.items import items
 from sim.verdicts.rate import RateOutcome
+from sim.wording import counted
 
 _FEWEST = 8
 """Fewest houses over which a mean is judged. With fewer, one unusual house decides."""

@@ -20,9 +20,9 @@ from scipy.special import betainc, betaincc, betaln, xlog1py, xlogy
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.results import RunResult
-from sim.harness.wording import counted
 from sim.number_checks import check_between
 from sim.verdicts.items import items
+from sim.wording import counted
 
 RateOutcome = Literal["holds", "fails", "undecided"]
 _LOWEST = 1e-9

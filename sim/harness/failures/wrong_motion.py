@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from lexis.maths.se3 import between, rotation_angle
 from lexis.types import Poses
 from sim.harness.runner import Run
-from sim.harness.wording import joined
+from sim.wording import joined
 
 _STRETCH_S = 0.5
 """Least duration of a compared motion [s]. At high frame rates, the motion from one frame to the next is too short."""
