@@ -11,7 +11,7 @@ from sim.errors import SimError
 from sim.faults.catalogue import parse_fault, usage
 from sim.fidelity import FIDELITIES, ORACLE
 from sim.odometry.config import ODOMETRY_PRESETS
-from sim.tours.config import TOUR_KINDS
+from sim.tours.config import FASTEST_HZ, LONGEST_M, TOUR_KINDS
 from sim.tours.sway import SWAYS
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec
@@ -212,11 +212,11 @@ def scenario_of_arguments(arguments: argparse.Namespace) -> "Scenario":
 def add_tour(parser: argparse.ArgumentParser) -> None:
     """Add options for the path of the walk, the motion of the body and the frame rate."""
     parser.add_argument("--tour", choices=_TOURS, default="rooms", help=TOUR_HELP)
-    parser.add_argument("--length", type=number(1.0, 1e5), metavar="M", help=LENGTH_HELP)
+    parser.add_argument("--length", type=number(1.0, LONGEST_M), metavar="M", help=LENGTH_HELP)
     parser.add_argument("--reverse", action="store_true", help="walk the tour in the opposite direction")
     parser.add_argument("--sway", choices=SWAYS, default="none", help=SWAY_HELP)
     parser.add_argument(
-        "--rate", type=number(2.0, 120.0), default=10.0, metavar="HZ", help="frames per second (default: %(default)g)"
+        "--rate", type=number(2.0, FASTEST_HZ), default=10.0, metavar="HZ", help="frames per second (default: %(default)g)"
     )
     parser.add_argument("--start-manoeuvre", action="store_true", help=START_HELP)
 

@@ -19,7 +19,7 @@ from sim.faults.world import ClosedDoors, Pedestrian
 from sim.fidelity import ORACLE, Fidelity
 from sim.odometry.config import ODOMETRY_PRESETS
 from sim.render.rig import RigConfig
-from sim.tours.config import TourKind
+from sim.tours.config import FASTEST_HZ, LONGEST_M, TourKind
 from sim.tours.sway import SwayName
 from worlds.errors import WorldsError, reworded
 from worlds.furniture.registry import own_kinds
@@ -31,8 +31,6 @@ _OWN_FURNITURE = "own_furniture"
 VERSION = 1
 NEEDS_PIXELS = (ImageFault, Smear, ClosedDoors, Pedestrian)
 """Faults that the feature sensor cannot represent, because it has no pixels and sees no moving doors or people."""
-LONGEST_M, FASTEST_HZ = 100_000.0, 120.0
-"""The longest tour [m] and the largest number of observations per second [Hz]. More would not fit in memory."""
 _LARGEST = 1e6
 """Largest number in a fault of a scenario file."""
 _FILE = FileKind("a scenario, such as scenario.json in the folder of a run", 16_000_000, SimError)

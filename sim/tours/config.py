@@ -12,6 +12,9 @@ from sim.tours.sway import SwayName
 
 TourKind = Literal["rooms", "both ways", "loop", "random", "lawn-mower"]
 TOUR_KINDS: tuple[TourKind, ...] = get_args(TourKind)
+LONGEST_M, FASTEST_HZ = 100_000.0, 120.0
+"""The longest tour [m] and the largest number of observations per second [Hz] that a scenario or a command may ask for. More
+would not fit in memory."""
 
 
 @dataclass(frozen=True)
