@@ -199,7 +199,7 @@ def _checked_stages(seconds: object) -> Mapping[str, float]:
 
 def _check_text(name: str, text: object) -> None:
     """Raise `ClaimError` unless a claim is a text that can be written to a file."""
-    if not isinstance(text, str) or (not text.isascii() and text.encode(errors="replace").decode() != text):
+    if not isinstance(text, str) or text.encode(errors="replace").decode() != text:
         raise ClaimError(f"estimate: {name} is {text!r:.40}; valid: a text")
 
 

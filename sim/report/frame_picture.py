@@ -4,10 +4,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+import shapely
 from jaxtyping import Bool, Float64, Int
 from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
-from shapely.ops import unary_union
 
 from lexis.types import Image, Pose, Poses
 from sim.report.drawing import Mark
@@ -137,8 +137,8 @@ def _sight(session: Session, frame: int) -> Iterator[Mark]:
 def _solid(house: House, level: int, eye_m: float) -> BaseGeometry:
     """Return the walls of a storey at the height `eye_m` in the world [m], and the outline of all its rooms."""
     walls = [wall.footprint for wall in house.walls if wall.storey == level and wall.bottom_m <= eye_m <= wall.top_m]
-    rooms = unary_union([Polygon(room.polygon_m) for room in house.spec.storeys[level].rooms])
-    return unary_union([*walls, rooms.boundary])
+    rooms = shapely.union_all([Polygon(room.polygon_m) for room in house.spec.storeys[level].rooms])
+    return shapely.union_all([*walls, rooms.boundary])
 
 
 def _reach_m(eye: Float64[np.ndarray, "2"], direction: Float64[np.ndarray, "2"], solid: BaseGeometry) -> float:
