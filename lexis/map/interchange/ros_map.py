@@ -3,8 +3,8 @@
 For floor 0, the folder holds `floor0.yaml`, `floor0.pgm` and `floor0.geojson`, and so on for other floors. `storeys.json`
 lists the storeys. Pixels are 254 for free, 0 for occupied and 205 for unknown cells, as map_saver writes them; the
 thresholds are chosen so that unknown cells do not count as free. A cell is only free if a camera also looks through it near
-the floor, because otherwise it may be over a table. All coordinates are in the frame W of the map [m], also
-those of the GeoJSON.
+the floor, because otherwise it may be over a table. All coordinates are in the frame W of the map [m], also those of the
+GeoJSON.
 """
 
 import json
