@@ -1,7 +1,7 @@
 """Openings of an imported plan: each drawn stroke is moved onto the nearest wall between two rooms."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import combinations
 from typing import Any
 
@@ -18,17 +18,19 @@ _OVERLAP_M = 0.1
 """Largest overlap of two openings that is taken for an imprecise drawing and removed [m]."""
 
 
-def opening_on_wall(stroke: Stroke, points: Sequence[Point], storey: StoreySpec, ids: dict[str, str]) -> OpeningSpec | None:
+def opening_on_wall(
+    stroke: Stroke, points: Sequence[Point], storey: StoreySpec, names: Mapping[str, str]
+) -> OpeningSpec | None:
     """Return the opening that a stroke stands for, or None if the stroke lies on an outer wall of the house.
 
     Args:
         stroke: the stroke as drawn.
         points: the points of the stroke after the plan was turned and moved [m].
         storey: the storey that the stroke lies on.
-        ids: the id of each room, by the room's name in the drawing.
+        names: the name of each room in the drawing, which may be empty, by the room's id.
 
     Raises:
-        SpecError: if no wall is near, or the wall is much shorter than the stroke.
+        SpecError: if no wall is near, the wall is much shorter than the stroke, or its door leaf swings into another room.
     """
     middle = (points[0][0] + points[-1][0]) / 2, (points[0][1] + points[-1][1]) / 2
     near = [line for line in boundaries(storey) if _distance(line, middle) <= NEAR_M]
@@ -48,7 +50,7 @@ def opening_on_wall(stroke: Stroke, points: Sequence[Point], storey: StoreySpec,
     ends = (low, high) if start < end else (high, low)
     a, b = (line.point(round(along, 6)) for along in ends)
     rooms = str(line.rooms[0]), str(line.rooms[1])
-    details = _details(stroke, rooms, ids)
+    details = _details(stroke, rooms, names)
     return validated(stroke.where, OpeningSpec, rooms=rooms, kind=stroke.kind, start_m=a, end_m=b, **details)
 
 
@@ -81,11 +83,13 @@ def _fitted_to_wall(stroke: Stroke, line: Boundary, low: float, high: float) -> 
     return low, low + width
 
 
-def _details(stroke: Stroke, rooms: tuple[str, str], ids: dict[str, str]) -> dict[str, Any]:
+def _details(stroke: Stroke, rooms: tuple[str, str], names: Mapping[str, str]) -> dict[str, Any]:
+    """Return the further fields of an opening; its door leaf may name one of the two `rooms` by its id or as drawn."""
     details = dict(stroke.details)
     if isinstance(leaf := details.get("leaf"), dict):
-        into = ids.get(str(leaf.get("into")), "")
-        if into not in rooms:
+        named = {names[room]: room for room in rooms} | {room: room for room in rooms}
+        into = named.get(str(leaf.get("into")))
+        if into is None:
             raise SpecError(f"{stroke.where}: the door leaf swings into {leaf.get('into')!r}; valid: {' or '.join(rooms)}")
         details["leaf"] = validated(stroke.where, LeafSpec, **{**leaf, "into": into})
     return details

@@ -14,7 +14,7 @@ Anything that cannot be interpreted is refused with its place in the file. For t
 import math
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -166,8 +166,10 @@ def _house(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
         for identifier, room, polygon in zip(ids, drawing.rooms, polygons, strict=True)
     ]
     storeys = _storeys(drawing, rooms)
-    by_name = {room.name or identifier: identifier for room, identifier in zip(drawing.rooms, ids, strict=True)}
-    drawn = _drawn_openings(drawing.strokes, storeys, by_name, angle, shift, notes)
+    names = {identifier: room.name for room, identifier in zip(drawing.rooms, ids, strict=True)}
+    strokes = [(stroke, _moved(turned(stroke.points, angle), shift)) for stroke in drawing.strokes]
+    drawn, outside = _drawn_openings(strokes, storeys, names)
+    notes += outside
     storeys = [s.model_copy(update={"openings": drawn.get(level, ())}) for level, s in enumerate(storeys)]
     slab_m = _SLAB_M if drawing.slab_m is None else drawing.slab_m
     fields = {"name": plan.name, "seed": plan.seed, "slab_m": slab_m, "storeys": tuple(storeys)}
@@ -190,23 +192,24 @@ def _with_added_openings(spec: HouseSpec, notes: list[str]) -> HouseSpec:
 
 
 def _drawn_openings(
-    strokes: Sequence[Stroke],
-    storeys: Sequence[StoreySpec],
-    ids: dict[str, str],
-    angle: float,
-    shift: Point,
-    notes: list[str],
-) -> dict[int, tuple[OpeningSpec, ...]]:
+    strokes: Sequence[tuple[Stroke, Sequence[Point]]], storeys: Sequence[StoreySpec], names: Mapping[str, str]
+) -> tuple[dict[int, tuple[OpeningSpec, ...]], list[str]]:
+    """Return the openings of each storey, and notes on strokes that lead out of the house and are left out.
+
+    `strokes` holds each stroke with its points after the plan was turned and moved [m]; `names` gives the name of each room
+    in the drawing, by the room's id. Raises `SpecError` for a stroke that fits no wall.
+    """
     openings: dict[int, tuple[OpeningSpec, ...]] = {}
-    for stroke in strokes:
+    notes = []
+    for stroke, points in strokes:
         if stroke.storey >= len(storeys):
             raise SpecError(f"{stroke.where}: is on storey {stroke.storey}, which has no rooms")
-        opening = opening_on_wall(stroke, _moved(turned(stroke.points, angle), shift), storeys[stroke.storey], ids)
+        opening = opening_on_wall(stroke, points, storeys[stroke.storey], names)
         if opening is None:
             notes.append(f"{stroke.where}: leads out of the house; ignored")
         else:
             openings[stroke.storey] = (*openings.get(stroke.storey, ()), opening)
-    return {level: without_overlaps(placed) for level, placed in openings.items()}
+    return {level: without_overlaps(placed) for level, placed in openings.items()}, notes
 
 
 def _storeys(drawing: DrawnPlan, rooms: Sequence[RoomSpec]) -> list[StoreySpec]:

@@ -245,6 +245,26 @@ def test_names_keep_their_letters(tmp_path):
     assert [r.id for r in spec.storeys[0].rooms] == ["Buro Muller", "gym"]
 
 
+@pytest.mark.parametrize(
+    ("names", "into", "meant"),
+    [
+        (("bedroom", "bedroom"), "bedroom", "bedroom"),
+        (("bedroom", "bedroom"), "bedroom 2", "bedroom 2"),
+        (("Büro", "corridor"), "Büro", "Buro"),
+        (("Büro", "corridor"), "Buro", "Buro"),
+        (("", "bedroom"), "bedroom", "bedroom"),
+        (("", "bedroom"), "bedroom 2", "bedroom 2"),
+    ],
+)
+def test_a_door_leaf_names_its_room_by_id_or_as_drawn(tmp_path, names, into, meant):
+    drawn = [room("bedroom", corners, name=name) for corners, name in zip((LEFT, RIGHT), names, strict=True)]
+    door = DOOR | {"properties": {"kind": "door", "leaf": {"hinge": "start", "into": into, "angle_rad": 1.0}}}
+    (storey,) = import_plan(written(tmp_path, *drawn, door)).spec.storeys
+    assert [opening.leaf.into for opening in storey.openings] == [meant]
+    other = DOOR | {"properties": {"kind": "door", "leaf": {"hinge": "start", "into": "attic", "angle_rad": 1.0}}}
+    assert "swings into 'attic'; valid: " in refusal(written(tmp_path, *drawn, other))
+
+
 def test_svg_shapes_transforms_and_y_down(tmp_path):
     body = """
       <g id="storey-0" transform="translate(100 50)">
