@@ -59,7 +59,7 @@ def propose(
         graph: the current poses and embeddings.
         config: the method, how many keyframes to propose, and how old they must be.
     """
-    old = _old_enough_in(graph, query, config)
+    old = old_keyframes(graph, query, config)
     match config.method:
         case "probability":
             return by_probability(query, old, graph, config)
@@ -69,10 +69,11 @@ def propose(
             return most_similar_keyframes(query, old, graph, config.candidates)
 
 
-def _old_enough_in(graph: PoseGraph, query: Keyframe, config: PlaceRecognitionConfig) -> Ids:
+def old_keyframes(graph: PoseGraph, query: Keyframe, config: PlaceRecognitionConfig) -> Ids:
     """Return the ids of the active keyframes that are old enough and in the query's component, ascending.
 
-    All keyframes of earlier sessions are old enough.
+    They are the keyframes that may be proposed for a query of the graph's last session; see `old_enough`. All keyframes of
+    earlier sessions are old enough.
     """
     earlier = int(np.searchsorted(graph.active, graph.session_start))
     own = graph.active[earlier:]

@@ -11,7 +11,7 @@ from lexis.evaluation.place_recognition import PLACE_M, PLACE_RAD
 from lexis.evaluation.relative import separation
 from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.se3 import between
-from lexis.place_recognition import old_enough
+from lexis.place_recognition import old_keyframes
 from lexis.room_labels import Labels
 from lexis.types import Camera, Keyframe, LoopEdge, Poses, RoomInstance
 from lexis.verification import Verification
@@ -43,8 +43,8 @@ class TrueStages:
         self, query: Keyframe, label: str, rooms: Sequence[RoomInstance], graph: PoseGraph, config: PlaceRecognitionConfig
     ) -> tuple[int, ...]:
         """Propose keyframes that are old enough and were truly taken at the place of the query, the closest first."""
-        old = np.flatnonzero(old_enough(query.id, graph.stamps, graph.path_m, config))
-        distances_m, there = self._compared(query, [graph.keyframes[k] for k in old])
+        old = old_keyframes(graph, query, config)
+        distances_m, there = self._compared(query, [graph.keyframes[k] for k in old.tolist()])
         closest = old[there][np.argsort(distances_m[there], kind="stable")]
         return tuple(closest[: config.candidates].tolist())
 

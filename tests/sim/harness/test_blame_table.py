@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lexis.config import Config, PoseGraphConfig
 from lexis.evaluation.loops import true_edges
 from lexis.types import LoopEdge
 from lexis.verification import Verification
@@ -154,6 +155,22 @@ def test_the_true_stages_close_true_loops_between_revisits_alone():
     verified = run(SCENARIO, Lexis("oracle", place_recogniser=everything, verifier=truth.verify)).estimate.loops
     apart = finished.true_poses[verified.query, :3, 3] - finished.true_poses[verified.match, :3, 3]
     assert len(verified.query) > 5 and np.linalg.norm(apart, axis=1).max() <= 1.0
+
+
+def test_the_true_stages_propose_no_keyframe_that_has_retired():
+    scenario = replace(SCENARIO, length_m=120.0, odometry="perfect", frame_rate_hz=4.0)
+    truth, retired = TrueStages.of(scenario), 0
+
+    def watched(query, label, rooms, graph, config):
+        nonlocal retired
+        retired = len(graph.retired)
+        found = truth.propose(query, label, rooms, graph, config)
+        assert set(found) <= set(graph.active.tolist())
+        return found
+
+    config = Config(pose_graph=PoseGraphConfig(window=20, growth=0.1, copies=2, retire_above=0))
+    run(scenario, Lexis("oracle", config, place_recogniser=watched, verifier=truth.verify))
+    assert retired > 5
 
 
 def test_a_lexis_with_other_stages_keeps_its_settings():
