@@ -1,11 +1,12 @@
 """The claims of a SLAM about a run. Every claim is optional: figures that need a missing claim are null, never 0."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from numbers import Real
 from operator import index
 from types import MappingProxyType
-from typing import TypeGuard
+from typing import Any, TypeGuard
 
 import numpy as np
 from jaxtyping import Float64, Int
@@ -158,11 +159,16 @@ def _checked_frames(frames: object) -> int:
 
 def _candidate_rows(candidates: object) -> list[int]:
     """Return all rows that proposed revisits refer to. Raises `ClaimError` for another form."""
-    try:
-        return [index(row) for query, matches in candidates for row in (query, *matches)]  # type: ignore[attr-defined]
-    except (TypeError, ValueError):
-        valid = "a tuple of pairs of a row and other rows, such as ((7, (2, 0)),)"
-        raise ClaimError(f"estimate: candidates is {candidates!r:.60}; valid: {valid}") from None
+    if _is_list(candidates) and all(_is_list(pair) and len(pair) == 2 and _is_list(pair[1]) for pair in candidates):
+        with suppress(TypeError):
+            return [index(row) for query, matches in candidates for row in (query, *matches)]
+    valid = "a tuple of pairs of a row and other rows, such as ((7, (2, 0)),)"
+    raise ClaimError(f"estimate: candidates is {candidates!r:.60}; valid: {valid}")
+
+
+def _is_list(value: object) -> TypeGuard[Sequence[Any]]:
+    """Whether a value is a sequence, which can be read more than once, unlike a generator."""
+    return isinstance(value, Sequence) or (isinstance(value, np.ndarray) and value.ndim > 0)
 
 
 def _verdict_rows(verdicts: object) -> list[int]:

@@ -144,6 +144,8 @@ def test_claims_of_another_size_are_named():
         ({"T_W_B": np.zeros((5, 4, 4))}, "T_W_B is no rigid motion in row 0; valid: rotation and translation"),
         ({"similarities": np.zeros(5)}, "similarities is float64 (5,); valid: an array of numbers of shape (n, any)"),
         ({"candidates": np.zeros((2, 2))}, "candidates is array([[0., 0.],"),
+        ({"candidates": ((k, (0,)) for k in (1, 2))}, "candidates is <generator"),
+        ({"candidates": ((2, (k for k in (0, 1))),)}, "candidates is ((2, <generator"),
         (
             {"stage_seconds": {"loops": None}},
             "stage_seconds is {'loops': None}; valid: a mapping of the stage's name to seconds",
