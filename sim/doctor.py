@@ -140,19 +140,19 @@ def available_bytes() -> int | None:
     """Return the free memory of the machine or of the container, whichever is less [bytes]; None if it is unknown."""
     found = []
     if _MEMINFO.is_file():
-        rows = (line.split() for line in _MEMINFO.read_text().splitlines())
+        rows = (line.split() for line in _MEMINFO.read_text(encoding="utf-8").splitlines())
         found += [1024 * int(row[1]) for row in rows if row[0] == "MemAvailable:"]
     if (
         all(path.is_file() for path in (_CGROUP_MAX, _CGROUP_USED))
-        and (limit := _CGROUP_MAX.read_text().strip()).isdecimal()
+        and (limit := _CGROUP_MAX.read_text(encoding="utf-8").strip()).isdecimal()
     ):
-        found.append(int(limit) - int(_CGROUP_USED.read_text()) + _file_cache_bytes())
+        found.append(int(limit) - int(_CGROUP_USED.read_text(encoding="utf-8")) + _file_cache_bytes())
     return min(found, default=None)
 
 
 def _file_cache_bytes() -> int:
     """Return how much of the container's memory holds files that were read, and is freed when it is needed [bytes]."""
-    rows = (line.split() for line in _CGROUP_STAT.read_text().splitlines()) if _CGROUP_STAT.is_file() else ()
+    rows = (line.split() for line in _CGROUP_STAT.read_text(encoding="utf-8").splitlines()) if _CGROUP_STAT.is_file() else ()
     return sum(int(row[1]) for row in rows if row[0] == "inactive_file")
 
 

@@ -39,7 +39,7 @@ ENVIRONMENTS = {
     "SkylakeX": {"OPENBLAS_CORETYPE": "SkylakeX"},
     "one core": {"ONE_CORE": "1"},
 }
-HAS_AVX512 = "avx512f" in Path("/proc/cpuinfo").read_text().split()
+HAS_AVX512 = "avx512f" in Path("/proc/cpuinfo").read_text(encoding="utf-8").split()
 CLOSE_M = 1e-9
 
 

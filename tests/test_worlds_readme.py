@@ -28,5 +28,5 @@ def test_everything_in_the_documentation_works(tmp_path, monkeypatch, capsys):
 
 
 def test_the_documentation_lists_all_labels():
-    text = " ".join(Path("worlds/README.md").read_text().split())
+    text = " ".join(Path("worlds/README.md").read_text(encoding="utf-8").split())
     assert f"Labels: {', '.join(ROOM_LABELS[:-1])}" in text and ROOM_LABELS[-1] in text

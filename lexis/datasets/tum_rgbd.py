@@ -61,9 +61,9 @@ def write_dataset(directory: Path, camera: Camera, observations: Iterable[Observ
         (folder / "rgb").mkdir()
         write_camera(folder / CAMERA, camera)
         with (
-            open(folder / IMAGE_LIST, "w") as images,
-            open(folder / ODOMETRY, "w") as odometry,
-            open(folder / COVARIANCE, "w") as covariances,
+            open(folder / IMAGE_LIST, "w", encoding="utf-8") as images,
+            open(folder / ODOMETRY, "w", encoding="utf-8") as odometry,
+            open(folder / COVARIANCE, "w", encoding="utf-8") as covariances,
         ):
             images.write("# stamp [s], file\n")
             covariances.write("# stamp [s], 6x6 row by row\n")

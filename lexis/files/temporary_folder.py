@@ -30,7 +30,7 @@ def temporary_folder(place: Path) -> Iterator[Path]:
     folder = Path(tempfile.mkdtemp(prefix=f".lexis-{os.getpid()}-", dir=place))
     try:
         (folder / "new").mkdir()
-        with (folder / "unlocked").open("w") as lock:
+        with (folder / "unlocked").open("wb") as lock:
             # If locking does not work here, other processes cannot lock the file either and leave the folder alone.
             with suppress(OSError):
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

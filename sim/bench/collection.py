@@ -73,7 +73,7 @@ def _commit() -> str:
         return f"unknown, version {version('lexis-sim')}"
     commands = ("rev-parse", "HEAD"), ("diff", "HEAD"), ("ls-files", "--others", "--exclude-standard", ":/*.py")
     commit, changes, added = (_git(*words) or "" for words in commands)
-    changes += "".join(f"{name}\n{(_HERE / name).read_text()}" for name in added.splitlines())
+    changes += "".join(f"{name}\n{(_HERE / name).read_text(encoding='utf-8')}" for name in added.splitlines())
     changed = hashlib.sha256(changes.encode()).hexdigest()[:12]
     return commit.strip() + (f" with changes {changed}" if changes else "")
 

@@ -25,7 +25,9 @@ def peak_memory() -> int:
 
     `ru_maxrss` cannot be used, because its initial value is the resident memory of the parent process.
     """
-    line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM:"))
+    line = next(
+        line for line in Path("/proc/self/status").read_text(encoding="utf-8").splitlines() if line.startswith("VmHWM:")
+    )
     return int(line.split()[1]) * 1024
 
 

@@ -158,7 +158,7 @@ def broken_replays(folder: Path, bug: str, own_pytest: bool) -> Iterator[str]:
     if not _fails(replay):
         yield "replays: test_replay.py passes, although the bug is there"
     mended = folder / "test_mended.py"
-    mended.write_text(replay.read_text().replace(repr(bug), repr(MENDED)))
+    mended.write_text(replay.read_text(encoding="utf-8").replace(repr(bug), repr(MENDED)), encoding="utf-8")
     if _fails(mended):
         yield "replays: test_replay.py fails without the bug"
     if own_pytest and (status := _pytest_status(replay)) != _PYTEST_FAILED:

@@ -167,7 +167,7 @@ def _write_results(report: "SuiteReport", worse: Sequence[str], path: Path) -> N
 
     data = results_data(report.results) | report.data() | {"worse": list(worse)}
     with replaced_file(path) as beside:
-        beside.write_text(json.dumps(data, indent=1) + "\n")
+        beside.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
 
 
 def _draw(report: "SuiteReport", workers: int, path: Path) -> None:
@@ -175,7 +175,7 @@ def _draw(report: "SuiteReport", workers: int, path: Path) -> None:
     from sim.suites.openness_chart import openness_chart
 
     with replaced_file(path) as beside:
-        beside.write_text(openness_chart(report, workers))
+        beside.write_text(openness_chart(report, workers), encoding="utf-8")
 
 
 def _search_smallest(report: "SuiteReport", new_slam: "NewSlam", arguments: argparse.Namespace) -> None:

@@ -17,7 +17,7 @@ def write_checked(spec: HouseSpec, path: Path) -> None:
     """Check a house, write it and print its description. An invalid house raises `HouseError`, and nothing is written."""
     house = built_and_checked(spec)
     with replaced_file(path) as file:
-        file.write_text(spec.to_json())
+        file.write_text(spec.to_json(), encoding="utf-8")
     print(f"{path}: {describe(house)}")
 
 

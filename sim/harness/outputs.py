@@ -65,7 +65,7 @@ def _folder_with(more: Mapping[str, bytes], out: Path) -> Iterator[Path]:
 
 def fill_crash_folder(crash: Crash, folder: Path) -> None:
     """Write the files of `write_crash` into an existing folder."""
-    (folder / TRACEBACK).write_text(crash.traceback)
+    (folder / TRACEBACK).write_text(crash.traceback, encoding="utf-8")
     crash.scenario.save(folder / SCENARIO)
 
 
@@ -73,8 +73,8 @@ def fill_run_folder(
     run: Run, result: RunResult, trials: Sequence[Trial], folder: Path, failure: ShownFailure | None = None
 ) -> None:
     """Write the files of `write_run` into an existing folder."""
-    (folder / RESULT).write_text(json.dumps(result.data(), indent=1, allow_nan=False) + "\n")
-    (folder / "house.json").write_text(run.house.spec.to_json())
+    (folder / RESULT).write_text(json.dumps(result.data(), indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    (folder / "house.json").write_text(run.house.spec.to_json(), encoding="utf-8")
     run.scenario.save(folder / SCENARIO)
     if run.estimate.T_W_B is not None:
         write_tum(folder / "trajectory.tum", run.stamps, run.estimate.T_W_B)

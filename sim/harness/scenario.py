@@ -120,7 +120,7 @@ class Scenario(Settings, place="scenario", error=SimError):
     def save(self, path: Path) -> None:
         """Write the scenario as JSON. Raises `LexisError` if the file cannot be written."""
         with replaced_file(path) as beside:
-            beside.write_text(json.dumps(self.data(), indent=1) + "\n")
+            beside.write_text(json.dumps(self.data(), indent=1) + "\n", encoding="utf-8")
 
     @staticmethod
     def load(path: Path | str) -> "Scenario":

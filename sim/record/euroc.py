@@ -44,7 +44,7 @@ def write_euroc(folder: Path, take: Take, frames: Iterable[RecordedFrame], image
     """
     sensors = folder / SENSORS
     sensors.mkdir()
-    (sensors / "body.yaml").write_text("comment: simulated by LEXIS-sim; the body frame is that of imu0\n")
+    (sensors / "body.yaml").write_text("comment: simulated by LEXIS-sim; the body frame is that of imu0\n", encoding="utf-8")
     write_settings(folder / "settings", take)
     _write_imu(sensors / "imu0", take)
     if take.with_truth:
@@ -59,7 +59,7 @@ def _write_frames(folder: Path, take: Take, frames: Iterable[RecordedFrame], suf
     odometry: list[list[float]] = []
     for name, camera in take.cameras.items():
         (sensors / name / "data").mkdir(parents=True)
-        (sensors / name / "sensor.yaml").write_text(_camera_yaml(name, camera, take))
+        (sensors / name / "sensor.yaml").write_text(_camera_yaml(name, camera, take), encoding="utf-8")
     for frame in frames:
         file = unused(str(frame.stamp_ns), suffix, files)
         files[file] = frame.stamp_ns
@@ -69,23 +69,25 @@ def _write_frames(folder: Path, take: Take, frames: Iterable[RecordedFrame], suf
         odometry.append([*_state_rows(seen.T_O_B[None])[0].tolist(), *seen.increment_covariance.ravel().tolist()])
     for name in take.cameras:
         _write_csv(sensors / name / "data.csv", IMAGE_COLUMNS, ([stamp, file] for file, stamp in files.items()))
-    (folder / "timestamps.txt").write_text("".join(f"{stamp}\n" for stamp in files.values()))
+    (folder / "timestamps.txt").write_text("".join(f"{stamp}\n" for stamp in files.values()), encoding="utf-8")
     (sensors / ODOMETRY).mkdir()
-    (sensors / ODOMETRY / "sensor.yaml").write_text(_ODOMETRY_YAML + _extrinsics(np.eye(4)))
+    (sensors / ODOMETRY / "sensor.yaml").write_text(_ODOMETRY_YAML + _extrinsics(np.eye(4)), encoding="utf-8")
     rows = ([stamp, *row] for stamp, row in zip(files.values(), odometry, strict=True))
     _write_csv(sensors / ODOMETRY / "data.csv", ODOMETRY_COLUMNS, rows)
 
 
 def _write_imu(folder: Path, take: Take) -> None:
     folder.mkdir()
-    (folder / "sensor.yaml").write_text(_imu_yaml(take.imu_config))
+    (folder / "sensor.yaml").write_text(_imu_yaml(take.imu_config), encoding="utf-8")
     measured = np.hstack([take.imu.angular_velocity, take.imu.specific_force])
     _write_csv(folder / "data.csv", IMU_COLUMNS, _stamped(take, measured))
 
 
 def _write_states(folder: Path, take: Take) -> None:
     folder.mkdir()
-    (folder / "sensor.yaml").write_text("sensor_type: visual-inertial\ncomment: the truth\n" + _extrinsics(np.eye(4)))
+    (folder / "sensor.yaml").write_text(
+        "sensor_type: visual-inertial\ncomment: the truth\n" + _extrinsics(np.eye(4)), encoding="utf-8"
+    )
     biases = take.imu.gyroscope_bias, take.imu.accelerometer_bias
     states = np.hstack([_state_rows(take.T_W_B), take.velocity, *biases])
     _write_csv(folder / "data.csv", STATE_COLUMNS, _stamped(take, states))

@@ -24,9 +24,11 @@ def write_mjcf(house: House, path: Path) -> None:
     spec.compile()
     text = spec.to_xml()
     with replaced_folder(folder, _MARKER) as beside:
-        (beside / _MARKER).write_text("".join(f"{Path(files[name]).name}\t{name}\n" for name in seen.images))
+        (beside / _MARKER).write_text(
+            "".join(f"{Path(files[name]).name}\t{name}\n" for name in seen.images), encoding="utf-8"
+        )
         for name, content in pictures.items():
             (beside / Path(name).name).write_bytes(content)
         # The XML is written before the folder is moved into place, so that a full disk leaves neither of them behind.
         with replaced_file(path) as file:
-            file.write_text(text)
+            file.write_text(text, encoding="utf-8")

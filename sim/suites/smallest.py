@@ -116,8 +116,10 @@ def _written(
             raise not_reproduced(reduction)
         with replaced_folder(folder, *MARKERS) as beside:
             reduction.scenario.save(beside / SCENARIO)
-            (beside / WHY).write_text(_why(verdict, smallest.measured, reduction))
-            (beside / TEST_REPLAY).write_text(_REPLAY.format(**names, imports=imports, new_slam=replay.new_slam))
+            (beside / WHY).write_text(_why(verdict, smallest.measured, reduction), encoding="utf-8")
+            (beside / TEST_REPLAY).write_text(
+                _REPLAY.format(**names, imports=imports, new_slam=replay.new_slam), encoding="utf-8"
+            )
         found, interrupted = f"replay: pytest {folder / TEST_REPLAY}", reduction.ended == "interrupted"
     old, new = reduction.sizes
     return f"{verdict.name}: {old} -> {new}\n  {found}", interrupted

@@ -142,7 +142,7 @@ def _check_settings(run: TrainingRun) -> None:
     asked = json.dumps(_deciding(run))
     if not path.exists():
         with replaced_file(path) as beside:
-            beside.write_text(asked + "\n")
+            beside.write_text(asked + "\n", encoding="utf-8")
         return
     before = read_json(path, _SETTINGS_FILE)
     if not isinstance(before, dict):

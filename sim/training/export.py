@@ -48,7 +48,7 @@ def export(tower: AlignedTower, text: TextTransformer, temperature: float, path:
     with replaced_file(path) as beside:
         save_file({name: value.half().contiguous().cpu() for name, value in weights.items()}, beside)
     with replaced_file(path.with_suffix(".json")) as beside:
-        beside.write_text(json.dumps(model_config(), indent=2) + "\n")
+        beside.write_text(json.dumps(model_config(), indent=2) + "\n", encoding="utf-8")
 
 
 def start_trunk_from(path: Path, tower: DenseTower) -> None:

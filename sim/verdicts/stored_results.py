@@ -24,7 +24,7 @@ _FILE = FileKind("a file of results, as `lexis-sim check --json` writes it, or r
 def save_results(results: Sequence[RunResult], path: Path | str) -> None:
     """Write results to one JSON file. Raises `LexisError` if the file cannot be written."""
     with replaced_file(Path(path)) as beside:
-        beside.write_text(json.dumps(results_data(results), indent=1) + "\n")
+        beside.write_text(json.dumps(results_data(results), indent=1) + "\n", encoding="utf-8")
 
 
 def results_data(results: Sequence[RunResult]) -> dict[str, Any]:

@@ -19,7 +19,7 @@ _STOREY_M = 6.0
 
 def odometry(dataset):
     """Stamps [s], and rows x, y, z, qw, qx, qy, qz of the odometry."""
-    with open(dataset / "mav0" / "odom0" / "data.csv") as file:
+    with open(dataset / "mav0" / "odom0" / "data.csv", encoding="utf-8") as file:
         rows = list(csv.reader(file))[1:]
     return [int(row[0]) / 1e9 for row in rows], [[float(value) for value in row[1:8]] for row in rows]
 
@@ -47,7 +47,7 @@ def main(bug, dataset, out, truth=None):
     ]
     (Path(out) / "trajectory.tum").write_text("".join(lines))
     if bug != "drift":
-        claims = floors(rows) if bug == "floors" else swapped(stamps, json.loads(Path(truth).read_text()))
+        claims = floors(rows) if bug == "floors" else swapped(stamps, json.loads(Path(truth).read_text(encoding="utf-8")))
         frames = [{"stamp": stamp, **claim} for stamp, claim in zip(stamps, claims, strict=True)]
         (Path(out) / "rooms.json").write_text(json.dumps({"version": 1, "frames": frames}))
 

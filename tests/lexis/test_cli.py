@@ -299,7 +299,7 @@ def test_bad_input_is_one_line_and_exit_2(dataset, tmp_path, rng, capsys, argume
 @pytest.mark.parametrize("arguments", [["plan", "{map}", "--from", "office", "--to", "corridor"], ["--help"]])
 def test_a_full_standard_output_is_one_line_and_exit_2(tmp_path, rng, capsys, monkeypatch, arguments, buffering):
     save_map(corridor_with_offices(rng), tmp_path / "map")
-    with open("/dev/full", "w", buffering=buffering) as full:
+    with open("/dev/full", "w", encoding="utf-8", buffering=buffering) as full:
         monkeypatch.setattr(sys, "stdout", full)
         assert cli.main([argument.format(map=tmp_path / "map") for argument in arguments]) == 2
     error = capsys.readouterr().err

@@ -73,7 +73,7 @@ def test_workers_end_with_a_process_that_is_killed(tmp_path):
     for _ in range(600):
         stat = Path(f"/proc/{worker}/stat")
         try:
-            if stat.read_text().rpartition(")")[2].split()[0] == "Z":  # it has ended, and nobody asks how
+            if stat.read_text(encoding="utf-8").rpartition(")")[2].split()[0] == "Z":  # it has ended, and nobody asks how
                 return
         except FileNotFoundError:
             return

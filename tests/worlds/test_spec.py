@@ -97,7 +97,7 @@ def test_files_that_cannot_be_a_house_are_not_read(tmp_path):
 
 
 def test_the_published_schema_is_the_one_in_use():
-    published = Path("worlds/house.schema.json").read_text()
+    published = Path("worlds/house.schema.json").read_text(encoding="utf-8")
     assert json.loads(published) == json_schema(), "write worlds.spec.json_schema() to worlds/house.schema.json"
 
 
@@ -124,7 +124,7 @@ def test_every_number_of_the_schema_says_its_unit():
 
 
 def test_the_example_of_the_documentation_is_a_house_of_two_rooms():
-    readme = Path("worlds/README.md").read_text()
+    readme = Path("worlds/README.md").read_text(encoding="utf-8")
     example = readme.split("```json\n")[1].split("```")[0]
     assert len(example.splitlines()) <= 15
     spec = HouseSpec.from_json(example)
@@ -133,7 +133,7 @@ def test_the_example_of_the_documentation_is_a_house_of_two_rooms():
 
 
 def test_the_documentation_names_every_field():
-    readme = Path("worlds/README.md").read_text()
+    readme = Path("worlds/README.md").read_text(encoding="utf-8")
     schema = json_schema()
     objects = [schema, *schema["$defs"].values()]
     assert [name for o in objects for name in o["properties"] if f"`{name}`" not in readme] == []

@@ -112,7 +112,7 @@ def _write_random(architecture: str, weights: Path) -> None:
     network = open_clip.create_model(architecture, pretrained=None, pretrained_hf=False)
     save_file({name: value.contiguous() for name, value in network.state_dict().items()}, weights)
     config = {"model_cfg": open_clip.get_model_config(architecture), "preprocess_cfg": network.visual.preprocess_cfg}
-    (weights.parent / "open_clip_config.json").write_text(json.dumps(config))
+    (weights.parent / "open_clip_config.json").write_text(json.dumps(config), encoding="utf-8")
 
 
 def _encoding(encoder: OpenClipEncoder, name: str) -> Callable[[], object]:

@@ -133,7 +133,7 @@ def grade(
         options += [] if before is None else ["--against", str(before)]
         status, shown, errors = _check(folder, options)
         if verdicts.exists():
-            data = json.loads(verdicts.read_text())
+            data = json.loads(verdicts.read_text(encoding="utf-8"))
             graded = _graded(start, data, shown, verdicts.stat().st_mtime - begin)
             graded = replace(graded, searched=smallest, fingerprint=fingerprint)
             if before is None or any(check["outcome"] == "fails" for check in data["checks"]):
@@ -160,7 +160,7 @@ def end_suites() -> None:
 
 def write_grade(grade: Grade, file: Path) -> None:
     """Append a grade to a file, so that a grading that is interrupted can go on from there."""
-    with file.open("a") as lines:
+    with file.open("a", encoding="utf-8") as lines:
         lines.write(json.dumps(asdict(grade)) + "\n")
 
 
@@ -168,7 +168,7 @@ def read_grades(file: Path) -> list[Grade]:
     """Return the grades in a file, or none if the file does not exist. Raises `SimError` for a line that is no grade."""
     grades = []
     try:
-        lines = file.read_text().splitlines() if file.exists() else []
+        lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
     except (OSError, UnicodeDecodeError) as error:
         why = one_line(error, 160)
         raise SimError(f"{file}: cannot be read: {why}; valid: a file that this benchmark has written") from None

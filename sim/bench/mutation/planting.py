@@ -50,14 +50,14 @@ def planted(mutant: Mutant | None) -> Iterator[Path]:
         shutil.copytree(source, copy, copy_function=_copied, ignore=shutil.ignore_patterns("__pycache__"))
         if mutant is not None:
             module = copy / mutant.file
-            module.write_text(mutant.applied(module.read_text()))
+            module.write_text(mutant.applied(module.read_text(encoding="utf-8")), encoding="utf-8")
         yield Path(folder)
 
 
 def _hash_of_lexis() -> str:
     source = Path(lexis.__file__).parent
     modules = sorted(source.rglob("*.py"))
-    return _hash(*(text for path in modules for text in (str(path.relative_to(source)), path.read_text())))
+    return _hash(*(text for path in modules for text in (str(path.relative_to(source)), path.read_text(encoding="utf-8"))))
 
 
 def _hash(*texts: str) -> str:

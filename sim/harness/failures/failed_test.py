@@ -93,7 +93,11 @@ def folder_of(out: Path, name: str, scenario: Scenario, parameters: str = "") ->
 def holds_failure(folder: Path, test: FailedPytest, scenario: Scenario) -> bool:
     """Return whether a folder, which the user may have renamed, holds the failure of the test in this scenario."""
     replay = folder / TEST_REPLAY
-    return replay.is_file() and replay.read_text() == test.replay and Scenario.load(folder / SCENARIO) == scenario
+    return (
+        replay.is_file()
+        and replay.read_text(encoding="utf-8") == test.replay
+        and Scenario.load(folder / SCENARIO) == scenario
+    )
 
 
 def write_failed_test(folder: Path, test: FailedPytest, outcome: FinishedRun | Crash, search: Search | None = None) -> None:
@@ -117,4 +121,4 @@ def write_failed_test(folder: Path, test: FailedPytest, outcome: FinishedRun | C
             (new / each).write_bytes(content)
         if search is not None:
             search.original.save(new / "original.json")
-        (new / TEST_REPLAY).write_text(test.replay)
+        (new / TEST_REPLAY).write_text(test.replay, encoding="utf-8")

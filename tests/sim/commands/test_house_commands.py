@@ -59,7 +59,7 @@ def test_a_list_of_rooms_can_have_storeys():
 
 def test_a_variant_is_the_library_s():
     spec = sample_house("home", 1, clutter=0.0)
-    Path("h.json").write_text(spec.to_json())
+    Path("h.json").write_text(spec.to_json(), encoding="utf-8")
     options = "--openness 0.7 --clutter 0.3 --mirror --rotate 3 --repaint 8 --add-storey --climb lift -o v.json"
     assert status_of("variant", "h.json", *options.split()) == 0
     wanted = variant(spec, openness=0.7, clutter=0.3, mirror=True, rotate=3, repaint=8, add_storey=True, climb="lift")

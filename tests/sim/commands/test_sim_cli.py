@@ -331,7 +331,7 @@ def test_help_lists_every_fault(capsys):
 
 
 def test_a_full_standard_output_is_one_line_and_exit_2(monkeypatch, capsys):
-    with open("/dev/full", "w") as full:
+    with open("/dev/full", "w", encoding="utf-8") as full:
         monkeypatch.setattr(sys, "stdout", full)
         assert status_of(["--help"]) == 2
     error = capsys.readouterr().err

@@ -165,7 +165,7 @@ def test_jpeg_changes_pixels_and_little_else(recordings, live, replay):
 
 
 def csv_rows(path):
-    with open(path, newline="") as file:
+    with open(path, encoding="utf-8", newline="") as file:
         header, *rows = csv.reader(file)
     return header, rows
 
