@@ -16,11 +16,11 @@ class ObservationError(LexisError):
 
 
 class EncoderError(LexisError):
-    """A model is unknown, cannot be loaded, or does not fit the room names."""
+    """A model is unknown, cannot be loaded or used, or does not fit the room names."""
 
 
 class MapError(LexisError):
-    """A map cannot be read, is malformed, or was made with another encoder."""
+    """A map, or a file made from one, cannot be read, written or used; or the map was made with another encoder."""
 
 
 class PlanError(LexisError):
@@ -34,12 +34,17 @@ class DatasetError(LexisError):
 _LONG_WORD = re.compile(r"(\S{60})\S{20,}(\S{40})")
 
 
+def encodable(text: str) -> str:
+    """Return a text that can be written in UTF-8: halves of surrogate pairs, as in undecodable file names, are escaped."""
+    return text.encode("utf-8", "backslashreplace").decode()
+
+
 def one_line(said: object, most: int = 240) -> str:
-    """Put the text of an error on one line of at most `most` characters.
+    """Put the text of an error on one line of at most `most` characters, which can be written in UTF-8.
 
     A longer text is shortened by leaving out the middles of long words, such as paths, and then the middle of the line.
     """
-    line = " ".join(str(said).split()) or type(said).__name__
+    line = encodable(" ".join(str(said).split())) or type(said).__name__
     if len(line) > most:
         line = _LONG_WORD.sub(r"\1...\2", line)
     if len(line) <= most:

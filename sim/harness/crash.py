@@ -12,7 +12,7 @@ from typing import TypeVar
 import lexis
 import sim
 import worlds
-from lexis.errors import EncoderError, LexisError, one_line
+from lexis.errors import EncoderError, LexisError, encodable, one_line
 from sim.errors import USER_ERRORS, ProgramError, SimError
 from sim.harness.last_run import noted
 from sim.harness.planning import Trial, try_plans
@@ -59,8 +59,8 @@ class Crash:
     def sentence(self) -> str:
         """What went wrong: "the SLAM raises RuntimeError: lost", or what the error says about a program."""
         if isinstance(self.error, ProgramError):
-            return str(self.error)
-        return f"the SLAM {self.what}: {self.error}"
+            return encodable(str(self.error))
+        return encodable(f"the SLAM {self.what}: {self.error}")
 
     @property
     def place(self) -> str:
@@ -74,7 +74,7 @@ class Crash:
         """The traceback as Python prints it, or what a program printed on stderr; empty if a program printed nothing."""
         if isinstance(self.error, ProgramError):
             return f"{self.error.stderr.rstrip()}\n" if self.error.stderr else ""
-        return "".join(traceback.format_exception(self.error))
+        return encodable("".join(traceback.format_exception(self.error)))
 
 
 def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None) -> Run | Crash:

@@ -11,6 +11,7 @@ from typing import Any, TypeGuard
 import numpy as np
 from jaxtyping import Float64, Int
 
+from lexis.errors import encodable
 from lexis.inputs import MAX_POSITION_M
 from lexis.maths.se3 import is_rigid
 from lexis.types import Poses
@@ -205,7 +206,7 @@ def _checked_stages(seconds: object) -> Mapping[str, float]:
 
 def _check_text(name: str, text: object) -> None:
     """Raise `ClaimError` unless a claim is a text that can be written to a file."""
-    if not isinstance(text, str) or text.encode(errors="replace").decode() != text:
+    if not isinstance(text, str) or encodable(text) != text:
         raise ClaimError(f"estimate: {name} is {text!r:.40}; valid: a text")
 
 

@@ -37,6 +37,7 @@ def folder(tmp_path, monkeypatch):
         "from sim.harness.adapters import OdometryOnly as Mine\n"
         "class Half:\n    def start(self, camera, room_names): pass\n"
         "class Lost(Mine):\n    def finish(self): return 1 / 0\n"
+        "class Unreadable(Mine):\n    def finish(self): raise OSError('no file \\udcff')\n"
         "class Leaving(Mine):\n    def finish(self): raise SystemExit(0)\n"
         "class Unsaved(Mine):\n    def save(self, folder): 1 / 0\n"
         "class Roaming(Mine):\n    def process(self, seen):\n        import os\n        os.chdir('/')\n"
@@ -116,6 +117,14 @@ def test_a_slam_that_raises_fails_the_check_and_leaves_a_folder(folder, capsys):
         runpy.run_path(str(folder / "out" / "test_replay.py"))["test_replay"]()
     assert status_of(["check", "--scenario", "scenario.json", *ODOMETRY, "--out", "out"]) == 0
     assert not (folder / "out" / "failure-traceback.txt").exists()
+
+
+def test_an_exception_with_a_name_that_is_not_utf_8_is_written(folder, capsys):
+    words = ["check", "--scenario", "scenario.json", "--slam", "own_slam_here:Unreadable", "--out", "out"]
+    assert status_of(words) == 1
+    assert capsys.readouterr().err.splitlines()[-1] == r"failed: the SLAM raises OSError: no file \udcff"
+    for name in ("why.md", "failure-traceback.txt"):
+        assert r"no file \udcff" in (folder / "out" / name).read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(
