@@ -100,7 +100,7 @@ def pytest_report_header(config: pytest.Config) -> str:
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
     """Collect no tests from the folders of failures, unless they are named on the command line."""
-    return True if collection_path == out_folder(config) else None
+    return True if collection_path.resolve() == out_folder(config).resolve() else None
 
 
 def replayed_file(config: pytest.Config) -> Path | None:

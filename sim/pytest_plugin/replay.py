@@ -27,7 +27,7 @@ def replay(folder: Path, test: str, options: Sequence[str] = ()) -> None:
     command += ["--lexis-replay", str(folder), "--lexis-out", str(folder.parent)]
     with TemporaryDirectory(prefix="lexis-replay-") as work:
         report = Path(work) / "report.xml"
-        done = subprocess.run([*command, f"--junitxml={report}"], cwd=top, capture_output=True, text=True)
+        done = subprocess.run([*command, f"--junitxml={report}"], cwd=top, capture_output=True, text=True, errors="replace")
         if done.returncode != 0:
             pytest.fail(_failures(report) or done.stdout + done.stderr, pytrace=False)
 

@@ -699,6 +699,18 @@ def test_workers_of_xdist_collect_the_same_fresh_houses(pytester, start, inner):
     assert ran == set(ids(inner("--collect-only", "-q", "--lexis-seed", seed)))
 
 
+@pytest.mark.parametrize("out", ["kept", "../{}/kept", "linked"])
+def test_tests_in_folders_of_failures_are_collected_only_by_name(pytester, inner, out):
+    pytester.makepyfile(test_own="def test_own(): pass")
+    stored = pytester.path / "kept" / "failure"
+    stored.mkdir(parents=True)
+    (stored / "test_replay.py").write_text("def test_replay(): pass")
+    (pytester.path / "linked").symlink_to("kept")
+    out = out.format(pytester.path.name)
+    inner("--lexis-out", out).assert_outcomes(passed=1)
+    inner("--lexis-out", out, "kept/failure").assert_outcomes(passed=1)
+
+
 def test_the_nightly_profile_replays_stored_failures_of_the_same_test_first(pytester, inner):
     pytester.makepyfile(test_houses=LAYOUT)
     for name in ("test_houses-test_house", "test_houses-test_house_2", "other-test_house"):
