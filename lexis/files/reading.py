@@ -107,16 +107,31 @@ def numbered_lines(path: Path, kind: FileKind) -> Iterator[tuple[int, str]]:
 
 
 def read_json(path: Path, kind: FileKind) -> Any:
-    """The data of a JSON file. Raises the error of `kind`."""
+    """The data of a JSON file. Raises the error of `kind`, also for a field that an object has twice."""
     text = read_text(path, kind)
     try:
-        return json.loads(text)
+        return json.loads(text, object_pairs_hook=_fields)
+    except _RepeatedError as error:
+        raise kind.refusal(path, f"has the field {error.args[0]!r:.80} twice in one object; valid: once") from None
     except RecursionError:
         raise kind.refusal(path, "is nested too deeply") from None
     except json.JSONDecodeError as error:
         raise kind.refusal(path, f"is not JSON: {error}") from None
     except ValueError:  # Python refuses to convert integers of more than 4300 digits
         raise kind.refusal(path, "has a number of too many digits") from None
+
+
+class _RepeatedError(Exception):
+    """A field that an object has twice, which JSON itself permits."""
+
+
+def _fields(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    fields: dict[str, object] = {}
+    for name, value in pairs:
+        if name in fields:
+            raise _RepeatedError(name)
+        fields[name] = value
+    return fields
 
 
 def read_model(path: Path, kind: FileKind, model: type[_Model]) -> _Model:

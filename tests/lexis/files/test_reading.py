@@ -67,6 +67,7 @@ def test_nothing_but_regular_files_of_bounded_size_is_read(read, make, says, tmp
         (read_json, b'{"a":' * 200_000, "nested too deeply"),
         (read_json, b"[" + b"9" * 5000 + b"]", "too many digits"),
         (read_json, b"{", "is not JSON: Expecting"),
+        (read_json, b'[{"a": 1, "b": {"c": 1, "c": 1}}]', "has the field 'c' twice in one object; valid: once"),
         (READERS[-1], b"[" * 200_000, "recursion limit"),
         (READERS[-1], b'{"size": "' + b"x" * 1_000_000 + b'"}', "size: Input should be a valid number"),
         (READERS[-1], b'{"size": ' + b"9" * 5000 + b"}", "no thing: Invalid JSON: number out of range"),
