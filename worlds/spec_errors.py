@@ -78,8 +78,9 @@ def _check_sizes(data: object, path: _PATH, node: dict[str, Any], schema: dict[s
     elif isinstance(data, dict):
         if len(data) > _MAX_FIELDS:
             raise SpecError(f"{_path(path) or 'the house'}: has {len(data)} fields; valid: at most {_MAX_FIELDS}")
-        for key in node.get("properties", {}).keys() & data.keys():
-            _check_sizes(data[key], (*path, key), node["properties"][key], schema)
+        for key, described in node.get("properties", {}).items():
+            if key in data:
+                _check_sizes(data[key], (*path, key), described, schema)
 
 
 def explain(error: ValidationError, data: object, schema: dict[str, Any]) -> list[str]:

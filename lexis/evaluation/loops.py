@@ -7,6 +7,7 @@ from jaxtyping import Bool, Float64, Int
 
 from lexis.evaluation.relative import pairs_within, separation
 from lexis.maths.se3 import between, rotation_angle
+from lexis.maths.ties import reaches
 from lexis.types import Poses
 
 TRUE_M, TRUE_RAD = 0.5, 0.2
@@ -122,5 +123,5 @@ def _close_pairs(
 ) -> tuple[Int[np.ndarray, "pairs"], Int[np.ndarray, "pairs"]]:
     """Return the later and the earlier keyframe of all pairs within 1 m of each other and at least 10 s apart."""
     later, earlier = pairs_within(T_W_B, REVISIT_M)
-    apart = stamps[later] - stamps[earlier] >= REVISIT_S
+    apart = reaches(stamps[later] - stamps[earlier], REVISIT_S)  # stamps are rounded
     return later[apart], earlier[apart]

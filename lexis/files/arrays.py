@@ -7,7 +7,7 @@ import math
 import os
 import re
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -44,7 +44,7 @@ def read_arrays(
     with open_file(path, kind) as file:
         try:
             with zipfile.ZipFile(file) as archive:
-                members = _members(archive, None if layout is None else set(layout))
+                members = _members(archive, layout)
                 headers = {name: _header(archive, member) for name, member in members.items()}
                 _check_sizes(headers, kind.max_bytes if packed else os.fstat(file.fileno()).st_size)
                 if layout is not None:
@@ -77,13 +77,13 @@ class _Header:
         return math.prod(self.shape) * self.dtype.itemsize
 
 
-def _members(archive: zipfile.ZipFile, wanted: set[str] | None) -> dict[str, zipfile.ZipInfo]:
+def _members(archive: zipfile.ZipFile, wanted: Collection[str] | None) -> dict[str, zipfile.ZipInfo]:
     """Return the members of the archive that have to be read, by the names of their arrays."""
     named = [(info.filename.removesuffix(".npy"), info) for info in archive.infolist() if info.filename.endswith(".npy")]
     members = dict(named)
     if len(members) < len(named):
         raise _UnusableError("holds two arrays of one name")
-    if missing := sorted((wanted or set()) - members.keys()):
+    if missing := sorted(set(wanted or ()) - members.keys()):
         raise _UnusableError(f"lacks the arrays {', '.join(missing)}")
     return members if wanted is None else {name: members[name] for name in wanted}
 

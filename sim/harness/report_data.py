@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float, Float64, Int
 from lexis.evaluation.place_recognition import PLACE_M, PLACE_RAD
 from lexis.evaluation.relative import separation
 from lexis.evaluation.trajectory import aligned
+from lexis.maths.ties import rounded
 from lexis.room_names import numbered
 from sim.harness.loops import edge_truth
 from sim.harness.planning import Trial
@@ -137,7 +138,7 @@ def _surest(margin: Float[np.ndarray, "n"], eligible: Bool[np.ndarray, "n"], roo
     At most six rows are chosen, and at most one of each true room.
     """
     best: dict[int, int] = {}
-    for k in np.argsort(-margin):
+    for k in np.argsort(-rounded(margin), kind="stable").tolist():
         if eligible[k]:
-            best.setdefault(int(rooms[k]), int(k))
+            best.setdefault(int(rooms[k]), k)
     return sorted(list(best.values())[:_SAMPLES])

@@ -161,6 +161,8 @@ def test_a_revisit_lies_ten_seconds_back():
     truth = np.stack([pose(), pose(0.5)])
     assert true_revisits(truth, np.array([0.0, 9.9])).tolist() == []
     assert true_revisits(truth, np.array([0.0, 10.0])).tolist() == [1]
+    rounded = np.array([0.1 * 82, 0.1 * 182])
+    assert rounded[1] - rounded[0] < 10.0 and true_revisits(truth, rounded).tolist() == [1]
 
 
 def plain_pairs(truth, stamps):
