@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int
 
 from lexis.errors import ObservationError
+from lexis.maths.ties import rounded
 from lexis.timing import StageTimer
 from lexis.types import Pose
 from sim.errors import ClaimError
@@ -127,7 +128,8 @@ class Run:
         if self.estimate.similarities is None:
             return ()
         scores = self.estimate.similarities[row]
-        return tuple((self.room_names[k], float(scores[k])) for k in np.argsort(-scores)[:count])
+        best = np.argsort(-rounded(scores), kind="stable")[:count]
+        return tuple((self.room_names[k], float(scores[k])) for k in best.tolist())
 
     @property
     def walked_rooms(self) -> tuple[int, ...]:
@@ -159,11 +161,12 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     with timed("house_s"):
         walked = walk(scenario)
     with timed("scene_s"):
-        session = _session_of(scenario)
+        model = _feature_model(scenario)
+        session = _session_of(scenario, model)
     rendered_before_s = session.render_seconds
     last.done = 0.0
     with timed("slam_s"), last.calling_slam():
-        _start(slam, scenario, session)
+        _start(slam, scenario, session, model)
     given, delivered, refused = _processed(slam, session, timed, progress)
     last.done = 1.0
     with timed("slam_s"), last.calling_slam():
@@ -218,17 +221,18 @@ def scene_of(scenario: Scenario) -> Session:
     return _session(scenario, walk(scenario), None)
 
 
-def _session_of(scenario: Scenario) -> Session:
-    """Return the session of a scenario. Successive runs of a scenario share it if that saves time.
+def _session_of(scenario: Scenario, model: FeatureModel | None) -> Session:
+    """Return the session of a scenario with its feature model. Successive runs of a scenario share it if that saves time.
 
     Runs on features share a session, unless the file of their feature model might change in between. Runs on few images
     share one that keeps the images.
     """
-    if scenario.fidelity == "features":
-        return _remembered_session(scenario) if scenario.feature_model is None else _new_session(scenario)
+    if model is not None:
+        shared = scenario.feature_model is None
+        return _remembered_session(scenario) if shared else _session(scenario, walk(scenario), model)
     frames, camera = len(walk(scenario).tour.stamps), build_rig(scenario.rig).front
     size = 3 * frames * sum(each.intrinsics.width * each.intrinsics.height for each in camera.rig)
-    return _session_with_images(scenario) if size <= _KEPT_BYTES else _new_session(scenario)
+    return _session_with_images(scenario) if size <= _KEPT_BYTES else _session(scenario, walk(scenario), None)
 
 
 def _session(scenario: Scenario, walked: Walk, model: FeatureModel | None, keeps_images: bool = False) -> Session:
@@ -241,21 +245,17 @@ def _session(scenario: Scenario, walked: Walk, model: FeatureModel | None, keeps
 
 @lru_cache(maxsize=2)
 def _remembered_session(scenario: Scenario) -> Session:
-    """Return the session of a scenario on features.
+    """Return the session of a scenario on the features of the shipped model.
 
     Successive runs of the scenario share the session, so that percepts are computed only once when several laws run it.
     """
-    return _new_session(scenario)
+    return _session(scenario, walk(scenario), _shipped_features())
 
 
 @lru_cache(maxsize=1)
 def _session_with_images(scenario: Scenario) -> Session:
     """Return the session of a scenario on images, which keeps the images, so that several laws render them only once."""
     return _session(scenario, walk(scenario), None, keeps_images=True)
-
-
-def _new_session(scenario: Scenario) -> Session:
-    return _session(scenario, walk(scenario), _feature_model(scenario))
 
 
 def _feature_model(scenario: Scenario) -> FeatureModel | None:
@@ -271,9 +271,8 @@ def _shipped_features() -> FeatureModel:
     return load_features(MINI_FEATURES)
 
 
-def _start(slam: SlamUnderTest, scenario: Scenario, session: Session) -> None:
-    names, model = session.house.spec.room_labels, _feature_model(scenario)
-    camera = session.camera.copy()  # the SLAM may write into it
+def _start(slam: SlamUnderTest, scenario: Scenario, session: Session, model: FeatureModel | None) -> None:
+    names, camera = session.house.spec.room_labels, session.camera.copy()  # the SLAM may write into the camera
     if model is not None and isinstance(slam, AcceptsFeatures):
         source = str(scenario.feature_model or MINI_FEATURES)
         slam.start_on_features(camera, names, FeatureInput(model, source, scenario.encoder == ORACLE, session.verifier()))
