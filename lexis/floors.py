@@ -25,6 +25,11 @@ RAMP_RISE_M = 0.5
 PerKeyframe = Float64[np.ndarray, "n"]
 
 
+def floor_numbers(floors: Int[np.ndarray, "n"]) -> list[int]:
+    """Return the numbers of the floors on which there are keyframes, ascending; stairs are on none."""
+    return sorted({int(floor) for floor in floors} - {NO_FLOOR})
+
+
 def floor_levels(
     stairs: Bool[np.ndarray, "n"], positions: Float64[np.ndarray, "n 3"], sessions: Int[np.ndarray, "n"] | None = None
 ) -> Int[np.ndarray, "n"]:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from lexis.floors import floor_numbers
 from lexis.graph.components import sessions_apart
 from lexis.planning.connections import MIN_LOOP_WEIGHT
 from lexis.room_names import instance_names, unused_names
@@ -37,7 +38,7 @@ def map_info(map: LexisMap) -> dict[str, Any]:
         "sessions_apart": sessions_apart(map),
         "path_m": float(steps[same].sum()),
         "duration_s": float(np.diff([keyframe.stamp for keyframe in map.keyframes])[same].sum()),
-        "floors": sorted({int(floor) for floor in map.floors if floor >= 0}),
+        "floors": floor_numbers(map.floors),
         "rooms": rooms,
         "loops": len(map.loops),
         "trusted_loops": int((map.loop_weights >= MIN_LOOP_WEIGHT).sum()),

@@ -6,7 +6,7 @@ from html import escape
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from lexis.floors import NO_FLOOR
+from lexis.floors import NO_FLOOR, floor_numbers
 from lexis.graph.walked_steps import walked_steps
 from lexis.planning.connections import MIN_LOOP_WEIGHT
 from lexis.room_names import instance_names
@@ -30,7 +30,7 @@ def map_svg(map: LexisMap) -> str:
     """
     low = map.T_W_B[:, :2, 3].min(axis=0) - MARGIN_M
     size = map.T_W_B[:, :2, 3].max(axis=0) + MARGIN_M - low
-    floors = sorted({int(floor) for floor in map.floors} - {NO_FLOOR}) or [NO_FLOOR]
+    floors = floor_numbers(map.floors) or [NO_FLOOR]
     # SVG coordinates: the origin is the upper left corner of each plan, and y points down.
     points = (map.T_W_B[:, :2, 3] - low) * [1, -1] + [0, size[1] + TITLE_M]
     plans = [

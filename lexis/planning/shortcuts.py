@@ -19,9 +19,9 @@ from scipy.spatial import cKDTree
 
 from lexis.config import PlannerConfig
 from lexis.errors import MapError
-from lexis.floors import NO_FLOOR
+from lexis.floors import NO_FLOOR, floor_numbers
 from lexis.maths.ties import rounded
-from lexis.sight.storey_grid import CELL_M, ViewCounts, count_views, floors
+from lexis.sight.storey_grid import CELL_M, ViewCounts, count_views
 from lexis.types import LexisMap
 
 BLOCKED_SHARE = 0.15
@@ -47,7 +47,7 @@ def shortcuts(map: LexisMap, config: PlannerConfig) -> Pairs:
     """
     if config.sight_m == 0.0:
         return np.zeros((0, 2), int)
-    return np.concatenate([np.zeros((0, 2), int), *(_on_floor(map, floor, config) for floor in floors(map))])
+    return np.concatenate([np.zeros((0, 2), int), *(_on_floor(map, floor, config) for floor in floor_numbers(map.floors))])
 
 
 def points_between(positions: Float64[np.ndarray, "n d"], pairs: Pairs, metres: float) -> Float64[np.ndarray, "m points d"]:

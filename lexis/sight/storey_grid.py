@@ -17,7 +17,6 @@ from jaxtyping import Bool, Float64, Int
 from scipy.ndimage import distance_transform_edt
 
 from lexis.errors import MapError
-from lexis.floors import NO_FLOOR
 from lexis.graph.walked_steps import walked_steps
 from lexis.keyframes import MAX_STEP_M
 from lexis.maths.se3 import transform
@@ -103,11 +102,6 @@ class ViewCounts:
     def occupied(self, share: float) -> Bool[np.ndarray, "rows columns"]:
         """Return the cells in which at least this share of the views that reach a cell see a landmark."""
         return np.asarray((self.hit > 0) & (self.hit >= share * (self.hit + self.passed)) & ~self.walked)
-
-
-def floors(map: LexisMap) -> list[int]:
-    """Return the numbers of the floors on which the map has keyframes, ascending."""
-    return sorted({int(floor) for floor in map.floors} - {NO_FLOOR})
 
 
 def storey_grid(map: LexisMap, floor: int) -> StoreyGrid:

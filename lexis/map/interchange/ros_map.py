@@ -18,9 +18,10 @@ from jaxtyping import UInt8
 
 from lexis.errors import MapError
 from lexis.files.replace import replaced_folder
+from lexis.floors import floor_numbers
 from lexis.map.interchange.room_areas import outline, room_masks
 from lexis.room_names import instance_names
-from lexis.sight.storey_grid import CELL_M, StoreyGrid, floors, storey_grid
+from lexis.sight.storey_grid import CELL_M, StoreyGrid, storey_grid
 from lexis.types import LexisMap
 
 INDEX = "storeys.json"
@@ -37,7 +38,7 @@ def write_ros_maps(map: LexisMap, path: Path) -> None:
     Raises LexisError if the folder cannot be written or holds something else, or if the map has no floor or a floor is too
     large.
     """
-    grids = [storey_grid(map, floor) for floor in floors(map)]
+    grids = [storey_grid(map, floor) for floor in floor_numbers(map.floors)]
     if not grids:
         raise MapError("the map has no floor, only stairs; valid: a map with keyframes on a floor")
     with replaced_folder(path, INDEX) as folder:

@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from lexis.files.camera import CameraData
 from lexis.files.replace import replaced_file
-from lexis.floors import NO_FLOOR
+from lexis.floors import NO_FLOOR, floor_numbers
 from lexis.graph.components import sessions_of
 from lexis.map.interchange.spark_dsg_format import AGENT, AGENTS, FLOOR, FLOORS, KEY, LAYERS, PLACE, PLACES, ROOM, ROOMS
 from lexis.maths.quaternions import as_quaternions
@@ -83,8 +83,7 @@ def _floors(map: LexisMap) -> Iterator[_Json]:
 
 def _floor_numbers(map: LexisMap) -> list[int]:
     """Return the numbers of all floors that have keyframes or rooms, ascending."""
-    of_keyframes = {int(floor) for floor in map.floors if floor != NO_FLOOR}
-    return sorted(of_keyframes | {room.floor for room in map.rooms if room.floor is not None})
+    return sorted({*floor_numbers(map.floors), *(room.floor for room in map.rooms if room.floor is not None)})
 
 
 def _rooms(map: LexisMap) -> Iterator[_Json]:

@@ -8,9 +8,10 @@ import shapely
 from helpers.two_rooms import CAMERA_M, DOOR, ROOMS, two_rooms
 
 from lexis.errors import MapError
+from lexis.floors import floor_numbers
 from lexis.maths.se3 import between, exp, inverse, transform
 from lexis.sight import storey_grid as module
-from lexis.sight.storey_grid import CELL_M, LOW_M, count_views, floors, storey_grid
+from lexis.sight.storey_grid import CELL_M, LOW_M, count_views, storey_grid
 from lexis.types import CameraView
 
 INSIDE = shapely.union_all([*(shapely.box(*room) for room in ROOMS.values()), shapely.box(4.0, DOOR[0], 4.1, DOOR[1])])
@@ -77,7 +78,7 @@ def test_nobody_walked_from_the_end_of_one_session_to_the_beginning_of_the_next(
 
 
 def test_stairs_have_no_grid(lexis_map):
-    assert floors(lexis_map) == [0]
+    assert floor_numbers(lexis_map.floors) == [0]
 
 
 def test_floors_without_end_are_refused(lexis_map):
