@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64, Int
 
+from lexis.evaluation.place_recognition import PLACE_M, PLACE_RAD
 from lexis.evaluation.relative import pairs_within, separation
 from lexis.maths.se3 import between, rotation_angle
 from lexis.maths.ties import reaches
@@ -12,8 +13,8 @@ from lexis.types import Poses
 
 TRUE_M, TRUE_RAD = 0.5, 0.2
 """Largest errors of the relative pose of a true edge [m, rad]."""
-REVISIT_M, REVISIT_RAD, REVISIT_S = 1.0, 0.5, 10.0
-"""Largest distance [m] and angle [rad] between a revisit and an earlier keyframe, and the least time between the two [s]."""
+REVISIT_S = 10.0
+"""Least time between a revisit and an earlier keyframe of the same place [s]."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,7 @@ def true_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.ndar
     """Ids of the revisits: keyframes within 1 m and 0.5 rad of a keyframe at least 10 s earlier, by their true poses."""
     later, earlier = _close_pairs(T_W_B, stamps)
     _, angle = separation(T_W_B, later, earlier)
-    return np.unique(later[angle <= REVISIT_RAD])
+    return np.unique(later[angle <= PLACE_RAD])
 
 
 def opposite_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "k"]:
@@ -99,7 +100,7 @@ def opposite_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.
     """
     later, earlier = _close_pairs(T_W_B, stamps)
     _, angle = separation(T_W_B, later, earlier)
-    return np.setdiff1d(later[angle >= np.pi - REVISIT_RAD], true_revisits(T_W_B, stamps))
+    return np.setdiff1d(later[angle >= np.pi - PLACE_RAD], true_revisits(T_W_B, stamps))
 
 
 def opposite_edges(query: Int[np.ndarray, "m"], match: Int[np.ndarray, "m"], T_W_B: Poses) -> Bool[np.ndarray, "m"]:
@@ -122,6 +123,6 @@ def _close_pairs(
     T_W_B: Poses, stamps: Float64[np.ndarray, "n"]
 ) -> tuple[Int[np.ndarray, "pairs"], Int[np.ndarray, "pairs"]]:
     """Return the later and the earlier keyframe of all pairs within 1 m of each other and at least 10 s apart."""
-    later, earlier = pairs_within(T_W_B, REVISIT_M)
+    later, earlier = pairs_within(T_W_B, PLACE_M)
     apart = reaches(stamps[later] - stamps[earlier], REVISIT_S)  # stamps are rounded
     return later[apart], earlier[apart]

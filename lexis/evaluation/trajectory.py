@@ -12,6 +12,8 @@ Points = Float64[np.ndarray, "n 3"]
 LEAST_POSES = 3
 """Least number of poses for which the absolute trajectory error is computed. With fewer poses, the alignment is ambiguous or
 removes the error."""
+STRETCHES_M = (8.0, 24.0)
+"""Lengths of path over which the harness reports the relative pose error [m]."""
 
 
 def align(estimate: Points, truth: Points) -> Pose:

@@ -14,7 +14,7 @@ from lexis.evaluation.loops import score_loops
 from lexis.evaluation.place_recognition import at_one_place, count_matches
 from lexis.evaluation.planning import spl, success_rate
 from lexis.evaluation.rooms import score_rooms
-from lexis.evaluation.trajectory import ate_rmse, rpe_translation
+from lexis.evaluation.trajectory import STRETCHES_M, ate_rmse, rpe_translation
 from lexis.maths.paths import arc_length
 from lexis.place_recognition import old_enough
 from lexis.types import Poses
@@ -171,7 +171,7 @@ def _trajectory(run: Run) -> TrajectoryFigures:
     def errors(poses: Poses) -> tuple[float | None, ...]:
         truth = run.true_poses
         ate_m = ate_rmse(poses[:, :3, 3], truth[:, :3, 3])
-        found = ate_m, rpe_translation(poses, truth, 8.0), rpe_translation(poses, truth, 24.0)
+        found = ate_m, *(rpe_translation(poses, truth, length_m) for length_m in STRETCHES_M)
         return tuple(0.0 if error is not None and error < _ROUNDING_M else error for error in found)
 
     ate_odometry_m, rpe_8m_odometry_m, rpe_24m_odometry_m = errors(run.odometry_poses)

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Int
 
+from lexis.evaluation.loops import REVISIT_S
 from lexis.maths.paths import arc_length
 from lexis.maths.se3 import between
+from lexis.maths.ties import reaches
 from lexis.types import Poses
 from sim.harness.estimate import LoopClaims
 from sim.harness.runner import Run
@@ -30,9 +32,9 @@ _FITS_M, _FITS_RAD = 0.06, 0.02
 _FITTING_SHARE, _FITTING_LOOPS = 0.5, 5
 """Least share of the fitting loops that has to be trusted, and least number of fitting loops for a judgement. LEXIS trusts
 all fitting loops."""
-_REVISIT_S, _REVISITING_SHARE = 10.0, 0.99
-"""Least time between the two frames of a loop closure or of a proposed revisit [s], as in the definition of `loops.recall`,
-and the least share of each of them for which the time is as long. In LEXIS it is always as long."""
+_REVISITING_SHARE = 0.99
+"""Least share of the loop closures, and of the proposed revisits, whose two frames are at least `REVISIT_S` apart. In LEXIS,
+all are."""
 _TRUSTED = 0.5
 """A loop closure counts as trusted if its weight is larger than this."""
 _FLOOR_M = 1.0
@@ -97,13 +99,13 @@ def loops_join_visits(run: Run) -> CheckFinding:
         return CheckFinding(None, "the SLAM claims no loop closure and proposes no revisit")
     found = " and ".join(f"{share:.1%} of the {what}" for what, share in shares.items())
     return CheckFinding(
-        min(shares.values()) >= _REVISITING_SHARE, f"{found} join frames that are at least {_REVISIT_S:g} s apart"
+        min(shares.values()) >= _REVISITING_SHARE, f"{found} join frames that are at least {REVISIT_S:g} s apart"
     )
 
 
 def _of_two_visits(stamps: Float64[np.ndarray, "n 2"]) -> float:
     """Return the share of the pairs of stamps [s] that belong to separate visits."""
-    return float((np.abs(stamps[:, 0] - stamps[:, 1]) >= _REVISIT_S - 1e-6).mean())
+    return float(reaches(np.abs(stamps[:, 0] - stamps[:, 1]), REVISIT_S).mean())
 
 
 @dataclass(frozen=True)
@@ -227,7 +229,7 @@ CONSISTENCY = (
     Consistent(
         "loops join separate visits",
         f"At least {_REVISITING_SHARE:.0%} of the loop closures, and of the proposed revisits, join frames that are "
-        f"{_REVISIT_S:g} s apart or more. A SLAM that also counts frames of one visit as revisits breaks this law on "
+        f"{REVISIT_S:g} s apart or more. A SLAM that also counts frames of one visit as revisits breaks this law on "
         "purpose.",
         loops_join_visits,
     ),

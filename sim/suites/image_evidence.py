@@ -116,8 +116,8 @@ class JumbledImagesAreNotRecognised:
     name: str = "jumbled images are not recognised"
     says: str = (
         "In the later part of the walk, each image is cut into tiles, whose contents are shifted in different ways by up to "
-        f"24 px. These images lead to at most {_RECOGNISED:.0%} of the loop closures that the unchanged images lead to, "
-        "because their geometry fits no view."
+        f"{JumbledImages().most_px} px. These images lead to at most {_RECOGNISED:.0%} of the loop closures that the "
+        "unchanged images lead to, because their geometry fits no view."
     )
     rate: float | None = 0.95
     change: JumbledImages = JumbledImages()
