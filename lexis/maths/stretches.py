@@ -4,7 +4,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Int, Shaped
+from jaxtyping import Bool, Int, Shaped
 
 
 class Stretch(NamedTuple):
@@ -25,6 +25,11 @@ def stretches_of(values: Shaped[np.ndarray, "n"]) -> list[Stretch]:
         return []
     changes = np.flatnonzero(values[1:] != values[:-1]) + 1
     return [Stretch(a, b) for a, b in pairwise([0, *(int(i) for i in changes), len(values)])]
+
+
+def true_stretches(mask: Bool[np.ndarray, "n"]) -> list[slice]:
+    """Return the stretches in which a mask is true, in order, as slices for indexing arrays."""
+    return [stretch.slice for stretch in stretches_of(mask) if mask[stretch.start]]
 
 
 def consecutive_pairs(sessions: Shaped[np.ndarray, "n"]) -> Int[np.ndarray, "m 2"]:

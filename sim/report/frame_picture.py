@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float64, Int
 from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from lexis.maths.stretches import true_stretches
 from lexis.types import Image, Pose, Poses
 from sim.report.drawing import Mark
 from sim.report.house_plan import marked_plan_image
@@ -59,8 +60,8 @@ def frame_marks(session: Session, frame: int, claims: FrameClaims | None = None)
     storeys = np.array([truth.storey for truth in session.truths])
     here, positions = storeys == storeys[frame], session.tour.T_W_B[:, :2, 3]
     so_far = here & (np.arange(len(here)) <= frame)
-    marks = [Mark("line", "walk", positions[part]) for part in _parts(here)]
-    marks += [Mark("line", "walked", positions[part]) for part in _parts(so_far)]
+    marks = [Mark("line", "walk", positions[part]) for part in true_stretches(here)]
+    marks += [Mark("line", "walked", positions[part]) for part in true_stretches(so_far)]
     legend = [LegendEntry("line", "walked", "true path, thick up to this frame")]
     more: list[LegendEntry] = []
     if claims is not None:
@@ -77,16 +78,10 @@ def frame_marks(session: Session, frame: int, claims: FrameClaims | None = None)
     return marks, [*legend, LegendEntry("dot", "camera", "the camera at this frame"), *more]
 
 
-def _parts(here: Bool[np.ndarray, "n"]) -> list[Int[np.ndarray, "k"]]:
-    """Return the indices of each sequence of successive frames for which `here` is true."""
-    rows = np.flatnonzero(here)
-    return np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1) if len(rows) else []
-
-
 def _estimate(claims: FrameClaims, shown: Bool[np.ndarray, "n"], so_far: Bool[np.ndarray, "n"]) -> Iterator[Mark]:
     if claims.T_W_B is not None:
-        yield from (Mark("line", "belief", claims.T_W_B[part, :2, 3]) for part in _parts(shown))
-        yield from (Mark("line", "estimated", claims.T_W_B[part, :2, 3]) for part in _parts(so_far))
+        yield from (Mark("line", "belief", claims.T_W_B[part, :2, 3]) for part in true_stretches(shown))
+        yield from (Mark("line", "estimated", claims.T_W_B[part, :2, 3]) for part in true_stretches(so_far))
 
 
 def _dots(claims: FrameClaims, positions: Float64[np.ndarray, "n 2"], shown: Bool[np.ndarray, "n"]) -> Iterator[Mark]:

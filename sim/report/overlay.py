@@ -4,8 +4,9 @@ from collections.abc import Iterator, Mapping
 from itertools import count
 
 import numpy as np
-from jaxtyping import Bool, Float, Float64, Int
+from jaxtyping import Bool, Float, Float64
 
+from lexis.maths.stretches import true_stretches
 from sim.report.data import PlanPath, ReportData
 from sim.report.drawing import Mark
 from sim.report.palette import claimed_room_colours
@@ -33,14 +34,8 @@ def run_marks(data: ReportData, level: int, colours: Mapping[str, str]) -> list[
 
 
 def _trajectory(poses: Float64[np.ndarray, "n 4 4"], here: Bool[np.ndarray, "n"], style: str) -> Iterator[Mark]:
-    for run in _runs(here):
-        yield Mark("line", style, poses[run, :2, 3])
-
-
-def _runs(here: Bool[np.ndarray, "n"]) -> list[Int[np.ndarray, "k"]]:
-    """Return the row indices of each sequence of two or more consecutive rows for which `here` is true."""
-    rows = np.flatnonzero(here)
-    return [run for run in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1) if len(run) > 1]
+    for part in true_stretches(here):
+        yield Mark("line", style, poses[part, :2, 3])
 
 
 def _plans(data: ReportData, level: int) -> Iterator[Mark]:
@@ -49,8 +44,8 @@ def _plans(data: ReportData, level: int) -> Iterator[Mark]:
     for path in data.paths:
         here, number = storey_of(path.points[:, 2], floors_m) == level, next(numbers) if path.success is False else None
         style, text = "plan-failed" if number else "plan", _fate(path, number)
-        for run in _runs(here):
-            yield Mark("line", style, path.points[run, :2], text=text)
+        for part in true_stretches(here):
+            yield Mark("line", style, path.points[part, :2], text=text)
         if number and len(here) and here[-1]:
             end = path.points[-1, :2]
             yield from _cross(end, text)
