@@ -86,11 +86,6 @@ def room_views(specs: Sequence[HouseSpec], labels: Sequence[str] = ROOM_LABELS) 
         yield RoomView(label, house.spec.name, best_view(house, room))
 
 
-def png(page: Picture) -> bytes:
-    """Encode a page as a PNG file."""
-    return bytes(cv2.imencode(".png", page[..., ::-1])[1])
-
-
 def best_view(house: House, room: Room, size_px: tuple[int, int] = _VIEW_PX) -> Picture:
     """Render `room` from a corner or the middle of a side.
 

@@ -51,7 +51,8 @@ def _write(arguments: argparse.Namespace, writers: Mapping[str, Writer], checked
 
 
 def _view(arguments: argparse.Namespace) -> int:
-    from sim.gallery import best_view, png
+    from sim.gallery import best_view
+    from sim.render.image_files import encoded
 
     check_ending(arguments.out, [".png"])
     check_not_input(arguments.out, arguments.file)
@@ -63,13 +64,14 @@ def _view(arguments: argparse.Namespace) -> int:
         )
     view = best_view(house, room, _VIEW_PX)
     with replaced_file(arguments.out) as file:
-        file.write_bytes(png(view))
+        file.write_bytes(encoded(view, ".png"))
     print(f"{arguments.out}: {room.id} ({room.label})")
     return 0
 
 
 def _gallery(arguments: argparse.Namespace) -> int:
-    from sim.gallery import plans_page, png, room_views, rooms_page, sampled_specs
+    from sim.gallery import plans_page, room_views, rooms_page, sampled_specs
+    from sim.render.image_files import encoded
 
     if arguments.houses > _MOST_TILES:
         raise SimError(
@@ -80,7 +82,7 @@ def _gallery(arguments: argparse.Namespace) -> int:
     houses = sampled_specs(presets, arguments.seed, arguments.houses)
     page = plans_page(houses) if arguments.view == "plans" else rooms_page(list(room_views(houses)))
     with replaced_file(arguments.out) as file:
-        file.write_bytes(png(page))
+        file.write_bytes(encoded(page, ".png"))
     print(f"{arguments.out}: {arguments.view} of {counted(len(houses), 'house')}")
     return 0
 

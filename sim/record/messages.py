@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from lexis.files.g2o import TRANSLATION_FIRST
 from lexis.maths.quaternions import pose_rows
 from lexis.maths.se3 import inverse, log
 from lexis.types import Camera, Image
@@ -15,7 +16,6 @@ from sim.render.lens import Distortion
 
 WORLD, ODOM, BODY, IMU = "map", "odom", "base_link", "imu0"
 
-_TRANSLATION_FIRST = np.array([3, 4, 5, 0, 1, 2])
 _TYPES = (
     "builtin_interfaces/msg/Time",
     "geometry_msgs/msg/Point",
@@ -164,10 +164,10 @@ class Messages:
             seconds: time since the last message; 0 for the first one, which gets a twist of zero.
         """
         axes = np.kron(np.eye(2), T_O_B[:3, :3])
-        in_odom = axes @ covariance[np.ix_(_TRANSLATION_FIRST, _TRANSLATION_FIRST)] @ axes.T
+        in_odom = axes @ covariance[np.ix_(TRANSLATION_FIRST, TRANSLATION_FIRST)] @ axes.T
         rate = 1.0 / seconds if seconds > 0.0 else 0.0
         twist = log(increment) * rate
-        twist_covariance = increment_covariance[np.ix_(_TRANSLATION_FIRST, _TRANSLATION_FIRST)] * rate**2
+        twist_covariance = increment_covariance[np.ix_(TRANSLATION_FIRST, TRANSLATION_FIRST)] * rate**2
         return self._of["Odometry"](
             self._header(stamp_ns, ODOM),
             BODY,

@@ -11,10 +11,13 @@ from sim.report.figures import MISSING, SECTIONS, figures
 
 def result_title(result: Mapping[str, Any], house: str | None = None) -> str:
     """Describe the run in one line. `house` is the name of the house if it was not made from a preset."""
-    encoder = "{encoder} encoder, " if result.get("encoder", "?") else ""
-    slam = "{slam}, " if result.get("slam", "Lexis") != "Lexis" else ""
-    line = f"house {{house}}, seed {{seed}}: {slam}{encoder}{{odometry}} odometry, {{fidelity}} fidelity"
-    return line.format_map(_Absent({**result, "house": result.get("preset") or house or "?"}))
+    slam, encoder, seed, odometry, fidelity = (
+        result.get(key, "?") for key in ("slam", "encoder", "seed", "odometry", "fidelity")
+    )
+    by = [] if slam in ("?", "Lexis") else [slam]
+    by += [f"{encoder} encoder"] if encoder else []
+    about = ", ".join([*by, f"{odometry} odometry", f"{fidelity} fidelity"])
+    return f"house {result.get('preset') or house or '?'}, seed {seed}: {about}"
 
 
 def result_table(result: Mapping[str, Any], meanings: bool = True, nulls: bool = True, keys: bool = False) -> Table:
@@ -36,10 +39,3 @@ def result_table(result: Mapping[str, Any], meanings: bool = True, nulls: bool =
             cells = (first, row.name, row.value, row.meaning)
             table.add_row(*cells[: len(table.columns)], end_section=i == len(rows) - 1)
     return table
-
-
-class _Absent(dict[str, Any]):
-    """A dict that returns a question mark for a missing key."""
-
-    def __missing__(self, key: str) -> str:
-        return "?"
