@@ -277,15 +277,14 @@ class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
     min_translation_sigma_m: Annotated[float, Gt(0)] = 1e-4
     """Error that is added in quadrature to the standard deviation of an odometry step's translation, because the odometry
     may state a deviation of 0 [m]."""
+    max_iterations: Annotated[int, Ge(1)] = 50
+    """Largest number of Levenberg-Marquardt iterations in one optimisation."""
 
     def __post_init__(self) -> None:
         """Raise ConfigError if an optimisation would not move all keyframes that are new since the one before."""
         super().__post_init__()
         if self.window < self.every:
             self.refuse("window", f">= every = {self.every}")
-
-    max_iterations: Annotated[int, Ge(1)] = 50
-    """Largest number of Levenberg-Marquardt iterations in one optimisation."""
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,7 @@ def lift_rides(positions: Float64[np.ndarray, "n 3"], sessions: Sessions | None 
 
 
 def _with_ends(run: Stretch, steps: Float64[np.ndarray, "n 3"]) -> Stretch:
-    """Return the keyframes of a ride, given which of the steps between all keyframes [m] are vertical.
+    """Return the stretch of keyframes of a ride, whose vertical steps are the stretch `run` of all `steps` [m].
 
     The step before and the step after the vertical ones belong to the ride, too, if they climb in the same direction.
     """

@@ -263,7 +263,8 @@ class PoseGraph:
     def add_loops(self, loops: Sequence[LoopEdge]) -> None:
         """Append verified loop edges; they take effect at the next optimisation.
 
-        Raises LexisError, and appends no edge, unless every edge leads from a keyframe of the graph to an earlier keyframe.
+        Raises LexisError, and appends no edge, unless every edge leads from a keyframe of the graph to an earlier keyframe,
+        and has a positive definite covariance.
         """
         n = len(self.keyframes)
         for loop in loops:

@@ -44,8 +44,8 @@ _ARRIVED_M, _NEARLY_M = 0.1, 0.5
 route is left [m]."""
 _HESITATION_S, _PATIENCE_S = 4.0, 12.0
 _SKIP_M = 0.5
-"""Length of route that is skipped after `_HESITATION_S` without progress [m]. After `_PATIENCE_S` without progress, the
-robot gives up."""
+"""Length of route that is skipped after `_HESITATION_S` without progress [m]. A skip counts as progress. The robot gives up
+where it cannot skip any further and has made no progress for `_PATIENCE_S`."""
 
 
 class Controller:

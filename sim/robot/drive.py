@@ -65,7 +65,8 @@ class Robot:
               waypoints: Float64[np.ndarray, "k 3"]) -> Drive:  # fmt: skip
         """Drive through the waypoints, from the true position `start` on the ground [m] and the true `yaw` [rad] in W.
 
-        Where the waypoints rise or fall vertically, the robot rides the lift that it stands in; elsewhere it ends there.
+        Where the waypoints rise or fall vertically, the robot rides the lift in which it stands. If it stands in no lift
+        that goes there, the drive ends.
 
         The waypoints and the estimated `pose` are in the robot's own frame, which drifts. The drive updates `pose`. Raises
         `SimError` if there is no waypoint, if a waypoint is not finite, or if there is no ground at `start`.
@@ -114,7 +115,7 @@ class Robot:
     def _ride(self, climb_m: float) -> tuple[str, ...] | None:
         """Ride a lift to the storey nearest to a climb [m], and return the names of what the robot touches there.
 
-        None if the robot is in no lift that goes there.
+        The result is None if the robot stands in no lift that goes there.
         """
         x, y, z = self._body.position
         room = int(room_at(self._house, np.array([[x, y, z + _KNEE_M]]))[0])
