@@ -3,11 +3,12 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import compress
 from typing import Any
 
 import numpy as np
 
-from lexis.evaluation.trajectory import LEAST_POSES, ate_rmse, rpe_translation
+from lexis.evaluation.trajectory import LEAST_POSES, STRETCHES_M, ate_rmse, rpe_translation
 from lexis.planning.connections import MIN_LOOP_WEIGHT
 from sim.report.data import UNKNOWN, KeyframeTable, PlanPath, ReportData
 from sim.report.room_errors import SUBSTANTIAL, Groups, room_errors, surplus
@@ -15,8 +16,6 @@ from sim.wording import counted
 
 WELL_COVERED = 0.95
 """The map counts as complete if it covers at least this share of the walk. The report then mentions no missing share."""
-_STRETCHES_M = (8.0, 24.0)
-"""Lengths of path [m] over which the relative pose error is reported, as in result.json."""
 
 
 @dataclass(frozen=True)
@@ -99,8 +98,10 @@ def _confusions(data: ReportData, most: int = 3) -> Iterator[Finding]:
         those = np.flatnonzero((table.true_labels == true) & (table.predicted_labels == said))
         verb = _suiting(count, "has", "have") if said == UNKNOWN else _suiting(count)
         what = "no label" if said == UNKNOWN else f"labelled {names[said]}"
-        total = counted(int(np.sum(table.true_labels == true)), "keyframe")
-        text = f"{count} of {total} in the {names[true]} {verb} {what}."
+        here = table.true_labels == true
+        total, rooms = counted(int(np.sum(here)), "keyframe"), len(set(compress(table.true_rooms, here)))
+        where = names[true] if rooms == 1 else f"{rooms} rooms with the true label {names[true]}"
+        text = f"{count} of {total} in the {where} {verb} {what}."
         yield Finding(False, text, int(those[0]))
 
 
@@ -194,7 +195,7 @@ def _drift(table: KeyframeTable) -> Iterator[Finding]:
     truth, odometry, estimated = table.true_poses, table.odometry_poses, table.estimated_poses
     ate = [ate_rmse(poses[:, :3, 3], truth[:, :3, 3]) for poses in (odometry, estimated)]
     yield from _compared("Loop closing changed the ATE", *ate)
-    for delta in _STRETCHES_M:
+    for delta in STRETCHES_M:
         rpe = [rpe_translation(poses, truth, delta) for poses in (odometry, estimated)]
         yield from _compared(f"Loop closing changed the relative error over stretches of {delta:.0f} m (RPE)", *rpe)
 
