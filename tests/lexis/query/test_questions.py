@@ -121,11 +121,7 @@ def test_any_text_is_read_or_refused(text):
 @given(st.lists(PLAIN_WORDS, min_size=1, max_size=4).map(" ".join))
 def test_reading_what_was_read_changes_nothing(words):
     """The first caption of a question is its content: parsing that again gives the same content."""
-    text = f"where can I find the {words}"
-    try:
-        read = read_question(text)
-    except LexisError:
-        return
+    read = read_question(f"where can I find the {words}")
     assert read_question(f"the {read.readings[0][0]}").readings == read.readings
 
 
