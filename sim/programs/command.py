@@ -4,6 +4,7 @@ import math
 import os
 import resource
 import shlex
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -213,7 +214,11 @@ def _exit_status(words: Sequence[str], timeout_s: float, memory_mb: float, stdou
             words, stdin=subprocess.DEVNULL, stdout=stdout, stderr=stderr, start_new_session=True, preexec_fn=limit
         )
     except FileNotFoundError:
-        raise SimError(f"command: program {words[0]!r} was not found; valid: a program on the PATH, or a path") from None
+        if shutil.which(words[0]):
+            problem = "cannot be run: the interpreter in its first line was not found; valid: an executable file"
+        else:
+            problem = "was not found; valid: a program on the PATH, or a path"
+        raise SimError(f"command: program {words[0]!r} {problem}") from None
     except (OSError, subprocess.SubprocessError) as error:
         raise SimError(f"command: {words[0]!r} cannot be run: {one_line(error, 160)}; valid: an executable file") from None
     try:

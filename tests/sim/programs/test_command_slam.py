@@ -189,7 +189,15 @@ def test_commands_that_cannot_be_run_are_named_before_the_walk(command, scenario
 
 def test_programs_that_are_not_there_or_not_executable_are_named(tmp_path, unrecorded):
     (tmp_path / "text").write_text("no program")
-    for name, message in (("missing", "was not found"), ("text", "cannot be run: ")):
+    (tmp_path / "script").write_text("#!/no/such/interpreter\n")
+    (tmp_path / "script").chmod(0o755)
+    (tmp_path / "loop").symlink_to("loop")
+    for name, message in (
+        ("missing", "was not found"),
+        ("text", "cannot be run: "),
+        ("script", "script' cannot be run: the interpreter in its first line was not found; valid: "),
+        ("loop", "cannot be run: "),
+    ):
         with pytest.raises(SimError, match=message):
             run_command(SCENARIO, f"'{tmp_path / name}' {{dataset}} {{out}}")
 
