@@ -10,7 +10,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lexis.command_line import Commands, Parser, add_command, add_completion, positive, run_command, warn_of_replacement
+from lexis.command_line import (
+    ENCODER_HELP,
+    Commands,
+    Parser,
+    add_command,
+    add_completion,
+    positive,
+    run_command,
+    warn_of_replacement,
+)
 from lexis.config import Config, read_config
 from lexis.encoder.options import PRECISIONS, EncoderOptions
 from lexis.errors import EncoderError, LexisError, MapError
@@ -29,8 +38,6 @@ from lexis.types import LexisMap
 
 if TYPE_CHECKING:
     from lexis.encoder.open_clip_encoder import OpenClipEncoder
-
-ENCODER_HELP = "mini, MODEL[:PRETRAINED] or MODEL:PATH of open_clip (default: %(default)s)"
 
 FROM_HELP = 'an instance ("office 2"), or a label ("office"): the instance with the shortest path to the goal is chosen'
 TO_HELP = (

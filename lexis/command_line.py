@@ -21,6 +21,7 @@ Command: TypeAlias = Callable[[argparse.Namespace], int]
 """A function that runs a command and returns the exit status."""
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
 
+ENCODER_HELP = "mini, MODEL[:PRETRAINED] or MODEL:PATH of open_clip (default: %(default)s)"
 MAX_LINE = 400
 """Longest message on stderr, in characters. Longer messages are shortened, because a message may quote a value of several
 megabytes."""

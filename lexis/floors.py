@@ -22,7 +22,8 @@ RAMP_SLOPE = 0.04
 RAMP_RISE_M = 0.5
 """Least rise of a ramp above `RAMP_SLOPE` times its length [m]."""
 
-PerKeyframe = Float64[np.ndarray, "n"]
+Metres = Float64[np.ndarray, "n"]
+"""A length or a height of each keyframe [m]."""
 
 
 def floor_numbers(floors: Int[np.ndarray, "n"]) -> list[int]:
@@ -97,7 +98,7 @@ def _on_ramps(positions: Float64[np.ndarray, "n 3"]) -> Bool[np.ndarray, "n"]:
     return ramps
 
 
-def _largest_rise(values: PerKeyframe) -> tuple[float, int, int]:
+def _largest_rise(values: Metres) -> tuple[float, int, int]:
     """Return the largest rise from a value to a later one, and the indices of both."""
     values = rounded(values)
     rises = values - np.minimum.accumulate(values)
@@ -105,7 +106,7 @@ def _largest_rise(values: PerKeyframe) -> tuple[float, int, int]:
     return float(rises[stop]), int(values[: stop + 1].argmin()), stop
 
 
-def _without_drift(level: list[Stretch], height: PerKeyframe) -> PerKeyframe:
+def _without_drift(level: list[Stretch], height: Metres) -> Metres:
     """Return the height of every keyframe relative to the first, without the height changes within level stretches [m]."""
     steps = np.diff(height, prepend=height[:1])
     for run in level:

@@ -22,7 +22,8 @@ RIDE_SLOPE = 1.3
 RIDE_END_SLOPE = 0.3
 """Smallest ratio of climb to horizontal path in a step that is partly walked and partly ridden, at either end of a ride."""
 
-PerKeyframe = Float64[np.ndarray, "n"]
+Metres = Float64[np.ndarray, "n"]
+"""A length or a height of each keyframe [m]."""
 Sessions = Int[np.ndarray, "n"]
 
 
@@ -100,7 +101,7 @@ def _on_flights(positions: Float64[np.ndarray, "n 3"], config: LabelConfig) -> B
     return np.asarray(stairs & ~_level_ends(stairs, path, height))
 
 
-def _level_ends(stairs: Bool[np.ndarray, "n"], path: PerKeyframe, height: PerKeyframe) -> Bool[np.ndarray, "n"]:
+def _level_ends(stairs: Bool[np.ndarray, "n"], path: Metres, height: Metres) -> Bool[np.ndarray, "n"]:
     """Whether each keyframe is at an end of the stairs, but as high as the next keyframe, which is on a floor.
 
     If no keyframe would be left on the stairs, their images were lost, and all of their keyframes stay: they are all that
@@ -118,17 +119,17 @@ def _level_ends(stairs: Bool[np.ndarray, "n"], path: PerKeyframe, height: PerKey
     return level
 
 
-def _as_high_as(floor: float, height: PerKeyframe) -> Bool[np.ndarray, "n"]:
+def _as_high_as(floor: float, height: Metres) -> Bool[np.ndarray, "n"]:
     """Whether each keyframe, and all keyframes before it, are as high as the floor [m]."""
     return np.asarray(np.logical_and.accumulate(np.abs(height - floor) < LEVEL_M))
 
 
-def _is_floor(run: Stretch, path: PerKeyframe) -> bool:
+def _is_floor(run: Stretch, path: Metres) -> bool:
     """Whether a level stretch is too long for a half landing, or is the beginning or end of the walk."""
     return run.start == 0 or run.stop == len(path) or bool(path[run.stop - 1] - path[run.start] >= FLOOR_PATH_M)
 
 
-def _landings(climbs: PerKeyframe, path: PerKeyframe, height: PerKeyframe) -> list[slice]:
+def _landings(climbs: Metres, path: Metres, height: Metres) -> list[slice]:
     """Return slices of the keyframes on half landings.
 
     A half landing is a short level stretch between two flights that both go up or both go down. Its height is not the height
@@ -140,12 +141,12 @@ def _landings(climbs: PerKeyframe, path: PerKeyframe, height: PerKeyframe) -> li
     return [s for s in joining if all(abs(np.median(height[s]) - floor) > FLOOR_TOLERANCE_M for floor in floors)]
 
 
-def _joins_flights(run: Stretch, climbs: PerKeyframe, path: PerKeyframe) -> bool:
+def _joins_flights(run: Stretch, climbs: Metres, path: Metres) -> bool:
     inside = run.start > 0 and run.stop < len(climbs)
     return bool(inside and climbs[run.start - 1] == climbs[run.stop] and path[run.stop - 1] - path[run.start] <= LANDING_M)
 
 
-def _path(positions: Float64[np.ndarray, "n 3"]) -> PerKeyframe:
+def _path(positions: Float64[np.ndarray, "n 3"]) -> Metres:
     """Return the path length up to every keyframe [m]. It always increases, because interpolation needs distinct values."""
     steps = np.linalg.norm(np.diff(positions, axis=0), axis=1)
     return np.concatenate([[0.0], np.cumsum(np.maximum(steps, 1e-9))])

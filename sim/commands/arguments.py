@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from lexis.command_line import seed
+from lexis.command_line import ENCODER_HELP, seed
 from sim.errors import SimError
 from sim.faults.catalogue import parse_fault, usage
 from sim.fidelity import FIDELITIES, ORACLE
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 Argument: TypeAlias = Callable[[argparse.ArgumentParser], object]
 """A function that adds one argument to a parser."""
 
-ENCODER_HELP = "mini, MODEL[:PRETRAINED] or MODEL:PATH of open_clip (default: %(default)s)"
 _FEATURES_HELP = "features: no pixels, but what a model of the encoder makes of the true view"
 FIDELITY_HELP = f"{_FEATURES_HELP} (default: %(default)s)"
 ORACLE_HELP = "oracle: told the truth, for tests of what comes after the encoder; with --fidelity features"

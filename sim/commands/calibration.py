@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.progress import Progress
 
-from lexis.command_line import Commands, add_command, positive
-from sim.commands.arguments import ENCODER_HELP, SEED
+from lexis.command_line import ENCODER_HELP, Commands, add_command, positive
+from sim.commands.arguments import SEED
 from sim.errors import SimError
 from sim.output_files import check_output_file
 

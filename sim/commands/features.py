@@ -6,8 +6,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress
 
-from lexis.command_line import Commands, add_command, positive
-from sim.commands.arguments import ENCODER_HELP
+from lexis.command_line import ENCODER_HELP, Commands, add_command, positive
 from sim.errors import SimError
 from sim.output_files import check_output_file
 

@@ -1,4 +1,4 @@
-"""A simulated inertial sensor: `ideal_imu` computes error-free measurements, and `corrupted` adds bias and noise.
+"""A simulated inertial sensor: `ideal_imu` computes error-free measurements, and `with_noise` adds bias and noise.
 
 The default noise parameters are those of the sensor ADIS16448 in the calibration files of EuRoC.
 """
@@ -68,7 +68,7 @@ def ideal_imu(motion: Motion, rate_hz: float = 200.0) -> Imu:
     return Imu(t, motion.angular_velocity(t), specific_force, np.zeros((len(t), 3)), np.zeros((len(t), 3)))
 
 
-def corrupted(imu: Imu, config: ImuConfig, rng: np.random.Generator) -> Imu:
+def with_noise(imu: Imu, config: ImuConfig, rng: np.random.Generator) -> Imu:
     """Add white noise and biases to measurements.
 
     Each bias starts with a random value, whose standard deviation is the turn-on value in `config`, and then drifts as a

@@ -23,7 +23,7 @@ from sim.faults.poses import Kidnap, OdometryNaN
 from sim.faults.stamps import StampJitter, StampJump, StampOffset
 from sim.harness.scenario import Scenario
 from sim.harness.walk import Walk, walk
-from sim.odometry.imu import GRAVITY_M_S2, Imu, ImuConfig, corrupted, ideal_imu
+from sim.odometry.imu import GRAVITY_M_S2, Imu, ImuConfig, ideal_imu, with_noise
 from sim.render.lens import Distortion, rendered_camera
 from sim.render.rig import FREE_M, STEREO_BASELINE_M, build_rig
 from sim.session import Session
@@ -201,7 +201,7 @@ def prepare(
     walked = walk(config)
     # The IMU has its own random stream, so that recording does not change the random numbers of the run.
     rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(crc32(b"imu"),)))
-    imu = corrupted(_with_rest(ideal_imu(walked.tour.motion, imu_config.rate_hz), imu_config.rate_hz), imu_config, rng)
+    imu = with_noise(_with_rest(ideal_imu(walked.tour.motion, imu_config.rate_hz), imu_config.rate_hz), imu_config, rng)
     imu, walk_s = _without_cuts(imu, walked.tour.stamps, config.faults)
     named = {f"cam{k}": camera for k, camera in enumerate(cameras)}
     return Take(config, walked, rig.front, named, imu_config, distortion, imu, walk_s, with_truth)

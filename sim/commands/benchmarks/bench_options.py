@@ -10,10 +10,9 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from lexis.command_line import Command, positive
+from lexis.command_line import ENCODER_HELP, Command, positive
 from sim.commands.arguments import (
     CONFIG_HELP,
-    ENCODER_HELP,
     FEATURE_MODEL_HELP,
     FIDELITY_HELP,
     PRESET_HELP,

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from sim.errors import SimError
-from sim.odometry.imu import GRAVITY_M_S2, TURN_ON, Imu, ImuConfig, corrupted, ideal_imu
+from sim.odometry.imu import GRAVITY_M_S2, TURN_ON, Imu, ImuConfig, ideal_imu, with_noise
 from sim.tours.tour import TourConfig, plan_tour
 from worlds.house import build_house
 from worlds.presets import sample_house
@@ -70,7 +70,7 @@ def test_at_rest_it_feels_gravity_only(motion):
 @pytest.mark.parametrize("rate_hz", [100.0, 400.0])
 def test_noise_has_the_sensors_densities_whatever_the_rate(rate_hz, rng):
     still, config = silence(int(600 * rate_hz), rate_hz), ImuConfig(rate_hz)
-    imu = corrupted(still, config, rng)
+    imu = with_noise(still, config, rng)
     for measured, bias, noise, walk in (
         (imu.angular_velocity, imu.gyroscope_bias, config.gyroscope_noise, config.gyroscope_walk),
         (imu.specific_force, imu.accelerometer_bias, config.accelerometer_noise, config.accelerometer_walk),
@@ -84,7 +84,7 @@ def test_the_turn_on_bias_is_recovered_at_standstill():
     """The mean over a minute at rest is the stated bias; the remaining noise is that of the sensor without the bias."""
     still, quiet = silence(60 * RATE_HZ, 200.0), ImuConfig(gyroscope_walk=0.0, accelerometer_walk=0.0)
     biased = replace(quiet, gyroscope_turn_on=TURN_ON[0], accelerometer_turn_on=TURN_ON[1])
-    plain, imu = (corrupted(still, config, np.random.default_rng(3)) for config in (quiet, biased))
+    plain, imu = (with_noise(still, config, np.random.default_rng(3)) for config in (quiet, biased))
     for measured, bias, without, noise, turn_on in (
         (imu.angular_velocity, imu.gyroscope_bias, plain.angular_velocity, quiet.gyroscope_noise, TURN_ON[0]),
         (imu.specific_force, imu.accelerometer_bias, plain.specific_force, quiet.accelerometer_noise, TURN_ON[1]),
@@ -96,14 +96,14 @@ def test_the_turn_on_bias_is_recovered_at_standstill():
 
 def test_turn_on_biases_have_the_stated_deviations():
     config, moment = ImuConfig(gyroscope_turn_on=0.01, accelerometer_turn_on=0.2), silence(2, 200.0)
-    drawn = [corrupted(moment, config, np.random.default_rng(seed)) for seed in range(1000)]
+    drawn = [with_noise(moment, config, np.random.default_rng(seed)) for seed in range(1000)]
     assert np.std([imu.gyroscope_bias[0] for imu in drawn]) == pytest.approx(0.01, rel=0.05)
     assert np.std([imu.accelerometer_bias[0] for imu in drawn]) == pytest.approx(0.2, rel=0.05)
 
 
 def test_same_seed_same_noise():
     still = silence(1000, 200.0)
-    first, again, other = (corrupted(still, ImuConfig(), np.random.default_rng(seed)) for seed in (1, 1, 2))
+    first, again, other = (with_noise(still, ImuConfig(), np.random.default_rng(seed)) for seed in (1, 1, 2))
     np.testing.assert_array_equal(first.specific_force, again.specific_force)
     assert not np.allclose(first.specific_force, other.specific_force)
 
@@ -114,7 +114,7 @@ def test_bad_values_name_what_is_valid(rng):
     with pytest.raises(SimError, match=r"rate_hz is 0.*valid: > 0 Hz"):
         ImuConfig(rate_hz=0.0)
     with pytest.raises(SimError, match="not at the config's 100 Hz"):
-        corrupted(silence(10, 200.0), ImuConfig(100.0), rng)
+        with_noise(silence(10, 200.0), ImuConfig(100.0), rng)
 
 
 def silence(samples, rate_hz):
