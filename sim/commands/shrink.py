@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from lexis.command_line import Commands, add_command, warn_of_replacement
 from sim.commands.arguments import folder
-from sim.commands.slams import add_slam, check_claimable, is_lexis, replay_of, runner_of
+from sim.commands.slams import add_slam, check_claimable, is_lexis, replay_of, runner_of, runner_of_class
 from sim.durations import duration_s
 from sim.errors import SimError
 
@@ -17,6 +17,10 @@ if TYPE_CHECKING:
 
 FAILS_HELP = 'what is true of a failing run, such as "labels.accuracy < 0.7"; or the word crash, for a SLAM that raises'
 DEADLINE_HELP = "such as 90s or 3m; the smallest failure so far is kept (default: 3m; 10m with --command)"
+REFERENCE_HELP = (
+    "a SLAM without the failure, such as an earlier version or sim.harness.adapters:Lexis; a smaller scenario counts only "
+    "if this SLAM passes there"
+)
 KEEP_HELP = 'a step that is not tried, such as "drop furniture" or "simplest labels"; may be repeated'
 _PROGRAM_DEADLINE_S = 600.0
 """Default deadline for programs [s]. It is long, because every candidate has to be recorded for the program."""
@@ -34,6 +38,7 @@ def add_to(commands: Commands) -> None:
     shrink.add_argument("scenario", type=Path, metavar="SCENARIO", help="scenario.json of a run, or the run's folder")
     shrink.add_argument("--fails", required=True, metavar="CONDITION", help=FAILS_HELP)
     add_slam(shrink)
+    shrink.add_argument("--reference", metavar="MODULE:CLASS", help=REFERENCE_HELP)
     shrink.add_argument("--deadline", type=duration_s, metavar="TIME", help=DEADLINE_HELP)
     shrink.add_argument("--keep", action="append", default=[], metavar="STEP", help=KEEP_HELP)
     shrink.add_argument("-o", "--out", type=folder, required=True, metavar="DIR", help="folder to write")
@@ -49,7 +54,8 @@ def _shrink(arguments: argparse.Namespace) -> int:
     from sim.harness.reductions import STEPS
     from sim.harness.world_tests import SCENARIO
 
-    test = FailureTest.parse(arguments.fails, runner_of(arguments))
+    reference = None if arguments.reference is None else runner_of_class(arguments.reference, "--reference")
+    test = FailureTest.parse(arguments.fails, runner_of(arguments), reference)
     if test.claim is not None:
         check_claimable(arguments, test.claim)
     path = arguments.scenario

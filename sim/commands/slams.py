@@ -70,12 +70,19 @@ def runner_of(arguments: argparse.Namespace) -> "Runner":
     if arguments.program is not None:
         return program_of(arguments)
     refuse_program_options(arguments)
+    if arguments.slam is not None:
+        return runner_of_class(arguments.slam)
+    from sim.harness import run
+
+    return lambda scenario, progress: run(scenario, None, progress)
+
+
+def runner_of_class(text: str, option: str = "--slam") -> "Runner":
+    """Return a function that runs the SLAM named MODULE:CLASS. Raises `SimError` as `slam_factory` does."""
     from sim.harness import run
     from sim.harness.slam_under_test import made_slam
 
-    if arguments.slam is None:
-        return lambda scenario, progress: run(scenario, None, progress)
-    new_slam = slam_factory(arguments.slam)
+    new_slam = slam_factory(text, option)
     return lambda scenario, progress: run(scenario, made_slam(new_slam), progress)
 
 
@@ -146,31 +153,33 @@ class SlamFactory:
         return _imported(self.text)()
 
 
-def slam_factory(text: str) -> SlamFactory:
+def slam_factory(text: str, option: str = "--slam") -> SlamFactory:
     """Return a function that makes the SLAM named MODULE:CLASS.
 
-    Raises `SimError` if the class cannot be imported, or cannot be called without arguments.
+    Raises `SimError` if the class cannot be imported, or cannot be called without arguments. The message begins with the
+    `option` that names the class.
     """
     from sim.harness.slam_under_test import check_slam_factory
 
-    check_slam_factory(f"--slam {text!r:.80}", _imported(text))
+    check_slam_factory(f"{option} {text!r:.80}", _imported(text, option))
     return SlamFactory(text)
 
 
-def _imported(text: str) -> "Callable[[], SlamUnderTest]":
+def _imported(text: str, option: str = "--slam") -> "Callable[[], SlamUnderTest]":
+    place = f"{option} {text!r:.80}"
     module_name, colon, class_name = text.partition(":")
     if not (module_name and colon and class_name):
-        raise SimError(f"--slam {text!r:.80}: is no MODULE:CLASS; valid: such as my_slam:MySlam")
+        raise SimError(f"{place}: is no MODULE:CLASS; valid: such as my_slam:MySlam")
     if module_name.endswith(".py"):
         module = ".".join(Path(module_name).with_suffix("").parts)
-        raise SimError(f"--slam {text!r:.80}: names a file; leave out .py: {module}:{class_name}")
+        raise SimError(f"{place}: names a file; leave out .py: {module}:{class_name}")
     if "" not in sys.path:
         sys.path.insert(0, "")  # the current folder, as in `python -m`
     try:
         found = getattr(importlib.import_module(module_name), class_name, None)
     except USER_ERRORS as error:
         reason = one_line(f"{type(error).__name__}: {error}", 160)
-        raise SimError(f"--slam {text!r:.80}: cannot be imported: {reason}; valid: a module here or on the path") from None
+        raise SimError(f"{place}: cannot be imported: {reason}; valid: a module here or on the path") from None
     if not callable(found):
-        raise SimError(f"--slam {text!r:.80}: the module has no class {class_name}; valid: the name of a class in it")
+        raise SimError(f"{place}: the module has no class {class_name}; valid: the name of a class in it")
     return found  # type: ignore[no-any-return]

@@ -14,10 +14,11 @@ which `report_data` prepares the data.
 
 `crash` runs a SLAM, and distinguishes a crash of the SLAM from a scenario that cannot be run.
 
-`failure_signature` says whether and how a run fails, and `good_slam` whether a good SLAM fails there, too. `reducer`
-finds the smallest scenario that fails in the same way, by the steps of `reductions` and `house_reductions`. `blame_table`
-replaces one part of the run at a time to find the part that causes the failure, and `nearest_changes` finds the smallest
-changes by which it goes away. The package `failures` writes all this into a folder.
+`failure_signature` says whether and how a run fails, and `good_slam` whether a good SLAM fails there, too;
+`original_failure` compares the failure in a smaller scenario with the first one. `reducer` finds the smallest scenario that
+fails in the same way, by the steps of `reductions` and `house_reductions`. `blame_table` replaces one part of the run at a
+time to find the part that causes the failure, and `nearest_changes` finds the smallest changes by which it goes away. The
+package `failures` writes all this into a folder.
 
 `world_tests` holds the decorator `worlds` for tests in pytest; the plugin `sim.pytest_plugin` runs the decorated tests.
 Through `last_run` the plugin learns which run a test has started.

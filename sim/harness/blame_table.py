@@ -160,6 +160,8 @@ def _differently(found: Signature, signature: Signature) -> str:
     """Return why a failure with another signature than `signature` tells nothing about the blame."""
     if found == signature.unavoidable:
         return "a good SLAM fails there, too"
+    if found == signature.with_other_errors:
+        return "it fails by errors of another kind"
     return f"it fails differently: {found}"
 
 

@@ -1,5 +1,6 @@
 """Decides whether and how a run fails: a condition such as "labels.accuracy < 0.7" is true, or the SLAM crashes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from sim.errors import SimError
@@ -7,7 +8,7 @@ from sim.fidelity import Fidelity
 from sim.harness.claims import Claim
 from sim.harness.crash import Crash, Runner, attempt, attempt_plans
 from sim.harness.figures import evaluate
-from sim.harness.good_slam import Reference
+from sim.harness.original_failure import OriginalFailure
 from sim.harness.planning import Trial
 from sim.harness.reductions import with_listed_house
 from sim.harness.results import RunResult
@@ -32,6 +33,11 @@ class Signature:
     def unavoidable(self) -> "Signature":
         """The signature of the same failure in a scenario in which a good SLAM fails, too; see `sim.harness.good_slam`."""
         return replace(self, what=f"{self.what}, where a good SLAM fails, too")
+
+    @property
+    def with_other_errors(self) -> "Signature":
+        """The signature of a failure whose wrong frames are of other kinds than those of the original failure."""
+        return replace(self, what=f"{self.what}, by errors of another kind")
 
     def __str__(self) -> str:
         return self.what
@@ -60,8 +66,9 @@ class FailureTest:
     """Runs a SLAM on a scenario and says whether it fails.
 
     A run fails if the claim is true or, without a claim, if the SLAM crashes. At its first failure, the test chooses a good
-    SLAM that does not fail there (`sim.harness.good_slam`). A later failure in a scenario in which this good SLAM fails,
-    too, has another signature, `Signature.unavoidable`.
+    SLAM that does not fail there (`sim.harness.good_slam`), and remembers the kinds of errors. A later failure has another
+    signature if this good SLAM or the `reference` fails in its scenario, too (`Signature.unavoidable`), or if its errors are
+    of other kinds (`Signature.with_other_errors`).
 
     The test keeps the last failing run of each fidelity. After a search by `reduce`, the kept run is the run of the smallest
     scenario, which need not be run again.
@@ -69,17 +76,25 @@ class FailureTest:
 
     claim: Claim | None
     runner: Runner
-    _reference: Reference = field(default_factory=Reference, repr=False)
-    """The good SLAM, which copies made by `replace` share."""
+    reference: Runner | None = None
+    """Runs a SLAM without the failure, such as an earlier version of the SLAM under test; only for a claim."""
+    original: OriginalFailure | None = field(default=None, repr=False)
+    """What is remembered of the first failure. Copies made by `replace` share it; None: nothing yet."""
     _kept: dict[Fidelity, Observed | Crash] = field(default_factory=dict, init=False, repr=False)
 
+    def __post_init__(self) -> None:
+        if self.original is None:
+            object.__setattr__(self, "original", OriginalFailure(None if self.claim is None else self.claim.figure))
+
     @staticmethod
-    def parse(text: str, runner: Runner) -> "FailureTest":
+    def parse(text: str, runner: Runner, reference: Runner | None = None) -> "FailureTest":
         """Parse the condition for a failure: a claim such as "labels.accuracy < 0.7", or the word "crash".
 
-        Raises `SimError` for anything else.
+        Raises `SimError` for anything else, and for a crash with a reference.
         """
-        return FailureTest(None if text == CRASH else Claim.parse(text), runner)
+        if text == CRASH and reference is not None:
+            raise SimError(f"reference: the failure is {CRASH!r}; valid: with a claim, such as 'labels.accuracy < 0.7'")
+        return FailureTest(None if text == CRASH else Claim.parse(text), runner, reference)
 
     def __call__(self, scenario: Scenario) -> Signature | None:
         """Run the SLAM on a scenario; return the signature of the failure, or None if the run does not fail.
@@ -144,10 +159,28 @@ class FailureTest:
         if self.claim is None:
             return Observed(finished, result, tuple(trials), None, None)
         failing, value = self.claim.outcome(result) == "holds", self.claim.value(result)
-        signature = Signature(str(self.claim), value) if failing else None
-        if signature is not None and not self._reference.avoids(finished, trials, self._passes):
-            signature = signature.unavoidable
+        signature = self._compared(Signature(str(self.claim), value), finished, trials) if failing else None
         return Observed(finished, result, tuple(trials), value, signature)
+
+    def _compared(self, signature: Signature, failing: Run, trials: Sequence[Trial]) -> Signature:
+        """Return the signature of a failing run after a comparison with the original failure and the reference."""
+        assert self.original is not None
+        if self.original.is_unavoidable(failing, trials, self._passes):
+            return signature.unavoidable
+        if not self.original.is_like(failing):
+            return signature.with_other_errors
+        return signature if self._reference_passes(failing.scenario) else signature.unavoidable
+
+    def _reference_passes(self, scenario: Scenario) -> bool:
+        """Return whether the reference passes a scenario, or True without a reference; a crash is no pass."""
+        if self.reference is None:
+            return True
+        assert self.claim is not None
+        finished = attempt(self.reference, scenario)
+        trials = attempt_plans(finished) if isinstance(finished, Run) and self.claim.is_about_plans else ()
+        if isinstance(finished, Crash) or isinstance(trials, Crash):
+            return False
+        return self._passes(evaluate(finished, trials))
 
     def _passes(self, result: RunResult) -> bool:
         return self.claim is not None and self.claim.outcome(result) == "fails"
@@ -163,7 +196,10 @@ def check_fails(scenario: Scenario, test: FailureTest) -> None:
     `reduce` does not repeat it.
     """
     outcome = test.outcome(with_listed_house(scenario))
-    if test.signature_of(outcome) is not None:
+    signature = test.signature_of(outcome)
+    if signature is not None and test.reference is not None and signature != Signature(str(test)):
+        raise SimError("reference: it fails in the scenario, too, or crashes; valid: a SLAM that passes there")
+    if signature is not None:
         return
     if test.claim is None or isinstance(outcome, Crash):
         raise SimError(f"{CRASH}: the SLAM does not crash on the scenario; valid: a scenario on which it does")

@@ -16,6 +16,7 @@ from sim.fidelity import Fidelity
 from sim.harness.failure_signature import Signature
 from sim.harness.reductions import STEPS, ScenarioSize, Step, for_images, size, with_features, with_listed_house
 from sim.harness.scenario import Scenario
+from sim.wording import counted
 from worlds.errors import WorldsError
 from worlds.spec import HouseSpec
 from worlds.validation import built_and_checked
@@ -33,7 +34,8 @@ Clock = Callable[[], float]
 Ending = Literal["smallest", "deadline", "interrupted"]
 """Why a search ended: no step led to a smaller failure, time was up, or the user interrupted it."""
 CandidateOutcome = Literal["fails", "passes", "unavoidable", "fails differently", "cannot run", "invalid"]
-"""What a candidate does. "unavoidable": it fails in the same way, but so does a good SLAM; see `Signature.unavoidable`."""
+"""What a candidate does. "unavoidable": it fails in the same way, but so does a good SLAM; see `Signature.unavoidable`.
+"fails differently": for example by errors of another kind; see `Signature.with_other_errors`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +81,8 @@ class Reduction:
     """Number of candidates that were tried; equal candidates count once."""
     unavoidable: int
     """Number of these candidates that do not count, because a good SLAM fails there, too."""
+    different: int
+    """Number of these candidates that do not count, because they fail in another way."""
     ended: Ending
     """Why the search ended."""
     searched_on: Fidelity
@@ -103,7 +107,9 @@ class Reduction:
         }[self.ended]
         how = f"{self.tried} candidates, {len(self.accepted)} steps; {why}."
         if self.unavoidable:
-            how += f" {self.unavoidable} candidates do not count, because a good SLAM fails there, too."
+            how += f" {counted(self.unavoidable, 'candidate')} did not count, because a good SLAM fails there, too."
+        if self.different:
+            how += f" {counted(self.different, 'candidate')} did not count, because the SLAM fails there in another way."
         if self.original.fidelity != "render":
             return how
         if self.searched_on == "render":
@@ -300,6 +306,7 @@ class _Search:
             self.last_passing,
             len(self.outcomes),
             list(self.outcomes.values()).count("unavoidable"),
+            list(self.outcomes.values()).count("fails differently"),
             ended,
             "features" if on_features else original.fidelity,
             not unconfirmed,

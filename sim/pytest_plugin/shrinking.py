@@ -38,11 +38,12 @@ def shrunk(
     from sim.harness.adapters.lexis import Lexis
     from sim.harness.blame_table import blame
     from sim.harness.failures.failed_test import Search
-    from sim.harness.good_slam import Reference
+    from sim.harness.original_failure import OriginalFailure
     from sim.harness.reducer import reduce
     from worlds.errors import WorldsError
 
-    signature, last, reference = _signature(found), found, Reference()
+    signature, last = _signature(found), found
+    original = OriginalFailure(found.failure.figure if found.failure else None)
 
     def fails(candidate: "Scenario") -> "Signature | None":
         nonlocal last
@@ -52,8 +53,10 @@ def shrunk(
 
         reports, tried = execute(item, nextitem, _Chosen(candidate))
         if signature is not None and _signature(tried) == signature:
-            if tried.run is not None and not reference.avoids(tried.run, tried.last.trials, passes):
+            if tried.run is not None and original.is_unavoidable(tried.run, tried.last.trials, passes):
                 return signature.unavoidable
+            if tried.run is not None and not original.is_like(tried.run):
+                return signature.with_other_errors
             last = tried
         if tried.failure is None and any(report.failed for report in reports):
             raise SimError("the test cannot be set up in this scenario; valid: a scenario that can run")

@@ -159,10 +159,12 @@ def _loop(run: Run) -> Iterator[_Wrong]:
             yield _Wrong(query, f"a false loop closure with {place}")
 
 
-def _label_or_instance(run: Run) -> Iterator[_Wrong]:
-    """Yield the frames with a wrong label, then the frames in a wrong room instance."""
+def _instance_or_label(run: Run) -> Iterator[_Wrong]:
+    """Yield the frames in a wrong room instance, with their label if it is wrong, too, then those with a wrong label."""
+    labels = {found.row: found.what for found in _label(run)}
+    for found in _instance(run):
+        yield found._replace(what=f"{found.what}; {labels[found.row]}") if found.row in labels else found
     yield from _label(run)
-    yield from _instance(run)
 
 
 def _instance(run: Run) -> Iterator[_Wrong]:
@@ -173,7 +175,7 @@ def _instance(run: Run) -> Iterator[_Wrong]:
     """
     claims, truth = run.estimate.rooms, run.true_rooms
     if claims is not None:
-        main_room, main_claim = _most_frequent(claims, truth), _most_frequent(truth, claims)
+        main_room, main_claim = main_groups(claims, truth), main_groups(truth, claims)
         for row, (claim, room) in enumerate(zip(claims.tolist(), truth.tolist(), strict=True)):
             if claim < 0:
                 yield _Wrong(row, "in no claimed room")
@@ -186,8 +188,8 @@ def _instance(run: Run) -> Iterator[_Wrong]:
                 yield _Wrong(row, f"in the claimed room {claim}, {mostly}")
 
 
-def _most_frequent(groups: Int[np.ndarray, "n"], values: Int[np.ndarray, "n"]) -> dict[int, int]:
-    """Return the most frequent value of every group; on a tie, the smallest one."""
+def main_groups(groups: Int[np.ndarray, "n"], values: Int[np.ndarray, "n"]) -> dict[int, int]:
+    """Return the most frequent value of every group, such as the true room of each claimed room; on a tie, the smallest."""
     chosen = {}
     for group in np.unique(groups):
         found, counts = np.unique(values[groups == group], return_counts=True)
@@ -202,7 +204,7 @@ _SEARCHES: Mapping[str, Callable[[Run], Iterator[_Wrong]]] = MappingProxyType(
         "": _label,
         "labels": _label,
         "planning": _label,
-        "rooms": _label_or_instance,
+        "rooms": _instance_or_label,
         "floors": _floor,
         "trajectory": _position,
         "loops": _loop,

@@ -10,6 +10,7 @@ from sim.harness.blame_table import BlameTable
 from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.failure_signature import FailureTest, Observed
 from sim.harness.failures.claimed_frames import claimed_frames
+from sim.harness.failures.error_kinds import most_frequent
 from sim.harness.failures.first_wrong import WrongFrame, crash_frame, first_wrong
 from sim.harness.nearest_changes import nearest
 from sim.harness.reducer import Reduction
@@ -19,6 +20,7 @@ from sim.harness.slam_under_test import CommandSlam
 from sim.render.image_files import encoded
 from sim.report.frame_picture import FrameClaims, place_image
 from sim.session import Session
+from sim.wording import counted
 
 WHY = "why.md"
 _LISTED = 8
@@ -87,11 +89,7 @@ def failed_test_page(
     if found and found != message:
         head += ["", "In the scenario in which the failure was found, pytest said:", *_quoted(found)]
         if found_place:
-            head += [
-                "",
-                f"That run first went wrong {found_place}. If the error below is of another kind, the smallest scenario",
-                "probably fails for another reason; `pytest --no-lexis-shrink` then shows the failure as it was found.",
-            ]
+            head += ["", *_first_place(found_place, "`pytest --no-lexis-shrink` shows the failure as it was found.")]
     return _page(head, wrong_frame_page(run, figure), _search_sections(reduction, blamed), _WHOLE_RUN)
 
 
@@ -132,6 +130,23 @@ def _failure(reduction: Reduction, test: FailureTest, smallest: Observed) -> Ite
     original, figure = reduction.signature.value, test.claim.figure
     yield f"`{figure}` is **{_number(smallest.value)}** in this scenario; a SLAM without the failure has"
     yield f"`{test.claim.opposite}`. In the scenario in which the failure was found, it is {_number(original)}."
+    if not reduction.accepted or test.original is None:
+        return
+    if kinds := test.original.kinds_of(smallest.run):
+        kind, before = most_frequent(kinds), test.original.kinds or kinds
+        wrong = f"{kinds[kind]} of {counted(kinds.total(), 'wrong frame')} are {kind}"
+        yield f"Here, {wrong}; there, {before[kind]} of {before.total()}."
+    elif test.original.first_wrong:
+        yield ""
+        yield from _first_place(test.original.first_wrong, "`original.json` is the scenario as it was found.")
+
+
+def _first_place(place: str, found: str) -> list[str]:
+    """Return the lines that compare the smallest scenario with the original, which first went wrong at `place`."""
+    return [
+        f"The original run first went wrong {place}. If the error below is of another kind, the smallest scenario",
+        f"may fail for another reason; {found}",
+    ]
 
 
 def wrong_frame_page(run: Run, figure: str | None = None) -> Page:

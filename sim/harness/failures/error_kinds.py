@@ -1,0 +1,59 @@
+"""`error_kinds`: what the wrong frames of a run have in common, such as a floor that is too high, to tell failures apart."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+
+from sim.harness.failures.first_wrong import main_groups
+from sim.harness.runner import Run
+
+NO_FLOOR, TOO_HIGH, TOO_LOW = "claimed on no floor", "claimed on a floor too high", "claimed on a floor too low"
+NO_ROOM, SPLIT = "in no claimed room", "claimed apart from the rest of their room"
+TWINS, STRANGERS = "merged with a room of the same label", "merged with a room of another label"
+
+
+def error_kinds(run: Run, figure: str | None, labels: Mapping[str, str]) -> "Counter[str]":
+    """Count the frames with each kind of error, for figures of rooms and floors; for other figures, the result is empty.
+
+    Args:
+        run: a run that fails.
+        figure: the figure of the failure, such as "rooms.pq"; None if it is not known.
+        labels: the label of every room in the original scenario, by the room's id. A smaller scenario may have changed it.
+    """
+    match "" if figure is None else figure.partition(".")[0]:
+        case "floors":
+            return Counter(_of_floors(run))
+        case "rooms":
+            return Counter(_of_rooms(run, labels))
+    return Counter()
+
+
+def most_frequent(kinds: "Counter[str]") -> str:
+    """Return the most frequent kind, which must exist; of equally frequent ones, the first of the alphabet."""
+    return min(kinds, key=lambda kind: (-kinds[kind], kind))
+
+
+def are_alike(kinds: "Counter[str]", original: "Counter[str]") -> bool:
+    """Whether the most frequent kind of error is that of the original. Without any kinds, nothing can be said: True."""
+    return not kinds or not original or most_frequent(kinds) == most_frequent(original)
+
+
+def _of_floors(run: Run) -> Iterator[str]:
+    claims, truth = run.estimate.floors, run.true_storeys
+    if claims is not None:
+        for claim, floor in zip(claims[~run.on_stairs].tolist(), truth[~run.on_stairs].tolist(), strict=True):
+            if claim != floor:
+                yield NO_FLOOR if claim < 0 else TOO_HIGH if claim > floor else TOO_LOW
+
+
+def _of_rooms(run: Run, labels: Mapping[str, str]) -> Iterator[str]:
+    claims, truth = run.estimate.rooms, run.true_rooms
+    if claims is not None:
+        main_room, main_claim = main_groups(claims, truth), main_groups(truth, claims)
+        named = [labels.get(room.id, room.label) for room in run.house.rooms]
+        for claim, room in zip(claims.tolist(), truth.tolist(), strict=True):
+            if claim < 0:
+                yield NO_ROOM
+            elif main_room[claim] != room:
+                yield TWINS if named[main_room[claim]] == named[room] else STRANGERS
+            elif main_claim[room] != claim:
+                yield SPLIT

@@ -1,0 +1,44 @@
+"""The failure in the scenario with which a search began: later failures are compared with it."""
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+
+from sim.harness.failures.error_kinds import are_alike, error_kinds
+from sim.harness.failures.first_wrong import first_wrong
+from sim.harness.good_slam import Reference
+from sim.harness.planning import Trial
+from sim.harness.results import RunResult
+from sim.harness.runner import Run
+
+
+class OriginalFailure:
+    """Tells whether the run of a smaller scenario shows the same failure as the original run."""
+
+    def __init__(self, figure: str | None) -> None:
+        """Leave the rest to the first failing run. `figure` is that of the failure, such as "rooms.pq", if it is known."""
+        self._figure, self._reference = figure, Reference()
+        self._labels: dict[str, str] = {}
+        self.kinds: Counter[str] | None = None
+        """Number of frames with each kind of error in the original run; None before the first failing run."""
+        self.first_wrong = ""
+        """Where and how the original run first went wrong, as text; "" before the first failing run, or if it is unknown."""
+
+    def is_unavoidable(self, run: Run, trials: Sequence[Trial], passes: Callable[[RunResult], bool]) -> bool:
+        """Return whether a good SLAM fails in the situation of a failing run, too; see `sim.harness.good_slam`.
+
+        `passes` evaluates the test or claim on the figures of another SLAM. The first call is for the original run.
+        """
+        return not self._reference.avoids(run, trials, passes)
+
+    def is_like(self, run: Run) -> bool:
+        """Return whether a failing run has the same kinds of errors as the original one, which the first call remembers."""
+        if self.kinds is None:
+            self._labels = {room.id: room.label for room in run.house.rooms}
+            self.kinds = self.kinds_of(run)
+            self.first_wrong = str(first_wrong(run, self._figure) or "")
+            return True
+        return are_alike(self.kinds_of(run), self.kinds)
+
+    def kinds_of(self, run: Run) -> "Counter[str]":
+        """Count the frames of a run with each kind of error, for a failure of rooms or floors; see `error_kinds`."""
+        return error_kinds(run, self._figure, self._labels)

@@ -1,0 +1,122 @@
+"""The kinds of errors are those of the planted bugs, and a search for one kind does not end at another."""
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sim.bench.planted_bugs import floors, no_bug, planted, revisits, twins
+from sim.harness import Claim, FailureTest, Scenario, reduce
+from sim.harness.failures.error_kinds import (
+    NO_FLOOR,
+    NO_ROOM,
+    SPLIT,
+    STRANGERS,
+    TOO_HIGH,
+    TOO_LOW,
+    TWINS,
+    are_alike,
+    error_kinds,
+    most_frequent,
+)
+from worlds.presets import sample_from_rooms
+
+BEDROOMS = Scenario(
+    house=sample_from_rooms(("bedroom", "bedroom", "kitchen", "bathroom"), seed=3),
+    seed=5,
+    length_m=60.0,
+    frame_rate_hz=2.0,
+    fidelity="features",
+    encoder="oracle",
+)
+TALL = replace(BEDROOMS, house=sample_from_rooms(("kitchen", "bedroom"), seed=4, storeys=2), length_m=None)
+
+
+def above(run):
+    """A SLAM that claims every frame to be one floor too high."""
+    return replace(no_bug(run), floors=run.true_storeys + 1)
+
+
+def nowhere(run):
+    """A SLAM that claims neither a floor nor a room for any frame."""
+    return replace(no_bug(run), floors=np.full_like(run.true_storeys, -1), rooms=np.full_like(run.true_rooms, -1))
+
+
+def everything(run):
+    """A SLAM that claims one room."""
+    return replace(no_bug(run), rooms=np.zeros_like(run.true_rooms))
+
+
+@pytest.mark.parametrize(
+    ("scenario", "bug", "figure", "kind"),
+    [
+        (TALL, floors, "floors.accuracy", TOO_LOW),
+        (TALL, above, "floors.accuracy", TOO_HIGH),
+        (TALL, nowhere, "floors.accuracy", NO_FLOOR),
+        (BEDROOMS, twins, "rooms.merges", TWINS),
+        (BEDROOMS, everything, "rooms.pq", STRANGERS),
+        (BEDROOMS, revisits, "rooms.splits", SPLIT),
+        (BEDROOMS, nowhere, "rooms.pq", NO_ROOM),
+    ],
+)
+def test_each_bug_has_its_kind_of_error(scenario, bug, figure, kind):
+    run = planted(bug)(scenario, None)
+    kinds = error_kinds(run, figure, {})
+    assert most_frequent(kinds) == kind
+    assert error_kinds(run, "trajectory.ate_m", {}) == error_kinds(run, None, {}) == Counter()
+    assert error_kinds(replace(run, estimate=no_bug(run)), figure, {}) == Counter()
+
+
+def test_rooms_have_the_labels_of_the_original_scenario():
+    run = planted(twins)(BEDROOMS, None)
+    other = {room.id: room.id for room in run.house.rooms}
+    assert set(error_kinds(run, "rooms.pq", {})) == {TWINS} and set(error_kinds(run, "rooms.pq", other)) == {STRANGERS}
+
+
+def test_kinds_are_alike_if_the_same_one_is_most_frequent():
+    first, second = Counter({TWINS: 5, SPLIT: 3}), Counter({SPLIT: 1})
+    assert are_alike(first, Counter({TWINS: 1})) and not are_alike(first, second)
+    assert are_alike(Counter(), first) and are_alike(first, Counter())
+    assert most_frequent(Counter({TWINS: 2, SPLIT: 2})) == most_frequent(Counter({SPLIT: 2, TWINS: 2}))
+
+
+def small_house(run):
+    """A SLAM whose rooms are all one in houses of one or two rooms: another bug, which waits at the end of a search."""
+    return everything(run) if len(run.house.rooms) < 3 else no_bug(run)
+
+
+def both(run):
+    return twins(run) if len(run.house.rooms) >= 3 else small_house(run)
+
+
+@pytest.mark.parametrize("reference", [None, planted(small_house)])
+def test_a_search_does_not_end_at_another_bug(reference):
+    test = FailureTest(Claim.parse("rooms.merges > 0"), planted(both), reference)
+    reduction = reduce(BEDROOMS, test, deadline_s=1e9)
+    kept = FailureTest(test.claim, planted(small_house))
+    assert len(reduction.accepted) > 5 and kept(reduction.scenario) is None
+    assert reduction.different > 0
+
+
+def wrong_labels(run):
+    """A SLAM that labels nothing in houses of one room."""
+    labels = np.full_like(run.true_labels, -1) if len(run.house.rooms) < 2 else run.true_labels
+    return replace(no_bug(run), labels=labels)
+
+
+def wrong_bedrooms(run):
+    """The same SLAM with a bug: it takes bedrooms for bathrooms."""
+    labels, names = wrong_labels(run).labels.copy(), run.room_names
+    if "bedroom" in names and "bathroom" in names:
+        labels[labels == names.index("bedroom")] = names.index("bathroom")
+    return replace(no_bug(run), labels=labels)
+
+
+def test_the_reference_tells_apart_what_has_no_kinds():
+    claim = Claim.parse("labels.accuracy < 0.9")
+    slipped = reduce(BEDROOMS, FailureTest(claim, planted(wrong_bedrooms)), deadline_s=1e9)
+    kept = reduce(BEDROOMS, FailureTest(claim, planted(wrong_bedrooms), planted(wrong_labels)), deadline_s=1e9)
+    mended = FailureTest(claim, planted(wrong_labels))
+    assert mended(slipped.scenario) is not None and mended(kept.scenario) is None
+    assert kept.unavoidable > 0
