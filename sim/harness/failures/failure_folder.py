@@ -103,5 +103,5 @@ def test_replay():
     finished = {replay.run}
     result = evaluate(finished{trials})
     wanted = Claim.parse("{claim.opposite}")
-    assert wanted.outcome(result) == "holds", f"{{wanted.figure}} is {{wanted.value(result)}}; wanted: {{wanted}}"
+    assert wanted.outcome(result) == "holds", f"{claim.figure} is {{wanted.value(result)}}; wanted: {{wanted}}"
 '''

@@ -13,6 +13,7 @@ from sim.harness.blame_table import BlameTable
 from sim.harness.failures.failure_folder import Replay
 from sim.harness.failures.why_page import wrong_frame_page
 from sim.harness.reductions import STEPS
+from sim.pytest_plugin.execution import Reason
 
 
 @pytest.fixture(scope="module")
@@ -68,6 +69,12 @@ def test_without_opengl_the_page_does_without_the_image(failure, monkeypatch):
     assert "The image of the camera is left out: no off-screen OpenGL: install EGL." in page.lines[-1]
 
 
+def test_pytest_shows_of_the_replay_what_the_page_shows(failure):
+    out, _ = failure
+    statement = next(line for line in (out / "test_replay.py").read_text().splitlines() if "assert" in line)
+    assert Reason("AssertionError", "", 1, "", statement, "", AssertionError()).figure == "labels.accuracy"
+
+
 def test_the_replay_fails_now_and_passes_once_mended(failure):
     path = failure[0] / "test_replay.py"
     with pytest.raises(AssertionError, match=r"labels.accuracy is 0.*; wanted: labels.accuracy >= 0.9"):
@@ -84,6 +91,18 @@ def test_the_replay_fails_now_and_passes_once_mended(failure):
         (["--fails", "wrong"], "claim 'wrong' is not understood"),
         (["--fails", "labels.acc < 1"], "no figure 'acc'"),
         (["--fails", "labels.accuracy < 1", "--keep", "rooms"], "--keep 'rooms': no such step; valid: drop storeys, "),
+        (
+            ["--fails", "trajectory.ate_m > 0", "--reference", "sim.harness.adapters:OdometryOnly"],
+            "reference: it fails in the scenario, too, or crashes; valid: a SLAM that passes there",
+        ),
+        (
+            ["--fails", "crash", "--reference", "sim.harness.adapters:Lexis"],
+            "reference: the failure is 'crash'; valid: with",
+        ),
+        (
+            ["--fails", "labels.accuracy <= 1", "--reference", "nowhere"],
+            "--reference 'nowhere': is no MODULE:CLASS; valid: ",
+        ),
         (["--fails", "labels.accuracy < 1", "--deadline", "soon"], "'soon'; valid: a time such as 90s, 3m or 1h"),
     ],
 )
