@@ -239,10 +239,11 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _merge(arguments: argparse.Namespace) -> int:
-    from lexis.merging import merge
+    from lexis.merging import check_apart, merge
 
     warn_of_replacement(arguments.out, JSON_FILE)
     first, second = _with_features(arguments.first), _with_features(arguments.second)
+    check_apart(first, second)
     config = read_config(arguments.config) if arguments.config else None
     lexis_map = merge(first, second, _map_encoder(first, arguments.encoder), config)
     save_map(lexis_map, arguments.out)

@@ -5,6 +5,7 @@ joined stay joined.
 """
 
 from lexis.config import Config
+from lexis.errors import MapError
 from lexis.perception import Encoder
 from lexis.slam import Slam
 from lexis.types import LexisMap
@@ -31,3 +32,11 @@ def merge(
     slam = Slam(second.camera, encoder, second.room_names, config, verifier, map=first)
     slam.replay(second)
     return slam.finish()
+
+
+def check_apart(first: LexisMap, second: LexisMap) -> None:
+    """Raise MapError if a keyframe is in both maps, for example because the second map continues the first one."""
+    own = {(keyframe.stamp, keyframe.embedding.tobytes()) for keyframe in first.keyframes}
+    shared = (keyframe for keyframe in second.keyframes if (keyframe.stamp, keyframe.embedding.tobytes()) in own)
+    if (twice := next(shared, None)) is not None:
+        raise MapError(f"merge: both maps hold the image taken at {twice.stamp:.3f} s; valid: maps of different recordings")

@@ -400,15 +400,21 @@ def test_a_run_that_is_cut_off_leaves_the_last_complete_map(dataset, tmp_path, m
 
 
 def test_a_session_elsewhere_becomes_a_part_of_its_own(textured, tmp_path, capsys):
-    one, both, merged = (tmp_path / name for name in ("one", "both", "merged"))
+    one, other, both, merged = (tmp_path / name for name in ("one", "other", "both", "merged"))
     assert cli.main(["run", str(textured), "--rooms", "kitchen, office", "-o", str(one)]) == 0
     assert cli.main(["run", str(textured), "--map", str(one), "-o", str(both)]) == 0
-    assert cli.main(["merge", str(one), str(one), "-o", str(merged)]) == 0
+    saved = load_map(one)
+    later = tuple(replace(keyframe, stamp=keyframe.stamp + 100.0) for keyframe in saved.keyframes)
+    save_map(replace(saved, keyframes=later), other)
+    assert cli.main(["merge", str(one), str(other), "-o", str(merged)]) == 0
     assert capsys.readouterr().out.count("not recognised in the rest of the map: session 1") == 2
     n = len(load_map(one).keyframes)
     for folder in (both, merged):
         assert [keyframe.session for keyframe in load_map(folder).keyframes] == [0] * n + [1] * n
     assert cli.main(["info", str(both)]) == 0 and "not connected with session 0: 1" in capsys.readouterr().out
+    for second in (one, both):
+        assert cli.main(["merge", str(one), str(second), "-o", str(tmp_path / "twice")]) == 2
+        assert "merge: both maps hold the image taken at 0.000 s; valid: maps of different" in capsys.readouterr().err
 
 
 def test_a_session_needs_a_map_with_key_points_and_equal_room_names(dataset, textured, mapped, tmp_path, capsys):
