@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from lexis.command_line import Commands, add_command, warn_of_replacement
-from sim.commands.arguments import add_walk, folder, number, numbers, walk_options
+from sim.commands.arguments import add_walk, folder, number, numbers, walk_options, whole_number
 
 FORMATS = {
     "euroc": "EuRoC ASL: stereo, 200 Hz IMU, true states, odometry; ORB-SLAM3 reads it if images are png",
@@ -36,6 +36,9 @@ DISTORTION_HELP = (
     "radial-tangential distortion of the images, as in --distortion=-0.1,0.008,0,0, or 'barrel' for coefficients usual for "
     "a lens this wide; calibrations and settings contain it (default: none)"
 )
+DAY_HELP = (
+    "let all stamps be N days later, so that the sessions of several days in one map have different stamps (default: 0)"
+)
 BARREL = (-0.1, 0.008, 0.0005, -0.0003)
 """Distortion coefficients of a typical wide lens. The coefficients of EuRoC's cameras were fitted for a field of view of 78
 degrees; at 100 degrees they would make straight lines wavy."""
@@ -57,6 +60,7 @@ def add_to(commands: Commands) -> None:
     formats = "; ".join(f"{name}: {text}" for name, text in FORMATS.items())
     record.add_argument("--format", choices=FORMATS, default="euroc", help=f"{formats} (default: %(default)s)")
     record.add_argument("--image-format", choices=("png", "jpg", "raw"), default="png", help=IMAGE_FORMAT_HELP)
+    record.add_argument("--day", type=whole_number(0, 10_000), default=0, metavar="N", help=DAY_HELP)
     record.add_argument(
         "-o", "--out", type=folder, default=Path("recording"), metavar="DIR", help="folder to write (default: %(default)s)"
     )
@@ -101,6 +105,7 @@ def _record(arguments: argparse.Namespace) -> int:
             progress=lambda share: bar.update(task, completed=share),
             imu_config=ImuConfig(gyroscope_turn_on=gyroscope, accelerometer_turn_on=accelerometer),
             distortion=Distortion(*arguments.distortion) if arguments.distortion else None,
+            day=arguments.day,
         )
     print(f"{arguments.out}: {arguments.format}, {size / 1e6:.0f} MB")
     return 0

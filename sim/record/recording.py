@@ -57,6 +57,7 @@ def record(
     progress: Callable[[float], None] | None = None,
     imu_config: ImuConfig | None = None,
     distortion: Distortion | None = None,
+    day: int = 0,
 ) -> int:
     """Record the run that `config` describes to the folder `out`. An earlier recording there is replaced.
 
@@ -70,6 +71,7 @@ def record(
         progress: called after every frame with the share of frames done, in [0, 1].
         imu_config: rate and noise of the IMU; by default, those of EuRoC's IMU.
         distortion: lens distortion of every camera; by default, none.
+        day: number of days by which all stamps are later, so that sessions of several days have different stamps.
 
     Returns the number of bytes written. Raises `LexisError` if `out` contains anything but a recording or cannot be written;
     `SimError` for an unknown format or kind of images, a distortion that cannot be rendered, or too little disk space; and
@@ -77,7 +79,7 @@ def record(
     """
     check_format(format, images)
     with replaced_folder(out, ROOMS) as folder:
-        write_take(folder, prepare(config, imu_config, distortion), format, images, progress)
+        write_take(folder, prepare(config, imu_config, distortion, day=day), format, images, progress)
         return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
 
 

@@ -23,6 +23,7 @@ from sim.faults.poses import Kidnap, OdometryNaN
 from sim.faults.stamps import StampJitter, StampJump, StampOffset
 from sim.harness.scenario import Scenario
 from sim.harness.walk import Walk, walk
+from sim.number_checks import check_count
 from sim.odometry.imu import GRAVITY_M_S2, Imu, ImuConfig, ideal_imu, with_noise
 from sim.render.lens import Distortion, rendered_camera
 from sim.render.rig import FREE_M, STEREO_BASELINE_M, build_rig
@@ -33,6 +34,9 @@ from sim.world_states import FrameRenderer, WorldStates
 EPOCH_NS = 1_000_000_010 * 10**9
 """Stamp of the first frame [ns], a time in 2001. Tools that split stamps into s and ns expect stamps of 19 digits, also of
 the IMU data that are earlier."""
+DAY_S = 86_400
+MAX_DAY = 10_000
+"""Latest day of a recording. On later days, the seconds of stamps would soon need more than 31 bits."""
 REST_S = 2.0
 """Duration of the rest at the start [s]."""
 _CHANGES_TIMES = Dropped, Duplicated, Late, OutOfOrder, StampOffset, StampJitter, StampJump
@@ -74,6 +78,8 @@ class Take:
     """Time in the walk at which the IMU measured [s]. It differs from the stamps where a kidnapping cuts a part out."""
     with_truth: bool = True
     """Whether recordings contain the ground truth: true poses, rooms and the house."""
+    day: int = 0
+    """Number of days by which all stamps are later than those of other recordings."""
 
     @cached_property
     def session(self) -> Session:
@@ -101,7 +107,7 @@ class Take:
     @cached_property
     def imu_ns(self) -> Int64[np.ndarray, "n"]:
         """Stamps of the IMU and of the true poses [ns]."""
-        return np.array([stamp_ns(t) for t in self.imu.stamps.tolist()], np.int64)
+        return np.array([stamp_ns(t, self.day) for t in self.imu.stamps.tolist()], np.int64)
 
     @property
     def T_W_B(self) -> Float64[np.ndarray, "n 4 4"]:
@@ -142,7 +148,7 @@ class Take:
             def recorded(observation: Observation, truth: Truth) -> RecordedFrame:
                 images = {name: painter.rgb(truth.index, truth.T_W_B) for name, painter in painters.items()}
                 return RecordedFrame(
-                    stamp_ns(observation.stamp),
+                    stamp_ns(observation.stamp, self.day),
                     observation,
                     truth,
                     MappingProxyType({**dict(zip(of_rig, pixels(observation), strict=True)), **images}),
@@ -168,7 +174,7 @@ class Take:
         """Yield copies of the first frame of the walk during the rest before it."""
         for k in range(-self.rest_frames, 0):
             stamp = start.observation.stamp + k * self.frame_s
-            yield replace(start, stamp_ns=stamp_ns(stamp), observation=replace(start.observation, stamp=stamp))
+            yield replace(start, stamp_ns=stamp_ns(stamp, self.day), observation=replace(start.observation, stamp=stamp))
 
 
 def _still(frame: RecordedFrame) -> RecordedFrame:
@@ -177,19 +183,24 @@ def _still(frame: RecordedFrame) -> RecordedFrame:
 
 
 def prepare(
-    config: Scenario, imu_config: ImuConfig | None = None, distortion: Distortion | None = None, with_truth: bool = True
+    config: Scenario,
+    imu_config: ImuConfig | None = None,
+    distortion: Distortion | None = None,
+    with_truth: bool = True,
+    day: int = 0,
 ) -> Take:
     """Plan the walk of the run `config`, and simulate odometry and IMU. Nothing is rendered yet.
 
     The cameras are the pinhole cameras of the config's rig. If there is only one, a second camera is added on its right.
-    All cameras have the same `distortion`; by default, there is none.
+    All cameras have the same `distortion`; by default, there is none. Stamps are `day` days later than usual.
 
-    Raises the errors of `sim.harness.run` and `Lens`, and `SimError` for a camera that is too far from the IMU, for faults
-    that make poses NaN, which no format of recordings can hold, and for a kidnap after faults that change the stamps or the
-    delivery of frames: which part of the IMU data it cuts out would depend on them.
+    Raises the errors of `sim.harness.run` and `Lens`, and `SimError` for a `day` that is not valid, for a camera that is too
+    far from the IMU, for faults that make poses NaN, which no format of recordings can hold, and for a kidnap after faults
+    that change the stamps or the delivery of frames: which part of the IMU data it cuts out would depend on them.
     """
     if any(isinstance(fault, OdometryNaN) for fault in config.faults):
         raise SimError(f"fault {OdometryNaN.name}: recordings hold finite poses only; valid: other faults")
+    check_count("day", day, 0, MAX_DAY)
     _check_order(config.faults)
     imu_config, distortion = imu_config or ImuConfig(), distortion or Distortion()
     rig = build_rig(config.rig)
@@ -204,7 +215,7 @@ def prepare(
     imu = with_noise(_with_rest(ideal_imu(walked.tour.motion, imu_config.rate_hz), imu_config.rate_hz), imu_config, rng)
     imu, walk_s = _without_cuts(imu, walked.tour.stamps, config.faults)
     named = {f"cam{k}": camera for k, camera in enumerate(cameras)}
-    return Take(config, walked, rig.front, named, imu_config, distortion, imu, walk_s, with_truth)
+    return Take(config, walked, rig.front, named, imu_config, distortion, imu, walk_s, with_truth, day)
 
 
 def _check_order(faults: Sequence[Fault]) -> None:
@@ -255,11 +266,6 @@ def stereo_partner(camera: Camera) -> Camera:
     return Camera(camera.intrinsics, camera.T_B_C @ step)
 
 
-def stamp_ns(seconds: float) -> int:
-    """Convert a time since the start of the walk [s] to a stamp [ns]."""
-    return EPOCH_NS + round((seconds + REST_S) * 1e9)
-
-
 def _with_rest(imu: Imu, rate_hz: float) -> Imu:
     """Add measurements at rest before and after the walk, which itself starts and ends upright and at rest."""
     before, after = round((REST_S + _MARGIN_S) * rate_hz), round(_MARGIN_S * rate_hz)
@@ -270,3 +276,8 @@ def _with_rest(imu: Imu, rate_hz: float) -> Imu:
         force[rest] = [0.0, 0.0, GRAVITY_M_S2]
     zero = np.zeros_like(force)
     return Imu(stamps, np.pad(imu.angular_velocity, pad), force, zero, zero)
+
+
+def stamp_ns(seconds: float, day: int = 0) -> int:
+    """Convert a time since the start of the walk [s] to a stamp [ns] on the given day."""
+    return EPOCH_NS + day * DAY_S * 10**9 + round((seconds + REST_S) * 1e9)

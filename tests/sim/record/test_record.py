@@ -33,7 +33,7 @@ from sim.odometry.imu import ImuConfig
 from sim.record import record
 from sim.record.ros2 import write_bag
 from sim.record.settings import write_settings
-from sim.record.take import EPOCH_NS, REST_S, Take, prepare
+from sim.record.take import EPOCH_NS, MAX_DAY, REST_S, Take, prepare, stamp_ns
 from sim.render.lens import Distortion
 from sim.render.rig import RigConfig, build_rig
 from sim.world_states import FrameRenderer
@@ -154,6 +154,16 @@ def test_replay_gives_the_map_of_the_live_run_bit_by_bit(form, images, recording
         assert theirs.observation_index == (ours.observation_index + REST if ours.id else 0)
         moved = REST_S if ours.id else 0.0
         assert theirs.stamp == pytest.approx(EPOCH_NS / 1e9 + ours.stamp + moved, abs=1e-6)
+
+
+def test_another_day_moves_all_stamps_and_nothing_else():
+    today, later = prepare(CONFIG), prepare(CONFIG, day=3)
+    assert set((later.imu_ns - today.imu_ns).tolist()) == {3 * 24 * 3600 * 10**9}
+    assert stamp_ns(5.0, 3) - stamp_ns(5.0) == 3 * 24 * 3600 * 10**9
+    np.testing.assert_array_equal(later.imu.specific_force, today.imu.specific_force)
+    assert prepare(CONFIG, day=MAX_DAY).imu_ns[-1] < 2**31 * 10**9
+    with pytest.raises(SimError, match="day is -1; valid: a whole number from 0 to 10000"):
+        prepare(CONFIG, day=-1)
 
 
 def test_jpeg_changes_pixels_and_little_else(recordings, live, replay):
