@@ -63,7 +63,6 @@ def _run(arguments: argparse.Namespace) -> int:
 def _run_and_report(scenario: "Scenario", slam: "SlamUnderTest | None", out: Path) -> int:
     from sim.harness import evaluate, run, try_plans, write_run
     from sim.harness.outputs import MARKERS, REPORT
-    from sim.report.findings import coverage_gap, idle_faults
 
     warn_of_replacement(out, *MARKERS)
     with progress_bar("walking and mapping") as progress:
@@ -72,9 +71,7 @@ def _run_and_report(scenario: "Scenario", slam: "SlamUnderTest | None", out: Pat
     result = evaluate(finished, trials)
     write_run(finished, result, trials, out)
     print_result(finished, result)
-    for text in (coverage_gap(result.data(), finished.unseen_rooms), idle_faults(result.data())):
-        if text is not None:
-            print(f"warning: {text}")
+    print_gaps(finished, result)
     if result.planning.success not in (None, 1.0):
         print("Not every plan reached its room: the report lists and draws those that failed.")
     print(f"report: {out / REPORT}")
@@ -88,6 +85,15 @@ def progress_bar(work: str) -> Iterator["Progress"]:
     with Bar(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task(work, total=1.0)
         yield lambda share: bar.update(task, completed=share)
+
+
+def print_gaps(finished: "Run", result: "RunResult") -> None:
+    """Print what the figures do not show: parts of the walk that the map does not cover, and faults without effect."""
+    from sim.report.findings import coverage_gap, idle_faults
+
+    for text in (coverage_gap(result.data(), finished.unseen_rooms), idle_faults(result.data())):
+        if text is not None:
+            print(f"warning: {text}")
 
 
 def print_result(finished: "Run", result: "RunResult", nulls: bool = True, keys: bool = False) -> None:

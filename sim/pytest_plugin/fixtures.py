@@ -1,5 +1,6 @@
 """The fixtures of decorated tests: the scenario, its house, the SLAM under test, and the evaluated run."""
 
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -53,6 +54,7 @@ def run(request: pytest.FixtureRequest, scenario: "Scenario", slam: "SlamUnderTe
     from sim.harness.figures import evaluate
     from sim.harness.planning import try_plans
     from sim.harness.runner import run as run_scenario
+    from sim.report.findings import idle_faults
 
     execution: Execution = request.node.stash[EXECUTION]
     if execution.given is not None:
@@ -62,13 +64,16 @@ def run(request: pytest.FixtureRequest, scenario: "Scenario", slam: "SlamUnderTe
         pytest.fail("the fixture slam returned None; valid: a SLAM under test (is `return` missing?)", pytrace=False)
     try:
         finished = run_scenario(scenario, slam)
-        return evaluate(finished, try_plans(finished) if family is not None and family.plans else [])
+        result = evaluate(finished, try_plans(finished) if family is not None and family.plans else [])
     except USER_ERRORS as error:
         if execution.last.done is None:  # no SLAM, or a scenario that cannot be run
             with _mistakes_without_traceback():
                 raise
         execution.raised = Raised(error, error.__traceback__)
         raise
+    if text := idle_faults(result.data()):
+        warnings.warn(text, pytest.PytestWarning, stacklevel=1)
+    return result
 
 
 @contextmanager

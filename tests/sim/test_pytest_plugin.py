@@ -638,6 +638,24 @@ def test_a_run_that_a_test_starts_by_itself_is_stored_and_replayed(pytester, inn
     assert len({path.name[-16:] for path in pytester.path.glob("kept/*")}) == 1
 
 
+IDLE = """
+@worlds(max_rooms=2, n=1, frame_rate_hz=2.0, encoder="oracle", length_m=15, faults=("kidnap:5", "stamp-jump:at_s=999"))
+def test_faults(run):
+    pass
+
+@worlds(max_rooms=2, n=1, frame_rate_hz=2.0, encoder="oracle", length_m=15, faults="kidnap:5")
+def test_kidnap(run):
+    pass
+"""
+
+
+def test_a_fault_without_effect_is_a_warning(pytester, inner):
+    pytester.makepyfile(test_slam=SLAM + IDLE)
+    result = inner()
+    result.assert_outcomes(passed=2, warnings=1)
+    result.stdout.fnmatch_lines(["*The fault stamp-jump changed no frame; a fault that begins after the end of the walk *"])
+
+
 COUNTED = """
 import os
 from pathlib import Path

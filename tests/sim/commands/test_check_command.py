@@ -6,12 +6,14 @@ import re
 import runpy
 import shlex
 import sys
+from dataclasses import replace
 
 import pytest
 from helpers.command_line import status_of
 
 from sim.commands.slams import slam_factory
 from sim.errors import SimError
+from sim.faults import parse_fault
 from sim.harness import Scenario
 from sim.harness.last_run import last_run
 from sim.render.rig import RigConfig
@@ -38,6 +40,7 @@ def folder(tmp_path, monkeypatch):
         "class Half:\n    def start(self, camera, room_names): pass\n"
         "class Lost(Mine):\n    def finish(self): return 1 / 0\n"
         "class Unreadable(Mine):\n    def finish(self): raise OSError('no file \\udcff')\n"
+        "class Third(Mine):\n    def process(self, seen):\n        if seen.index < 10: super().process(seen)\n"
         "class Leaving(Mine):\n    def finish(self): raise SystemExit(0)\n"
         "class Unsaved(Mine):\n    def save(self, folder): 1 / 0\n"
         "class Roaming(Mine):\n    def process(self, seen):\n        import os\n        os.chdir('/')\n"
@@ -101,6 +104,14 @@ def test_a_copy_in_another_process_imports_the_module_of_the_slam(folder):
     del sys.modules["own_slam_here"]
     pickle.loads(pickled)
     assert "own_slam_here" in sys.modules
+
+
+def test_a_fault_without_effect_and_a_part_of_the_walk_are_warned_of(folder, capsys):
+    assert status_of(["check", "--scenario", "scenario.json", "--slam", "own_slam_here:Third"]) == 0
+    assert "warning: The map covers " in capsys.readouterr().out
+    replace(SCENARIO, faults=(parse_fault("kidnap:999"),)).save(folder / "idle.json")
+    assert status_of(["check", "--scenario", "idle.json", *ODOMETRY]) == 0
+    assert "warning: The fault kidnap changed no frame; " in capsys.readouterr().out
 
 
 def test_a_slam_that_raises_fails_the_check_and_leaves_a_folder(folder, capsys):
