@@ -355,6 +355,13 @@ def test_furniture_across_a_room_is_named_where_no_opening_is_near():
     ]
 
 
+def test_furniture_is_not_to_blame_where_an_opening_is_missing():
+    """The furniture makes the room that is larger without it the smaller one."""
+    shelves = [piece(f"shelf {k}", 0.6 + 0.9 * k, 1.5, "bookshelf", size=[0.3, 2.2, 2.0]) for k in range(4)]
+    (problem,) = (text for text in told(furnished(*shelves, openings=[])) if "not reachable" in text)
+    assert problem.endswith("add an opening, stairs or free space") and "furniture" not in problem
+
+
 def test_rooms_without_a_way_in_and_rooms_behind_furniture_are_told_apart():
     far = {"id": "c", "label": "gym", "polygon_m": [[4, 3], [8, 3], [8, 6], [4, 6]]}
     rooms = [*json.loads(two_rooms().to_json())["storeys"][0]["rooms"], far]

@@ -34,6 +34,8 @@ def reachability_problems(house: House, grid: PlanGrid, radius_m: float) -> Iter
     if not (missing := cut_off(house.furniture)):
         return
     unfurnished = cut_off(())
+    if unfurnished - missing:  # without furniture, another part of the house is the largest: furniture is not to blame
+        missing = unfurnished
     solid = [piece for piece in house.furniture if piece.solid]
     if freed := missing - unfurnished:
         barriers = _barriers(house, solid, lambda pieces: cut_off(pieces) <= unfurnished)
