@@ -8,14 +8,14 @@ class SimError(ValueError):
 class ProgramError(SimError):
     """A program under test has failed: it ended with an error, or it took too long."""
 
-    def __init__(self, message: str, how: str, stderr: str = "") -> None:
+    def __init__(self, message: str, how: str, stdout: bytes = b"", stderr: bytes = b"") -> None:
         """Create the error.
 
-        `how` says in a few words what the program did, such as "ends with exit status 3". `stderr` is the program's output
-        on stderr.
+        `how` says in a few words what the program did, such as "ends with exit status 3". `stdout` and `stderr` are what
+        the program printed.
         """
         super().__init__(message)
-        self.how, self.stderr = how, stderr
+        self.how, self.stdout, self.stderr = how, stdout, stderr
 
 
 USER_ERRORS = (Exception, SystemExit)

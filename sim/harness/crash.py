@@ -73,7 +73,8 @@ class Crash:
     def traceback(self) -> str:
         """The traceback as Python prints it, or what a program printed on stderr; empty if a program printed nothing."""
         if isinstance(self.error, ProgramError):
-            return f"{self.error.stderr.rstrip()}\n" if self.error.stderr else ""
+            told = self.error.stderr.decode(errors="replace").rstrip()
+            return f"{told}\n" if told else ""
         return encodable("".join(traceback.format_exception(self.error)))
 
 

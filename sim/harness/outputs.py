@@ -9,14 +9,14 @@ from types import MappingProxyType
 
 from lexis.files.replace import replaced_folder
 from lexis.files.tum_trajectory import write_tum
-from sim.errors import ClaimError
+from sim.errors import ClaimError, ProgramError
 from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.last_run import last_run
 from sim.harness.planning import Trial
 from sim.harness.report_data import report_data
 from sim.harness.results import RESULT, RunResult
 from sim.harness.runner import Run
-from sim.harness.slam_under_test import SavesFiles
+from sim.harness.slam_under_test import SavesFiles, write_printed
 from sim.harness.world_tests import SCENARIO, TEST_REPLAY
 from sim.report import ShownFailure, write_report
 
@@ -45,7 +45,7 @@ def write_run(
 
 
 def write_crash(crash: Crash, out: Path, more: Mapping[str, bytes] = _NO_FILES) -> None:
-    """Write failure-traceback.txt and scenario.json to `out`.
+    """Write failure-traceback.txt and scenario.json to `out`, and for a program also what it printed.
 
     `more` contains further files: their contents, by file name. A folder of an earlier run is replaced. Raises `LexisError`
     where `out` holds anything else or cannot be written.
@@ -67,6 +67,8 @@ def fill_crash_folder(crash: Crash, folder: Path) -> None:
     """Write the files of `write_crash` into an existing folder."""
     (folder / TRACEBACK).write_text(crash.traceback, encoding="utf-8")
     crash.scenario.save(folder / SCENARIO)
+    if isinstance(crash.error, ProgramError):
+        write_printed(crash.error.stdout, crash.error.stderr, folder)
 
 
 def fill_run_folder(

@@ -128,8 +128,13 @@ class CommandSlam:
 
     def save(self, folder: Path) -> None:
         """Write what the program printed to `program.out` and `program.err`."""
-        (folder / "program.out").write_bytes(self.stdout)
-        (folder / "program.err").write_bytes(self.stderr)
+        write_printed(self.stdout, self.stderr, folder)
+
+
+def write_printed(stdout: bytes, stderr: bytes, folder: Path) -> None:
+    """Write what a program printed to `program.out` and `program.err`."""
+    (folder / "program.out").write_bytes(stdout)
+    (folder / "program.err").write_bytes(stderr)
 
 
 @dataclass(frozen=True, eq=False)

@@ -183,15 +183,14 @@ def _execute(words: Sequence[str], work: Path, timeout_s: float, memory_mb: floa
     with paths[0].open("wb") as stdout, paths[1].open("wb") as stderr:
         status = _exit_status(words, timeout_s, memory_mb, stdout, stderr)
     printed, errors = map(_end_of, paths)
-    told = errors.decode(errors="replace")
     if status is None:
         message = f"command: {words[0]} took longer than {timeout_s:g} s; valid: a program that ends in time"
-        raise ProgramError(message, f"takes longer than {timeout_s:g} s", told)
+        raise ProgramError(message, f"takes longer than {timeout_s:g} s", printed, errors)
     if status:
         how = f"exit status {status}" if status > 0 else f"signal {-status} ({signal.strsignal(-status)})"
-        last = told.strip().rpartition("\n")[2] or "nothing on stderr"
+        last = errors.decode(errors="replace").strip().rpartition("\n")[2] or "nothing on stderr"
         message = f"command: {words[0]} ended with {how}: {one_line(last, 160)}"
-        raise ProgramError(message, f"ends with {how}", told)
+        raise ProgramError(message, f"ends with {how}", printed, errors)
     return printed, errors
 
 

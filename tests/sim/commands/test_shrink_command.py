@@ -133,12 +133,14 @@ def test_a_slam_that_raises_is_shrunk_and_replayed(project, capsys):
 
 
 def test_a_program_that_fails_is_shrunk_and_replayed(project, unlit, capsys):
-    (project / "program.py").write_text("import sys; sys.exit(open('floor.txt').read() + ' floors')")
+    (project / "program.py").write_text("import sys; print('begun'); sys.exit(open('floor.txt').read() + ' floors')")
     command = f"'{sys.executable}' program.py {{dataset}} {{out}}"
     assert shrink("images.json", "--command", command, "--fails", "crash", *DROP_ROOMS) == 0
     why = (project / "failure" / "why.md").read_text()
     assert "# The SLAM ends with exit status 1" in why and "first-wrong" not in why
     assert (project / "failure" / "failure-traceback.txt").read_text() == "3 floors\n"
+    printed = [(project / "failure" / f"program.{name}").read_text() for name in ("out", "err")]
+    assert printed == ["begun\n", "3 floors\n"]
     with pytest.raises(ProgramError, match="ended with exit status 1: 3 floors"):
         replay(project / "failure")
 
