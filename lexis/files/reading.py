@@ -112,7 +112,7 @@ def read_json(path: Path, kind: FileKind) -> Any:
     try:
         return json.loads(text, object_pairs_hook=_fields)
     except _RepeatedError as error:
-        raise kind.refusal(path, f"has the field {error.args[0]!r:.80} twice in one object; valid: once") from None
+        raise kind.refusal(path, str(error)) from None
     except RecursionError:
         raise kind.refusal(path, "is nested too deeply") from None
     except json.JSONDecodeError as error:
@@ -129,15 +129,20 @@ def _fields(pairs: list[tuple[str, object]]) -> dict[str, object]:
     fields: dict[str, object] = {}
     for name, value in pairs:
         if name in fields:
-            raise _RepeatedError(name)
+            raise _RepeatedError(f"has the field {name!r:.80} twice in one object; valid: once")
         fields[name] = value
     return fields
 
 
 def read_model(path: Path, kind: FileKind, model: type[_Model]) -> _Model:
     """The data of a JSON file, validated by `model`. Raises the error of `kind`, which names the first wrong field."""
+    content = read_bytes(path, kind)
     try:
-        return model.model_validate_json(read_bytes(path, kind))
+        checked = model.model_validate_json(content)
+        json.loads(content, object_pairs_hook=_fields)  # the model takes the last of two fields of one name
+        return checked
+    except _RepeatedError as error:
+        raise kind.refusal(path, str(error)) from None
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         place = f"{one_line('.'.join(map(str, first['loc'])), 100)}: " if first["loc"] else ""

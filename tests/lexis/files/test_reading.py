@@ -71,6 +71,7 @@ def test_nothing_but_regular_files_of_bounded_size_is_read(read, make, says, tmp
         (READERS[-1], b"[" * 200_000, "recursion limit"),
         (READERS[-1], b'{"size": "' + b"x" * 1_000_000 + b'"}', "size: Input should be a valid number"),
         (READERS[-1], b'{"size": ' + b"9" * 5000 + b"}", "no thing: Invalid JSON: number out of range"),
+        (READERS[-1], b'{"size": 1, "size": 2}', "has the field 'size' twice in one object; valid: once"),
         (read_yaml, b"[" * 5000, "is not YAML"),
         (read_yaml, b"- 1", "holds no keys"),
         (read_yaml, b"# nothing", "holds no keys"),
