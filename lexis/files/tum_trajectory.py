@@ -47,7 +47,8 @@ def _numbers(path: Path, number: int, line: str) -> list[float]:
         values = [float(word) for word in line.split()]
     except ValueError:
         values = []
-    unit = len(values) == 8 and abs(math.hypot(*values[4:]) - 1.0) < 1e-3
-    if not (unit and all(map(math.isfinite, values))):
-        raise LexisError(f"{path}:{number}: {line[:80]!r}; valid: 'stamp tx ty tz qx qy qz qw' with a unit quaternion")
+    if len(values) != 8 or not all(map(math.isfinite, values)):
+        raise LexisError(f"{path}:{number}: {line[:80]!r}; valid: eight finite numbers 'stamp tx ty tz qx qy qz qw'")
+    if abs((norm := math.hypot(*values[4:])) - 1.0) >= 1e-3:
+        raise LexisError(f"{path}:{number}: the quaternion qx qy qz qw has the norm {norm:.4g}; valid: 1")
     return values

@@ -155,7 +155,7 @@ class PathPlanner:
         rooms = find_rooms(self._map.rooms, name)
         if not rooms:
             valid = ", ".join(instance_names(self._map.rooms))
-            raise PlanError(f"no room {name!r} in the map; valid: {valid}, or a label alone")
+            raise PlanError(f"no room {name!r} in the map; valid: {valid}, or one of these without its number")
         return rooms
 
 

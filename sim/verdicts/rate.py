@@ -79,7 +79,7 @@ class RateVerdict:
 
     def __str__(self) -> str:
         low, high = self.interval
-        rate = f"rate at least {low:.2f}, at most {high:.2f} with {self.confidence:.0%} confidence"
+        rate = f"rate at least {low:.3f}, at most {high:.3f} with {self.confidence:.0%} confidence"
         counts = f"holds in {round(self.held, 2):g} of {counted(self.houses, 'house')}"
         return f"{counts} (wanted: in {100 * self.p:g}%; {rate}): {self.outcome}"
 

@@ -336,7 +336,7 @@ def test_a_message_is_one_line_of_bounded_length(start, tmp_path, rng, capsys):
     save_map(corridor_with_offices(rng), tmp_path / "map")
     assert cli.main(["plan", str(tmp_path / "map"), "--from", start, "--to", "office"]) == 2
     said = capsys.readouterr().err
-    assert said.count("\n") == 1 and len(said) <= 401 and said.endswith("office 2, or a label alone\n")
+    assert said.count("\n") == 1 and len(said) <= 401 and said.endswith("office 2, or one of these without its number\n")
     with pytest.raises(SystemExit):
         cli.main(["export", str(tmp_path / "map"), "--format", start, "-o", "out"])
     said = capsys.readouterr().err
