@@ -6,6 +6,7 @@ Until then, the kinds that a declaration names may still be declared, and so may
 import math
 from collections.abc import Iterator
 from functools import cache
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -56,11 +57,16 @@ def _mistakes(parts: Any, size: Size) -> Iterator[str]:
     for part in parts:
         if part.material not in MATERIALS:
             yield f"a {part.shape} has the material {part.material!r}; valid: {', '.join(MATERIALS)}"
-        if len(part.colour) != 3 or not all(0.0 <= value <= 1.0 for value in part.colour):
-            yield f"a {part.shape} has the colour {part.colour}; valid: three numbers from 0 to 1"
+        if not _is_colour(part.colour):
+            yield f"a {part.shape} has the colour {part.colour!r:.60}; valid: three numbers from 0 to 1"
         for axis, (start, end), (low, high) in zip("xyz", _spans(part), (size.x, size.y, size.z), strict=True):
             if not low - _MARGIN_M <= start < end <= high + _MARGIN_M:
                 yield f"a {part.shape} reaches from {start:.4g} to {end:.4g} m along {axis}; valid: {low:g} ... {high:g} m"
+
+
+def _is_colour(colour: Any) -> bool:
+    numbers = isinstance(colour, tuple | list) and len(colour) == 3 and all(isinstance(each, Real) for each in colour)
+    return numbers and all(0.0 <= each <= 1.0 for each in colour)
 
 
 def _spans(part: Part) -> Iterator[Range]:

@@ -40,6 +40,13 @@ def test_unknown_hosts_are_refused_until_they_are_declared(kinds, place):
     assert build_house(HOUSE).furniture
 
 
+def coloured(colour):
+    """A box with a colour that a user's function may have chosen, but which the type checks of tests would refuse."""
+    part = box((0.0, 0.1), (0.0, 0.1), (0.0, 0.1), OAK)
+    object.__setattr__(part, "colour", colour)
+    return part
+
+
 @pytest.mark.parametrize(
     ("parts", "mistake"),
     [
@@ -48,6 +55,8 @@ def test_unknown_hosts_are_refused_until_they_are_declared(kinds, place):
         (box((0.0, 0.1), (0.0, 0.1), (0.0, 0.1), OAK), "its function returns Part("),
         ((box((0.0, 0.1), (0.0, 0.1), (0.0, 0.1), OAK, "velvet"),), "a box has the material 'velvet'; valid: bare, plain, "),
         ((box((0.0, 0.1), (0.0, 0.1), (0.0, 0.1), (200.0, 90.0, 0.0)),), "a box has the colour (200.0, 90.0, 0.0); valid: "),
+        ((coloured("red"),), "a box has the colour 'red'; valid: three numbers from 0 to 1"),
+        ((coloured(7),), "a box has the colour 7; valid: three numbers from 0 to 1"),
         ((box((-5.0, 5.0), (0.0, 0.1), (0.0, 0.1), OAK),), "a box reaches from -5 to 5 m along x; valid: -0.3 ... 0.3 m"),
         ((box((0.0, 0.1), (0.0, 0.3), (0.0, 0.1), OAK),), "a box reaches from 0 to 0.3 m along y; valid: -0.2 ... 0.2 m"),
         ((box((0.0, 0.1), (0.0, 0.1), (-0.1, 0.1), OAK),), "a box reaches from -0.1 to 0.1 m along z; valid: 0 ... 0.5 m"),
