@@ -58,6 +58,8 @@ def shrunk(
             if tried.run is not None and not original.is_like(tried.run):
                 return signature.with_other_errors
             last = tried
+        if tried.failure is not None and isinstance(tried.failure.error, SimError) and signature != _signature(tried):
+            raise tried.failure.error  # the test cannot run in this scenario
         if tried.failure is None and any(report.failed for report in reports):
             raise SimError("the test cannot be set up in this scenario; valid: a scenario that can run")
         return _signature(tried)
