@@ -39,6 +39,8 @@ from lexis.types import LexisMap
 if TYPE_CHECKING:
     from lexis.encoder.open_clip_encoder import OpenClipEncoder
 
+_FAST_M_S = 15.0
+"""Mean speed above which a recording is probably in other units [m/s]."""
 FROM_HELP = 'an instance ("office 2"), or a label ("office"): the instance with the shortest path to the goal is chosen'
 TO_HELP = (
     "an instance, a label (the instance with the shortest path is chosen), or a description in several words. In --from and "
@@ -350,6 +352,10 @@ def _report(lexis_map: LexisMap, folder: Path) -> None:
     """Print a summary of a written map: counts of keyframes and loop edges, rooms, and the map's folder."""
     keyframes, loops = _count(len(lexis_map.keyframes), "keyframe"), _count(len(lexis_map.loops), "loop edge")
     print(f"{keyframes}, {loops}, rooms: {', '.join(instance_names(lexis_map.rooms))}")
+    info = map_info(lexis_map)
+    if info["path_m"] > _FAST_M_S * info["duration_s"] > 0.0:
+        speed = f"{info['path_m'] / info['duration_s']:.0f} m/s on average"
+        print(f"warning: the camera moves at {speed}; positions have to be in metres, and stamps in seconds")
     if missing := unused_names(lexis_map.room_names, lexis_map.rooms):
         print(f"no room: {', '.join(missing)}")
     if apart := sessions_apart(lexis_map):

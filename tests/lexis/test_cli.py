@@ -15,6 +15,7 @@ from lexis.config import Config, read_config
 from lexis.datasets.dataset import DatasetConfig, open_dataset, write_dataset
 from lexis.encoder.options import EncoderOptions
 from lexis.errors import EncoderError
+from lexis.files.tum_trajectory import read_tum, write_tum
 from lexis.map.folder import load_map, save_map
 from lexis.query.calibration import Calibration, save_calibration
 from lexis.slam import Slam
@@ -382,6 +383,16 @@ def textured(rng, tmp_path):
         tmp_path / "textured", camera, [Observation(i, 0.1 * i, images[i], poses[i], 1e-6 * np.eye(6)) for i in range(41)]
     )
     return tmp_path / "textured"
+
+
+def test_a_recording_in_millimetres_is_warned_of(dataset, tmp_path, capsys):
+    words = ["--rooms", "kitchen, office", "-o", str(tmp_path / "map")]
+    assert cli.main(["run", str(dataset), *words]) == 0 and "warning" not in capsys.readouterr().out
+    stamps, poses = read_tum(dataset / "odometry.tum")
+    poses[:, :3, 3] *= 1000.0
+    write_tum(dataset / "odometry.tum", stamps, poses)
+    assert cli.main(["run", str(dataset), *words]) == 0
+    assert "warning: the camera moves at 1000 m/s on average; positions have to be in metres" in capsys.readouterr().out
 
 
 def test_a_run_that_is_cut_off_leaves_the_last_complete_map(dataset, tmp_path, monkeypatch):
