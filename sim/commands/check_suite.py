@@ -13,12 +13,21 @@ from lexis.files.replace import replaced_file
 from sim.commands.arguments import given_options_of_a_run, whole_number
 from sim.commands.earlier_results import EarlierResults
 from sim.commands.run import progress_bar
-from sim.commands.slams import is_lexis, program_of, refuse_program_options, replay_of, runner_of, slam_factory
+from sim.commands.slams import (
+    is_lexis,
+    program_of,
+    refuse_program_options,
+    replay_of,
+    runner_of,
+    runner_of_class,
+    slam_factory,
+)
 from sim.durations import duration_s
 from sim.errors import SimError
 from sim.output_files import check_ending, check_output_file, make_output_folder
 
 if TYPE_CHECKING:
+    from sim.harness.crash import Runner
     from sim.suites.checks import NewSlam
     from sim.suites.report import CheckVerdict, SuiteReport
     from sim.suites.suite import Suite
@@ -42,8 +51,12 @@ BUDGET_HELP = (
     "with --suite: wall time after which no further scenario is begun, such as 12m (default: no limit); one of the last "
     "lines says how many checks could not fail with so few scenarios"
 )
+REFERENCE_HELP = (
+    "with --suite and --out: a SLAM without the failures, such as sim.harness.adapters:Lexis; where it passes, a smaller "
+    "scenario counts only if it passes there, too"
+)
 WORKERS_HELP = "with --suite: number of processes (default: all processor cores)"
-_OPTIONS = ("images", "no_laws", "exitfirst", "json", "against", "limit", "picture", "budget", "workers")
+_OPTIONS = ("reference", "images", "no_laws", "exitfirst", "json", "against", "limit", "picture", "budget", "workers")
 _MOST_WORKERS = 256
 
 
@@ -58,6 +71,7 @@ def add_suite(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--limit", action="append", type=_limit, metavar="FIGURE=VALUE", help=LIMIT_HELP)
     parser.add_argument("--picture", type=Path, metavar="FILE", help=PICTURE_HELP)
     parser.add_argument("--budget", type=duration_s, metavar="TIME", help=BUDGET_HELP)
+    parser.add_argument("--reference", metavar="MODULE:CLASS", help=REFERENCE_HELP)
     parser.add_argument("--workers", type=whole_number(1, _MOST_WORKERS), metavar="N", help=WORKERS_HELP)
 
 
@@ -78,7 +92,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
 
     _refuse_scenario_options(arguments)
     new_slam, workers = _new_slam(arguments), arguments.workers or os.cpu_count() or 1
-    suite = _suite(arguments)
+    suite, reference = _suite(arguments), _reference(arguments)
     _check_output_files(arguments)
     before = None if arguments.against is None else EarlierResults.read(arguments.against)
     if before is not None:
@@ -102,7 +116,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
         print(f"failed: {', '.join(worse)} worse than in {arguments.against}", file=sys.stderr)
     if arguments.picture is not None:
         _draw(report, workers, arguments.picture)
-    _search_smallest(report, new_slam, arguments)
+    _search_smallest(report, new_slam, reference, arguments)
     return 0 if report.ok and not worse and (before is None or comparison is not None) else 1
 
 
@@ -178,7 +192,18 @@ def _draw(report: "SuiteReport", workers: int, path: Path) -> None:
         beside.write_text(openness_chart(report, workers), encoding="utf-8")
 
 
-def _search_smallest(report: "SuiteReport", new_slam: "NewSlam", arguments: argparse.Namespace) -> None:
+def _reference(arguments: argparse.Namespace) -> "Runner | None":
+    """Return a function that runs the SLAM of `--reference`; None without the option."""
+    if arguments.reference is None:
+        return None
+    if arguments.out is None:
+        raise SimError("--reference is for the search of smallest scenarios; valid: with --out")
+    return runner_of_class(arguments.reference, "--reference")
+
+
+def _search_smallest(
+    report: "SuiteReport", new_slam: "NewSlam", reference: "Runner | None", arguments: argparse.Namespace
+) -> None:
     """Write the smallest scenario of each failed check into the folder that `--out` names, and print what was found.
 
     With `-x`, only the first failed check is searched, because each search takes up to three minutes.
@@ -191,7 +216,7 @@ def _search_smallest(report: "SuiteReport", new_slam: "NewSlam", arguments: argp
         return
     how = runner_of(arguments), replay_of(arguments), is_lexis(arguments)
     for verdict, others in _by_cause(report.failed)[: 1 if arguments.exitfirst else None]:
-        found, interrupted = write_smallest(verdict, new_slam, *how, arguments.out)
+        found, interrupted = write_smallest(verdict, new_slam, *how, arguments.out, reference)
         print(found)
         for other in others:
             print(f"{other.name}: not searched, because it is about the same figure or law")

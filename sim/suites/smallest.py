@@ -2,6 +2,7 @@
 
 import re
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 from lexis.errors import LexisError, one_line
@@ -73,7 +74,13 @@ def smallest_failure(
 
 
 def write_smallest(
-    verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: Replay, is_lexis: bool, out: Path
+    verdict: CheckVerdict,
+    new_slam: NewSlam,
+    runner: Runner,
+    replay: Replay,
+    is_lexis: bool,
+    out: Path,
+    reference: Runner | None = None,
 ) -> tuple[str, bool]:
     """Write the smallest scenario in which a check fails into a folder of its own in `out`.
 
@@ -82,12 +89,14 @@ def write_smallest(
 
     For a claim or a crash, the folder is like one of `lexis-sim shrink`, with a page that says why the SLAM fails. For any
     other check, it holds the scenario, a short page, and a test that replays the failure. `runner` runs the same SLAM as
-    `new_slam`, and `replay` is Python code that runs this SLAM. If the failure did not come back, the text says so.
+    `new_slam`, and `replay` is Python code that runs this SLAM. If the check is a claim that the `reference` fulfils in the
+    original scenario, a smaller scenario counts only if it does so there, too. If the failure did not come back, the text
+    says so.
     An exception, for example because the folder cannot be written, is part of the text: the search goes on with the next
     check.
     """
     try:
-        return _written(verdict, new_slam, runner, replay, is_lexis, out)
+        return _written(verdict, new_slam, runner, replay, is_lexis, out, reference)
     except (SimError, LexisError) as error:
         return f"{verdict.name}: no smallest scenario: {error}", False
     except USER_ERRORS as error:  # such as an exception in the SLAM's method `save`
@@ -95,14 +104,20 @@ def write_smallest(
 
 
 def _written(
-    verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: Replay, is_lexis: bool, out: Path
+    verdict: CheckVerdict,
+    new_slam: NewSlam,
+    runner: Runner,
+    replay: Replay,
+    is_lexis: bool,
+    out: Path,
+    reference: Runner | None,
 ) -> tuple[str, bool]:
     folder = out / slug_of(verdict.name)
     check = verdict.checked
     if check is None and verdict.failures[0].findings[COMPLETES].measured == DIED:
         raise SimError(f"{DIED}, and the search runs in this process; valid: lexis-sim shrink with a program (--command)")
     scenario = verdict.failures[0].scenario
-    if (test := _failure_test(check, scenario, runner)) is not None:
+    if (test := _failure_test(check, scenario, runner, reference)) is not None:
         reduction = reduce(scenario, test, DEADLINE_S)
         blamed = blame(reduction, test, is_lexis)
         write_failure(folder, reduction, test, blamed, replay)
@@ -125,13 +140,16 @@ def _written(
     return f"{verdict.name}: {old} -> {new}\n  {found}", interrupted
 
 
-def _failure_test(check: Check | None, scenario: Scenario, runner: Runner) -> FailureTest | None:
-    """Return the test with which `lexis-sim shrink` would search.
+def _failure_test(check: Check | None, scenario: Scenario, runner: Runner, reference: Runner | None) -> FailureTest | None:
+    """Return the test with which `lexis-sim shrink` would search; with the reference, if it passes in the scenario.
 
     The result is None for a law, for invalid claims, and if the SLAM cannot be made.
     """
     if isinstance(check, ClaimCheck):
-        return FailureTest(check.claim.opposite, runner)
+        alone = FailureTest(check.claim.opposite, runner)
+        compared = replace(alone, reference=reference, original=None)
+        passes = reference is not None and compared(with_listed_house(scenario)) == Signature(str(alone))
+        return compared if passes else alone
     crash = FailureTest(None, runner)
     with suppress(*USER_ERRORS):
         return crash if check is None and crash(with_listed_house(scenario)) is not None else None

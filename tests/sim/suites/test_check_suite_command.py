@@ -58,6 +58,9 @@ def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):
         (["--suite", "homes", "--command", "x {dataset}"], "has no {out}; valid: such as"),
         (["--suite", "homes", "--timeout", "9"], "--timeout is for programs; valid: with --command"),
         (["--budget", "9s"], "--budget is for suites; valid: with --suite"),
+        (["--reference", "sim.harness.adapters:Lexis"], "--reference is for suites; valid: with --suite"),
+        (["--suite", "homes", "--reference", "sim.harness.adapters:Lexis"], "--reference is for the search of smallest"),
+        (["--suite", "homes", "--out", "out", "--reference", "nowhere"], "--reference 'nowhere': is no MODULE:CLASS"),
         (["--suite", "homes", "--limit", "rooms.qp=1"], "has no claim about 'rooms.qp'"),
         (["-x"], "--exitfirst is for suites; valid: with --suite"),
         (

@@ -19,17 +19,19 @@ from helpers.flat_suite import (
 )
 from helpers.open_flat import OPEN_FLAT
 
+from sim.bench.planted_bugs import no_bug, planted
 from sim.cli import main
 from sim.commands.check_suite import _by_cause
 from sim.errors import SimError
-from sim.harness import Scenario, run
+from sim.harness import Scenario, reduce, run
 from sim.harness.adapters import OdometryOnly
 from sim.harness.crash import TRACEBACK
 from sim.harness.failures.failure_folder import Replay
+from sim.harness.reductions import STEPS, size
 from sim.suites.checks import CheckFinding
 from sim.suites.examination import COMPLETES, finding
 from sim.suites.report import check_slam
-from sim.suites.smallest import finding_of, smallest_failure, write_smallest
+from sim.suites.smallest import _failure_test, finding_of, smallest_failure, write_smallest
 from sim.suites.suite import Suite, SuitePart, claims
 
 
@@ -101,6 +103,26 @@ def test_the_smallest_failure_of_a_claim_relative_to_the_odometry_is_one_that_a_
     (folder,) = tmp_path.iterdir()
     assert json.loads((folder / "result.json").read_text())["trajectory"]["ate_odometry_m"] > 0.01
     runpy.run_path(str(folder / "test_replay.py"))["test_replay"]()
+
+
+def wrong_alone(run):
+    """A SLAM that labels nothing in houses of one room."""
+    labels = np.full_like(run.true_labels, -1) if len(run.house.rooms) < 2 else run.true_labels
+    return replace(no_bug(run), labels=labels)
+
+
+def always_wrong(run):
+    return replace(no_bug(run), labels=np.full_like(run.true_labels, -1))
+
+
+@pytest.mark.parametrize("reference", [None, wrong_alone, always_wrong])
+def test_a_reference_that_passes_has_to_pass_in_the_smallest_scenario(reference, tmp_path):
+    slam, other = planted(always_wrong), None if reference is None else planted(reference)
+    (check,) = claims(0.95, "labels.accuracy >= 0.9")
+    test = _failure_test(check, OPEN_FLAT, slam, other)
+    assert test.reference is (other if reference is wrong_alone else None)
+    steps = {"drop rooms": STEPS["drop rooms"]}
+    assert size(reduce(OPEN_FLAT, test, 1e9, steps=steps).scenario).rooms == (2 if reference is wrong_alone else 1)
 
 
 def test_the_folder_of_a_crash_has_its_traceback(tmp_path):
