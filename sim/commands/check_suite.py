@@ -208,15 +208,15 @@ def _search_smallest(
 
     With `-x`, only the first failed check is searched, because each search takes up to three minutes.
     """
-    from sim.suites.smallest import write_smallest
+    from sim.suites.smallest import SlamUnderSearch, write_smallest
 
     if report.failed and arguments.out is None:
         print("--out DIR writes the smallest scenario in which each failed check still fails", file=sys.stderr)
     if not report.failed or arguments.out is None:
         return
-    how = runner_of(arguments), replay_of(arguments), is_lexis(arguments)
+    slam = SlamUnderSearch(new_slam, runner_of(arguments), replay_of(arguments), is_lexis(arguments), reference)
     for verdict, others in _by_cause(report.failed)[: 1 if arguments.exitfirst else None]:
-        found, interrupted = write_smallest(verdict, new_slam, *how, arguments.out, reference)
+        found, interrupted = write_smallest(verdict, slam, arguments.out)
         print(found)
         for other in others:
             print(f"{other.name}: not searched, because it is about the same figure or law")

@@ -2,7 +2,7 @@
 
 import re
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from lexis.errors import LexisError, one_line
@@ -73,67 +73,65 @@ def smallest_failure(
     return reduce(scenario, fails, deadline_s)
 
 
-def write_smallest(
-    verdict: CheckVerdict,
-    new_slam: NewSlam,
-    runner: Runner,
-    replay: Replay,
-    is_lexis: bool,
-    out: Path,
-    reference: Runner | None = None,
-) -> tuple[str, bool]:
+@dataclass(frozen=True)
+class SlamUnderSearch:
+    """The SLAM whose failures are searched, in the forms that the parts of a search need."""
+
+    new_slam: NewSlam
+    """Makes the SLAM, or is a program."""
+    runner: Runner
+    """Runs the same SLAM on a scenario."""
+    replay: Replay
+    """Python code that runs the same SLAM."""
+    is_lexis: bool
+    reference: Runner | None = None
+    """Runs a SLAM without the failures. Where it fulfils a claim in the original scenario, a smaller scenario counts only if
+    it does so there, too."""
+
+
+def write_smallest(verdict: CheckVerdict, slam: SlamUnderSearch, out: Path) -> tuple[str, bool]:
     """Write the smallest scenario in which a check fails into a folder of its own in `out`.
 
     Return what was found, as text, and whether the user has interrupted the search. The smallest failure so far is written
     then, too.
 
     For a claim or a crash, the folder is like one of `lexis-sim shrink`, with a page that says why the SLAM fails. For any
-    other check, it holds the scenario, a short page, and a test that replays the failure. `runner` runs the same SLAM as
-    `new_slam`, and `replay` is Python code that runs this SLAM. If the check is a claim that the `reference` fulfils in the
-    original scenario, a smaller scenario counts only if it does so there, too. If the failure did not come back, the text
-    says so.
+    other check, it holds the scenario, a short page, and a test that replays the failure. If the failure did not come back,
+    the text says so.
     An exception, for example because the folder cannot be written, is part of the text: the search goes on with the next
     check.
     """
     try:
-        return _written(verdict, new_slam, runner, replay, is_lexis, out, reference)
+        return _written(verdict, slam, out)
     except (SimError, LexisError) as error:
         return f"{verdict.name}: no smallest scenario: {error}", False
     except USER_ERRORS as error:  # such as an exception in the SLAM's method `save`
         return f"{verdict.name}: no smallest scenario: {one_line(f'{type(error).__name__}: {error}', 160)}", False
 
 
-def _written(
-    verdict: CheckVerdict,
-    new_slam: NewSlam,
-    runner: Runner,
-    replay: Replay,
-    is_lexis: bool,
-    out: Path,
-    reference: Runner | None,
-) -> tuple[str, bool]:
+def _written(verdict: CheckVerdict, slam: SlamUnderSearch, out: Path) -> tuple[str, bool]:
     folder = out / slug_of(verdict.name)
     check = verdict.checked
     if check is None and verdict.failures[0].findings[COMPLETES].measured == DIED:
         raise SimError(f"{DIED}, and the search runs in this process; valid: lexis-sim shrink with a program (--command)")
     scenario = verdict.failures[0].scenario
-    if (test := _failure_test(check, scenario, runner, reference)) is not None:
+    if (test := _failure_test(check, scenario, slam.runner, slam.reference)) is not None:
         reduction = reduce(scenario, test, DEADLINE_S)
-        blamed = blame(reduction, test, is_lexis)
-        write_failure(folder, reduction, test, blamed, replay)
+        blamed = blame(reduction, test, slam.is_lexis)
+        write_failure(folder, reduction, test, blamed, slam.replay)
         found, interrupted = f"{blamed}\n  why: {folder / WHY}", blamed.interrupted
     else:
-        reduction = smallest_failure(check, scenario, new_slam)
-        imports = "" if replay == LEXIS_REPLAY else replay.imports
+        reduction = smallest_failure(check, scenario, slam.new_slam)
+        imports = "" if slam.replay == LEXIS_REPLAY else slam.replay.imports
         names = {"name": verdict.name, "part": verdict.failures[0].part, "check": verdict.check}
-        smallest = finding(check, reduction.scenario, new_slam)
+        smallest = finding(check, reduction.scenario, slam.new_slam)
         if _signature(check, smallest) != reduction.signature:
             raise not_reproduced(reduction)
         with replaced_folder(folder, *MARKERS) as beside:
             reduction.scenario.save(beside / SCENARIO)
             (beside / WHY).write_text(_why(verdict, smallest.measured, reduction), encoding="utf-8")
             (beside / TEST_REPLAY).write_text(
-                _REPLAY.format(**names, imports=imports, new_slam=replay.new_slam), encoding="utf-8"
+                _REPLAY.format(**names, imports=imports, new_slam=slam.replay.new_slam), encoding="utf-8"
             )
         found, interrupted = f"replay: pytest {folder / TEST_REPLAY}", reduction.ended == "interrupted"
     old, new = reduction.sizes

@@ -30,7 +30,7 @@ from sim.suites.catalogue import SUITES
 from sim.suites.examination import COMPLETES, examinations, jobs_of
 from sim.suites.pytest_items import slam_checks
 from sim.suites.report import check_slam
-from sim.suites.smallest import write_smallest
+from sim.suites.smallest import SlamUnderSearch, write_smallest
 from sim.suites.suite import Suite
 
 
@@ -174,7 +174,7 @@ def test_a_slam_that_ends_its_process_in_one_scenario_is_checked_in_all_others(t
     assert [each.findings[COMPLETES].holds for each in report.examined] == [True] * 3 + [False] + [True] * 2
     assert "the SLAM ends its process" in str(report)
     (verdict,) = (each for each in report.failed if each.check == COMPLETES)
-    told, _ = write_smallest(verdict, aborting, run, Replay(), False, tmp_path)
+    told, _ = write_smallest(verdict, SlamUnderSearch(aborting, run, Replay(), False), tmp_path)
     assert told.startswith("flat: the run completes: no smallest scenario: the SLAM ends its process")
 
 

@@ -31,7 +31,7 @@ from sim.harness.reductions import STEPS, size
 from sim.suites.checks import CheckFinding
 from sim.suites.examination import COMPLETES, finding
 from sim.suites.report import check_slam
-from sim.suites.smallest import _failure_test, finding_of, smallest_failure, write_smallest
+from sim.suites.smallest import SlamUnderSearch, _failure_test, finding_of, smallest_failure, write_smallest
 from sim.suites.suite import Suite, SuitePart, claims
 
 
@@ -99,7 +99,11 @@ def test_the_smallest_failure_of_a_claim_relative_to_the_odometry_is_one_that_a_
     suite = Suite("long", "A flat.", (part,))
     (verdict,) = (each for each in check_slam(OdometryOnly, suite).verdicts if each.check == RELATIVE)
     replay = Replay("from sim.harness import Lexis, run", "run(scenario, Lexis('oracle'))")
-    write_smallest(verdict, OdometryOnly, lambda scenario, progress: run(scenario, OdometryOnly()), replay, False, tmp_path)
+    write_smallest(
+        verdict,
+        SlamUnderSearch(OdometryOnly, lambda scenario, progress: run(scenario, OdometryOnly()), replay, False),
+        tmp_path,
+    )
     (folder,) = tmp_path.iterdir()
     assert json.loads((folder / "result.json").read_text())["trajectory"]["ate_odometry_m"] > 0.01
     runpy.run_path(str(folder / "test_replay.py"))["test_replay"]()
@@ -128,7 +132,9 @@ def test_a_reference_that_passes_has_to_pass_in_the_smallest_scenario(reference,
 def test_the_folder_of_a_crash_has_its_traceback(tmp_path):
     (verdict,) = (each for each in check_slam(Broken, FLAT).verdicts if each.check == COMPLETES)
     replay = Replay("from helpers.flat_suite import Broken\nfrom sim.harness import run", "run(scenario, Broken())")
-    write_smallest(verdict, Broken, lambda scenario, progress: run(scenario, Broken()), replay, False, tmp_path)
+    write_smallest(
+        verdict, SlamUnderSearch(Broken, lambda scenario, progress: run(scenario, Broken()), replay, False), tmp_path
+    )
     (folder,) = tmp_path.iterdir()
     assert "RuntimeError: lost" in (folder / TRACEBACK).read_text()
     with pytest.raises(RuntimeError, match="lost"):
@@ -140,7 +146,7 @@ def test_invalid_claims_and_slams_that_cannot_be_made_are_replayed(slam, says, t
     monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": FLAT})
     (verdict,) = (each for each in check_slam(slam, FLAT).verdicts if each.check == COMPLETES)
     replay = Replay(f"from helpers.flat_suite import {slam.__name__}", "", slam.__name__)
-    write_smallest(verdict, slam, lambda scenario, progress: run(scenario, slam()), replay, False, tmp_path)
+    write_smallest(verdict, SlamUnderSearch(slam, lambda scenario, progress: run(scenario, slam()), replay, False), tmp_path)
     (folder,) = tmp_path.iterdir()
     assert says in (folder / "why.md").read_text()
     with pytest.raises(AssertionError, match=says):
@@ -160,7 +166,7 @@ class FailsOnce:
 def test_a_failure_of_a_law_that_does_not_come_back_is_told_and_not_written(tmp_path):
     verdict = replace(verdict_on(False, rate=None), part=replace(PART, checks=(FailsOnce(),)), check="once")
     found = (replace(verdict.examined[0], findings={"once": CheckFinding(False, "examination 0")}),)
-    told, _ = write_smallest(replace(verdict, examined=found), OdometryOnly, run, Replay(), False, tmp_path)
+    told, _ = write_smallest(replace(verdict, examined=found), SlamUnderSearch(OdometryOnly, run, Replay(), False), tmp_path)
     assert told == (
         "flat: once: no smallest scenario: the failure (once) did not come back in the smallest scenario; "
         "valid: a SLAM that does the same in the same scenario"
