@@ -156,7 +156,19 @@ def wrong_frame_page(run: Run, figure: str | None = None) -> Page:
     if frame is None:
         return Page((title, "", f"No single frame shows what is wrong with {figure or 'this run'}."), {})
     claims = claimed_frames(run, figure, frame)
-    return _frame_page(title, run.session, frame, run.scenario.fidelity, claims, "".join(_how_drawn(run, frame, claims)))
+    drawn = "".join(_how_drawn(run, frame, claims))
+    return _frame_page(title, run.session, frame, run.scenario.fidelity, claims, drawn, _faults(run))
+
+
+def _faults(run: Run) -> list[str]:
+    """Return a line on the faults of a run, and when each of them first changed a frame; no line without any."""
+    first: dict[str, int] = {}
+    for truth in run.delivered:
+        for name in truth.faults:
+            first.setdefault(name, truth.index)
+    stamps = run.session.tour.stamps
+    listed = [f"{name}, first at {stamps[index] - stamps[0]:.1f} s" for name, index in first.items()]
+    return [f"Faults of this run: {'; '.join(listed)}."] if listed else []
 
 
 def _how_drawn(run: Run, frame: WrongFrame, claims: FrameClaims) -> Iterator[str]:
@@ -186,8 +198,9 @@ def _frame_page(
     fidelity: Fidelity,
     claims: FrameClaims | None = None,
     how_drawn: str = "",
+    faults: Sequence[str] = (),
 ) -> Page:
-    lines = [title, "", f"{str(frame)[0].upper()}{str(frame)[1:]}."]
+    lines = [title, "", f"{str(frame)[0].upper()}{str(frame)[1:]}.", *faults]
     if frame.similarities:
         lines.append(f"Most similar room names: {', '.join(f'{name} {value:.3f}' for name, value in frame.similarities)}.")
     pictures = {_PLAN: encoded(place_image(session, frame.frame, claims), ".png")}

@@ -1,13 +1,15 @@
 """The folder of a failure: it says why, and its test fails now and passes once the SLAM is mended."""
 
 import runpy
+from dataclasses import replace
 
 import pytest
 from helpers.open_flat import OPEN_FLAT
 
-from sim.bench.planted_bugs import open_plan, planted
+from sim.bench.planted_bugs import drift, open_plan, planted
 from sim.cli import main
 from sim.errors import GraphicsError
+from sim.faults import parse_fault
 from sim.harness import Claim, FailureTest, Scenario, blame, reduce, write_failure
 from sim.harness.blame_table import BlameTable
 from sim.harness.failures.failure_folder import Replay
@@ -67,6 +69,17 @@ def test_without_opengl_the_page_does_without_the_image(failure, monkeypatch):
     page = wrong_frame_page(planted(open_plan)(failure[1].scenario, None), "labels.accuracy")
     assert list(page.pictures) == ["first-wrong-plan.png"]
     assert "The image of the camera is left out: no off-screen OpenGL: install EGL." in page.lines[-1]
+
+
+def test_faults_are_named_with_the_time_of_their_first_frame():
+    faults = parse_fault("kidnap:5,skip_s=8"), parse_fault("odometry-jump:at_s=9")
+    scenario = replace(OPEN_FLAT, length_m=40.0, faults=faults)
+    page = wrong_frame_page(planted(drift)(scenario, None), "trajectory.ate_m")
+    (said,) = (line for line in page.lines if line.startswith("Faults of this run: "))
+    times = [float(text.partition(" s")[0]) for text in said.split("first at ")[1:]]
+    assert said.startswith("Faults of this run: kidnap, first at ") and "; odometry-jump, first at " in said
+    assert 4.0 <= times[0] <= 15.0 and times[1] > times[0]
+    assert not any("Faults" in line for line in wrong_frame_page(planted(drift)(OPEN_FLAT, None), "trajectory.ate_m").lines)
 
 
 def test_pytest_shows_of_the_replay_what_the_page_shows(failure):
