@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Literal
 
-from sim.errors import USER_ERRORS
+from sim.errors import USER_ERRORS, SimError
 from sim.feature_sensor.oracle import Oracle
 from sim.fidelity import ORACLE
 from sim.harness.adapters.lexis import Lexis
@@ -141,6 +141,8 @@ def _row(reduction: Reduction, substitution: Substitution, fails: Fails) -> Blam
         if isinstance(fails, FailureTest):
             return _tested(substitution, fails, reduction.signature)
         return _compared(substitution, fails, reduction.signature)
+    except SimError as error:
+        return BlameRow(substitution.name, "cannot be told", detail=f"the SLAM cannot run there: {error}")
     except USER_ERRORS as error:  # raised by the scenario or by any SLAM
         return BlameRow(substitution.name, "cannot be told", detail=f"{type(error).__name__}: {error}")
 
@@ -160,6 +162,8 @@ def _differently(found: Signature, signature: Signature) -> str:
     """Return why a failure with another signature than `signature` tells nothing about the blame."""
     if found == signature.unavoidable:
         return "a good SLAM fails there, too"
+    if found == signature.of_reference:
+        return "the reference fails there, too"
     if found == signature.with_other_errors:
         return "it fails by errors of another kind"
     return f"it fails differently: {found}"

@@ -35,6 +35,11 @@ class Signature:
         return replace(self, what=f"{self.what}, where a good SLAM fails, too")
 
     @property
+    def of_reference(self) -> "Signature":
+        """The signature of the same failure in a scenario in which the reference fails, too, or crashes."""
+        return replace(self, what=f"{self.what}, where the reference fails, too")
+
+    @property
     def with_other_errors(self) -> "Signature":
         """The signature of a failure whose wrong frames are of other kinds than those of the original failure."""
         return replace(self, what=f"{self.what}, by errors of another kind")
@@ -67,8 +72,8 @@ class FailureTest:
 
     A run fails if the claim is true or, without a claim, if the SLAM crashes. At its first failure, the test chooses a good
     SLAM that does not fail there (`sim.harness.good_slam`), and remembers the kinds of errors. A later failure has another
-    signature if this good SLAM or the `reference` fails in its scenario, too (`Signature.unavoidable`), or if its errors are
-    of other kinds (`Signature.with_other_errors`).
+    signature if this good SLAM fails in its scenario, too (`Signature.unavoidable`), if the `reference` does so
+    (`Signature.of_reference`), or if its errors are of other kinds (`Signature.with_other_errors`).
 
     The test keeps the last failing run of each fidelity. After a search by `reduce`, the kept run is the run of the smallest
     scenario, which need not be run again.
@@ -93,7 +98,7 @@ class FailureTest:
         Raises `SimError` for anything else, and for a crash with a reference.
         """
         if text == CRASH and reference is not None:
-            raise SimError(f"reference: the failure is {CRASH!r}; valid: with a claim, such as 'labels.accuracy < 0.7'")
+            raise SimError(f"reference: the failure is {CRASH!r}; valid: with a figure, such as 'labels.accuracy < 0.7'")
         return FailureTest(None if text == CRASH else Claim.parse(text), runner, reference)
 
     def __call__(self, scenario: Scenario) -> Signature | None:
@@ -169,18 +174,31 @@ class FailureTest:
             return signature.unavoidable
         if not self.original.is_like(failing):
             return signature.with_other_errors
-        return signature if self._reference_passes(failing.scenario) else signature.unavoidable
+        return signature if self.reference_fails(failing.scenario) is None else signature.of_reference
 
-    def _reference_passes(self, scenario: Scenario) -> bool:
-        """Return whether the reference passes a scenario, or True without a reference; a crash is no pass."""
+    def reference_run(self, scenario: Scenario) -> Run | Crash | None:
+        """Run the reference on a scenario; None without a reference. Raises `SimError` if it cannot run there."""
         if self.reference is None:
-            return True
+            return None
+        try:
+            return attempt(self.reference, scenario)
+        except SimError as error:
+            raise SimError(f"reference: {error}") from None
+
+    def reference_fails(self, scenario: Scenario) -> str | None:
+        """Return how the reference fails on a scenario, as text; None if it passes, or without a reference."""
+        finished = self.reference_run(scenario)
+        if finished is None:
+            return None
         assert self.claim is not None
-        finished = attempt(self.reference, scenario)
         trials = attempt_plans(finished) if isinstance(finished, Run) and self.claim.is_about_plans else ()
-        if isinstance(finished, Crash) or isinstance(trials, Crash):
-            return False
-        return self._passes(evaluate(finished, trials))
+        for outcome in (finished, trials):
+            if isinstance(outcome, Crash):
+                return f"it {outcome.what}{outcome.place}"
+        assert isinstance(finished, Run) and not isinstance(trials, Crash)
+        result = evaluate(finished, trials)
+        value = self.claim.value(result)
+        return None if self._passes(result) else f"{self.claim.figure} is {'null' if value is None else f'{value:g}'}"
 
     def _passes(self, result: RunResult) -> bool:
         return self.claim is not None and self.claim.outcome(result) == "fails"
@@ -197,8 +215,8 @@ def check_fails(scenario: Scenario, test: FailureTest) -> None:
     """
     outcome = test.outcome(with_listed_house(scenario))
     signature = test.signature_of(outcome)
-    if signature is not None and test.reference is not None and signature != Signature(str(test)):
-        raise SimError("reference: it fails in the scenario, too, or crashes; valid: a SLAM that passes there")
+    if signature is not None and (how := test.reference_fails(with_listed_house(scenario))) is not None:
+        raise SimError(f"reference: it fails in the scenario, too: {how}; valid: a SLAM that passes there")
     if signature is not None:
         return
     if test.claim is None or isinstance(outcome, Crash):

@@ -33,9 +33,9 @@ Clock = Callable[[], float]
 """A function that returns the time [s], like `time.monotonic`."""
 Ending = Literal["smallest", "deadline", "interrupted"]
 """Why a search ended: no step led to a smaller failure, time was up, or the user interrupted it."""
-CandidateOutcome = Literal["fails", "passes", "unavoidable", "fails differently", "cannot run", "invalid"]
-"""What a candidate does. "unavoidable": it fails in the same way, but so does a good SLAM; see `Signature.unavoidable`.
-"fails differently": for example by errors of another kind; see `Signature.with_other_errors`."""
+CandidateOutcome = Literal["fails", "passes", "unavoidable", "reference fails", "fails differently", "cannot run", "invalid"]
+"""What a candidate does. Three of them fail in the way of the original, but do not count: "unavoidable", because a good SLAM
+fails there, too; "reference fails"; and "fails differently", for example by errors of another kind. See `Signature`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +81,8 @@ class Reduction:
     """Number of candidates that were tried; equal candidates count once."""
     unavoidable: int
     """Number of these candidates that do not count, because a good SLAM fails there, too."""
+    of_reference: int
+    """Number of these candidates that do not count, because the reference fails there, too."""
     different: int
     """Number of these candidates that do not count, because they fail in another way."""
     ended: Ending
@@ -108,6 +110,8 @@ class Reduction:
         how = f"{self.tried} candidates, {len(self.accepted)} steps; {why}."
         if self.unavoidable:
             how += f" {counted(self.unavoidable, 'candidate')} did not count, because a good SLAM fails there, too."
+        if self.of_reference:
+            how += f" {counted(self.of_reference, 'candidate')} did not count, because the reference fails there, too."
         if self.different:
             how += f" {counted(self.different, 'candidate')} did not count, because the SLAM fails there in another way."
         if self.original.fidelity != "render":
@@ -262,6 +266,8 @@ class _Search:
             return "passes"
         if signature == self.signature.unavoidable:
             return "unavoidable"
+        if signature == self.signature.of_reference:
+            return "reference fails"
         return "fails" if signature == self.signature else "fails differently"
 
     def descend_on_features(self, start: Scenario, found: list[Change], path: list[Change]) -> None:
@@ -306,6 +312,7 @@ class _Search:
             self.last_passing,
             len(self.outcomes),
             list(self.outcomes.values()).count("unavoidable"),
+            list(self.outcomes.values()).count("reference fails"),
             list(self.outcomes.values()).count("fails differently"),
             ended,
             "features" if on_features else original.fidelity,

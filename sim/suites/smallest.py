@@ -115,11 +115,12 @@ def _written(verdict: CheckVerdict, slam: SlamUnderSearch, out: Path) -> tuple[s
     if check is None and verdict.failures[0].findings[COMPLETES].measured == DIED:
         raise SimError(f"{DIED}, and the search runs in this process; valid: lexis-sim shrink with a program (--command)")
     scenario = verdict.failures[0].scenario
-    if (test := _failure_test(check, scenario, slam.runner, slam.reference)) is not None:
+    test, note = _failure_test(check, scenario, slam.runner, slam.reference)
+    if test is not None:
         reduction = reduce(scenario, test, DEADLINE_S)
         blamed = blame(reduction, test, slam.is_lexis)
         write_failure(folder, reduction, test, blamed, slam.replay)
-        found, interrupted = f"{blamed}\n  why: {folder / WHY}", blamed.interrupted
+        found, interrupted = f"{blamed}{note}\n  why: {folder / WHY}", blamed.interrupted
     else:
         reduction = smallest_failure(check, scenario, slam.new_slam)
         imports = "" if slam.replay == LEXIS_REPLAY else slam.replay.imports
@@ -138,20 +139,24 @@ def _written(verdict: CheckVerdict, slam: SlamUnderSearch, out: Path) -> tuple[s
     return f"{verdict.name}: {old} -> {new}\n  {found}", interrupted
 
 
-def _failure_test(check: Check | None, scenario: Scenario, runner: Runner, reference: Runner | None) -> FailureTest | None:
-    """Return the test with which `lexis-sim shrink` would search; with the reference, if it passes in the scenario.
+def _failure_test(
+    check: Check | None, scenario: Scenario, runner: Runner, reference: Runner | None
+) -> tuple[FailureTest | None, str]:
+    """Return the test with which `lexis-sim shrink` would search, and a line that says why the reference is not used, or "".
 
-    The result is None for a law, for invalid claims, and if the SLAM cannot be made.
+    The test is None for a law, for invalid claims, and if the SLAM cannot be made. The reference is used for a claim that it
+    fulfils in the scenario.
     """
     if isinstance(check, ClaimCheck):
         alone = FailureTest(check.claim.opposite, runner)
         compared = replace(alone, reference=reference, original=None)
-        passes = reference is not None and compared(with_listed_house(scenario)) == Signature(str(alone))
-        return compared if passes else alone
+        how = compared.reference_fails(with_listed_house(scenario))
+        return (compared, "") if how is None else (alone, f"\n  the reference is not used, because it fails, too: {how}")
     crash = FailureTest(None, runner)
     with suppress(*USER_ERRORS):
-        return crash if check is None and crash(with_listed_house(scenario)) is not None else None
-    return None
+        if check is None and crash(with_listed_house(scenario)) is not None:
+            return crash, ""
+    return None, ""
 
 
 def _signature(check: Check | None, found: CheckFinding) -> Signature | None:

@@ -13,6 +13,7 @@ from sim.harness.failures.first_wrong import shown_failure
 from sim.harness.failures.why_page import why_page
 from sim.harness.outputs import write_crash, write_run
 from sim.harness.reducer import Reduction
+from sim.harness.runner import Run
 from sim.harness.world_tests import TEST_REPLAY
 
 
@@ -49,8 +50,10 @@ def write_failure(
         write_crash(smallest, out, files)
     else:
         assert test.claim is not None
+        compared = test.reference_run(smallest.scenario)
+        reference = compared if isinstance(compared, Run) else None
         failure = shown_failure(
-            smallest.run, f"{test.claim}: {test.claim.figure} is {smallest.value:.4g}", test.claim.figure
+            smallest.run, f"{test.claim}: {test.claim.figure} is {smallest.value:.4g}", test.claim.figure, reference
         )
         write_run(smallest.run, smallest.result, smallest.trials, out, files, failure)
 

@@ -52,15 +52,18 @@ class WrongFrame:
         return f"in {self.room} at {self.time_s:.1f} s: {self.what}"
 
 
-def first_wrong(run: Run, figure: str | None = None) -> WrongFrame | None:
+def first_wrong(run: Run, figure: str | None = None, reference: Run | None = None) -> WrongFrame | None:
     """Return the first frame that is wrong for a figure, such as a frame with a wrong floor for "floors.accuracy".
+
+    With the run of a `reference` on the same scenario, the result is the first frame that is wrong only in `run`, if there
+    is one.
 
     Without a figure, the result is the first frame with a wrong label or, if no label is wrong, the frame that is wrong for
     the trajectory. The result is None if there is no such frame, or if the SLAM does not make the claim. It is also None for
     a figure that describes the run as a whole, such as "coverage.path_covered".
     """
     kind = "" if figure is None else figure.partition(".")[0]
-    found = next(_SEARCHES[kind](run), None) if kind in _SEARCHES else None
+    found = _found(_SEARCHES[kind], run, reference) if kind in _SEARCHES else None
     if found is None and figure is None and (found := next(_position(run), None)) is not None:
         found = found._replace(what=f"no label is wrong, {found.what}" if run.estimate.labels is not None else found.what)
     if found is None:
@@ -73,9 +76,19 @@ def first_wrong(run: Run, figure: str | None = None) -> WrongFrame | None:
     return WrongFrame(frames[row], room, float(stamps[frames[row]] - stamps[0]), what, begin, similar)
 
 
-def shown_failure(run: Run, what: str, figure: str | None = None) -> ShownFailure:
+def _found(search: "Callable[[Run], Iterator[_Wrong]]", run: Run, reference: Run | None) -> _Wrong | None:
+    """Return the first wrong row whose frame is right in the reference or, without one, the first wrong row."""
+    if reference is not None:
+        excused = {int(reference.estimate.frames[found.row]) for found in search(reference)}
+        for found in search(run):
+            if int(run.estimate.frames[found.row]) not in excused:
+                return found
+    return next(search(run), None)
+
+
+def shown_failure(run: Run, what: str, figure: str | None = None, reference: Run | None = None) -> ShownFailure:
     """Return what the report shows of a failed run: `what` has failed, and the first frame that is wrong for the figure."""
-    frame = first_wrong(run, figure)
+    frame = first_wrong(run, figure, reference)
     if frame is None:
         return ShownFailure(what)
     return ShownFailure(what, str(frame), int(np.searchsorted(run.estimate.frames, frame.frame)))

@@ -64,8 +64,11 @@ def why_page(reduction: Reduction, test: FailureTest, blamed: BlameTable, smalle
         return crash_page(f"The SLAM {smallest.what}", smallest, reduction, blamed)
     assert test.claim is not None
     figure = test.claim.figure
-    head = [f"# {test.claim}", *_under_test(_name_of(smallest.run)), "", *_failure(reduction, test, smallest)]
-    return _page(head, wrong_frame_page(smallest.run, figure), _search_sections(reduction, blamed, figure), _WHOLE_RUN)
+    compared = test.reference_run(smallest.scenario)
+    other = compared if isinstance(compared, Run) else None
+    head = [f"# {test.claim}", *_under_test(_name_of(smallest.run)), "", *_failure(reduction, test, smallest, other)]
+    place = wrong_frame_page(smallest.run, figure, other)
+    return _page(head, place, _search_sections(reduction, blamed, figure), _WHOLE_RUN)
 
 
 def failed_test_page(
@@ -125,7 +128,7 @@ def _page(head: Sequence[str], place: Page, sections: Iterable[str], whole_run: 
     return Page(lines, place.pictures)
 
 
-def _failure(reduction: Reduction, test: FailureTest, smallest: Observed) -> Iterator[str]:
+def _failure(reduction: Reduction, test: FailureTest, smallest: Observed, reference: Run | None) -> Iterator[str]:
     assert test.claim is not None
     original, figure = reduction.signature.value, test.claim.figure
     yield f"`{figure}` is **{_number(smallest.value)}** in this scenario; a SLAM without the failure has"
@@ -134,9 +137,11 @@ def _failure(reduction: Reduction, test: FailureTest, smallest: Observed) -> Ite
         return
     if kinds := test.original.kinds_of(smallest.run):
         kind, before = most_frequent(kinds), test.original.kinds or kinds
-        wrong = f"{kinds[kind]} of {counted(kinds.total(), 'wrong frame')} are {kind}"
+        wrong = f"{kinds[kind]} of {counted(kinds.total(), 'wrong frame')} {'is' if kinds[kind] == 1 else 'are'} {kind}"
         yield f"Here, {wrong}; there, {before[kind]} of {before.total()}."
-    elif test.original.first_wrong:
+    if reference is not None:
+        yield f"The reference, `{_name_of(reference)}`, passes in both."
+    elif not kinds and test.original.first_wrong:
         yield ""
         yield from _first_place(test.original.first_wrong, "`original.json` is the scenario as it was found.")
 
@@ -149,10 +154,13 @@ def _first_place(place: str, found: str) -> list[str]:
     ]
 
 
-def wrong_frame_page(run: Run, figure: str | None = None) -> Page:
-    """Make the section about the first wrong frame, with its place on a plan and, if images can be rendered, its image."""
-    frame = first_wrong(run, figure)
-    title = "## Where it first went wrong"
+def wrong_frame_page(run: Run, figure: str | None = None, reference: Run | None = None) -> Page:
+    """Make the section about the first wrong frame, with its place on a plan and, if images can be rendered, its image.
+
+    Frames that are wrong in the run of the `reference`, too, are passed over.
+    """
+    frame = first_wrong(run, figure, reference)
+    title = "## Where it first went wrong" + ("" if reference is None else ", and the reference did not")
     if frame is None:
         return Page((title, "", f"No single frame shows what is wrong with {figure or 'this run'}."), {})
     claims = claimed_frames(run, figure, frame)

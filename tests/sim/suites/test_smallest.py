@@ -123,7 +123,8 @@ def always_wrong(run):
 def test_a_reference_that_passes_has_to_pass_in_the_smallest_scenario(reference, tmp_path):
     slam, other = planted(always_wrong), None if reference is None else planted(reference)
     (check,) = claims(0.95, "labels.accuracy >= 0.9")
-    test = _failure_test(check, OPEN_FLAT, slam, other)
+    test, note = _failure_test(check, OPEN_FLAT, slam, other)
+    assert ("the reference is not used, because it fails, too: labels.accuracy is 0" in note) == (reference is always_wrong)
     assert test.reference is (other if reference is wrong_alone else None)
     steps = {"drop rooms": STEPS["drop rooms"]}
     assert size(reduce(OPEN_FLAT, test, 1e9, steps=steps).scenario).rooms == (2 if reference is wrong_alone else 1)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sim.bench.planted_bugs import floors, no_bug, planted, revisits, twins
-from sim.harness import Claim, FailureTest, Scenario, reduce
+from sim.harness import Claim, FailureTest, Scenario, reduce, run
 from sim.harness.failures.error_kinds import (
     NO_FLOOR,
     NO_ROOM,
@@ -20,6 +20,7 @@ from sim.harness.failures.error_kinds import (
     error_kinds,
     most_frequent,
 )
+from sim.harness.failures.first_wrong import first_wrong
 from worlds.presets import sample_from_rooms
 
 BEDROOMS = Scenario(
@@ -99,6 +100,23 @@ def test_a_search_does_not_end_at_another_bug(reference):
     assert reduction.different > 0
 
 
+def all_wrong(run):
+    return replace(no_bug(run), labels=np.full_like(run.true_labels, -1))
+
+
+class Lost:
+    """A SLAM that raises an exception."""
+
+    def start(self, camera, room_names):
+        raise RuntimeError("lost")
+
+    def process(self, observation):
+        """Never called."""
+
+    def finish(self):
+        """Never called."""
+
+
 def wrong_labels(run):
     """A SLAM that labels nothing in houses of one room."""
     labels = np.full_like(run.true_labels, -1) if len(run.house.rooms) < 2 else run.true_labels
@@ -119,4 +137,40 @@ def test_the_reference_tells_apart_what_has_no_kinds():
     kept = reduce(BEDROOMS, FailureTest(claim, planted(wrong_bedrooms), planted(wrong_labels)), deadline_s=1e9)
     mended = FailureTest(claim, planted(wrong_labels))
     assert mended(slipped.scenario) is not None and mended(kept.scenario) is None
-    assert kept.unavoidable > 0
+    assert kept.of_reference > 0 and "because the reference fails there, too" in kept.note
+
+
+def early(run):
+    """A SLAM that labels nothing at the second frame."""
+    labels = run.true_labels.copy()
+    labels[1] = -1
+    return replace(no_bug(run), labels=labels)
+
+
+def early_and_late(run):
+    labels = early(run).labels.copy()
+    labels[-5:] = -1
+    return replace(no_bug(run), labels=labels)
+
+
+def test_frames_that_the_reference_gets_wrong_are_passed_over():
+    run, reference = (planted(bug)(BEDROOMS, None) for bug in (early_and_late, early))
+    frames = run.estimate.frames
+    assert first_wrong(run, "labels.accuracy").frame == frames[1]
+    assert first_wrong(run, "labels.accuracy", reference).frame == frames[-5]
+    assert first_wrong(reference, "labels.accuracy", reference).frame == frames[1]  # nothing else is wrong
+
+
+def test_how_a_reference_fails_is_told():
+    def lost(scenario, progress):
+        finished = run(scenario, Lost(), progress)
+        raise AssertionError(finished)
+
+    claim = Claim.parse("labels.accuracy < 0.9")
+    told = [
+        FailureTest(claim, planted(early), reference).reference_fails(BEDROOMS)
+        for reference in (planted(early), planted(nowhere), planted(all_wrong), lost)
+    ]
+    assert told[:3] == [None, None, "labels.accuracy is 0"] and told[3].startswith(
+        "it raises RuntimeError, in test_error_kinds"
+    )
