@@ -3,12 +3,13 @@
 from collections import Counter
 from collections.abc import Callable, Sequence
 
-from sim.harness.failures.error_kinds import are_alike, error_kinds
+from sim.harness.failures.error_kinds import are_alike, error_kinds, most_frequent
 from sim.harness.failures.first_wrong import first_wrong
 from sim.harness.good_slam import Reference
 from sim.harness.planning import Trial
 from sim.harness.results import RunResult
 from sim.harness.runner import Run
+from sim.wording import counted
 
 
 class OriginalFailure:
@@ -38,6 +39,17 @@ class OriginalFailure:
             self.first_wrong = str(first_wrong(run, self._figure) or "")
             return True
         return are_alike(self.kinds_of(run), self.kinds)
+
+    def compared(self, run: Run) -> str:
+        """Say how many wrong frames of the smallest scenario have the most frequent kind of error, and of the original run.
+
+        The result is "" for figures without kinds of errors.
+        """
+        if not (kinds := self.kinds_of(run)):
+            return ""
+        kind, before = most_frequent(kinds), self.kinds or kinds
+        wrong = f"{kinds[kind]} of {counted(kinds.total(), 'wrong frame')} {'is' if kinds[kind] == 1 else 'are'} {kind}"
+        return f"Here, {wrong}; in the original scenario, {before[kind]} of {before.total()}."
 
     def kinds_of(self, run: Run) -> "Counter[str]":
         """Count the frames of a run with each kind of error, for a failure of rooms or floors; see `error_kinds`."""

@@ -77,7 +77,11 @@ def shrunk(
     blamed = blame(reduction, fails, smallest.run is not None and isinstance(smallest.run.slam, Lexis))
     if blamed.interrupted:
         _stop(item)
-    return smallest, Search(scenario, found.failure.text if found.failure else "", _place(found), reduction, blamed)
+    text, kinds = (
+        found.failure.text if found.failure else "",
+        "" if smallest.run is None else original.compared(smallest.run),
+    )
+    return smallest, Search(scenario, text, _place(found), kinds, reduction, blamed)
 
 
 def _place(found: Execution) -> str:

@@ -293,6 +293,16 @@ def test_the_first_wrong_frame_is_wrong_for_the_figure_in_the_assertion(pytester
         assert "floor 9 claimed" in pages[0] and "m off" in pages[1]
 
 
+def test_the_page_of_a_failure_of_floors_counts_the_kinds_of_errors(pytester, inner, monkeypatch):
+    steps = {"shorten the tour": sim.harness.reductions.STEPS["shorten the tour"]}
+    monkeypatch.setattr(sim.harness.reducer, "reduce", partial(sim.harness.reducer.reduce, steps=steps))
+    pytester.makepyfile(test_slam=SLAM + FLOORS)
+    inner("--lexis-out", "kept", "-k", "test_floors").assert_outcomes(failed=1)
+    (page,) = (page.read_text() for page in pytester.path.glob("kept/*/why.md"))
+    (here,) = re.findall(r"Here, (\d+) of \1 wrong frames are claimed on a floor too high; in the original scenario, ", page)
+    assert int(here) > 0 and "may fail for another reason" not in page
+
+
 BEYOND = """
 class Beyond(Stub):
     def finish(self):

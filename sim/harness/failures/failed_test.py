@@ -75,6 +75,8 @@ class Search:
     """What pytest said about the failure in the original scenario."""
     found_place: str
     """Where the original run first went wrong: room, time and kind of error; empty if it is not known."""
+    kinds: str
+    """How many wrong frames have the most frequent kind of error, in both scenarios; empty for figures without kinds."""
     reduction: Reduction
     blamed: BlameTable
     """The changes that mend the failure in the smallest scenario, and the changes that do not."""
@@ -115,7 +117,7 @@ def write_failed_test(folder: Path, test: FailedPytest, outcome: FinishedRun | C
         else:
             failure = shown_failure(outcome.run, f"{test.name} fails\n{test.message}", test.figure)
             fill_run_folder(outcome.run, outcome.result, outcome.trials, new, failure)
-            found = ("", "") if search is None else (search.found, search.found_place)
+            found = ("", "", "") if search is None else (search.found, search.found_place, search.kinds)
             page = failed_test_page(test.name, outcome.run, test.figure, reduction, blamed, test.message, *found)
         for each, content in page.files.items():
             (new / each).write_bytes(content)

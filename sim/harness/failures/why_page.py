@@ -10,7 +10,6 @@ from sim.harness.blame_table import BlameTable
 from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.failure_signature import FailureTest, Observed
 from sim.harness.failures.claimed_frames import claimed_frames
-from sim.harness.failures.error_kinds import most_frequent
 from sim.harness.failures.first_wrong import WrongFrame, crash_frame, first_wrong
 from sim.harness.nearest_changes import nearest
 from sim.harness.reducer import Reduction
@@ -20,7 +19,6 @@ from sim.harness.slam_under_test import CommandSlam
 from sim.render.image_files import encoded
 from sim.report.frame_picture import FrameClaims, place_image
 from sim.session import Session
-from sim.wording import counted
 
 WHY = "why.md"
 _LISTED = 8
@@ -80,18 +78,19 @@ def failed_test_page(
     message: str = "",
     found: str = "",
     found_place: str = "",
+    kinds: str = "",
 ) -> Page:
     """Make the page about a test that fails.
 
     `figure` is the figure that the failing assertion is about, such as "floors.accuracy"; None if it is unknown.
     `reduction` and `blamed` are None if no smaller scenario was searched for. `message` is what pytest says about the
     failure, if it is known, and `found` what it said in the scenario in which the failure was found; `found_place` says
-    where that run first went wrong.
+    where that run first went wrong, and `kinds` how frequent the most frequent kind of error is in both runs.
     """
-    head = [f"# {name} fails", *_under_test(_name_of(run)), *_quoted(message)]
+    head = [f"# {name} fails", *_under_test(_name_of(run)), *_quoted(message), *(["", kinds] if kinds else [])]
     if found and found != message:
         head += ["", "In the scenario in which the failure was found, pytest said:", *_quoted(found)]
-        if found_place:
+        if found_place and not kinds:
             head += ["", *_first_place(found_place, "`pytest --no-lexis-shrink` shows the failure as it was found.")]
     return _page(head, wrong_frame_page(run, figure), _search_sections(reduction, blamed), _WHOLE_RUN)
 
@@ -135,10 +134,8 @@ def _failure(reduction: Reduction, test: FailureTest, smallest: Observed, refere
     yield f"`{test.claim.opposite}`. In the scenario in which the failure was found, it is {_number(original)}."
     if not reduction.accepted or test.original is None:
         return
-    if kinds := test.original.kinds_of(smallest.run):
-        kind, before = most_frequent(kinds), test.original.kinds or kinds
-        wrong = f"{kinds[kind]} of {counted(kinds.total(), 'wrong frame')} {'is' if kinds[kind] == 1 else 'are'} {kind}"
-        yield f"Here, {wrong}; there, {before[kind]} of {before.total()}."
+    if kinds := test.original.compared(smallest.run):
+        yield kinds
     if reference is not None:
         yield f"The reference, `{_name_of(reference)}`, passes in both."
     elif not kinds and test.original.first_wrong:
