@@ -70,6 +70,8 @@ STYLES: dict[str, Style] = {
     "path": Style(stroke="#8b3fd1", width=5.0, opacity=0.75),
     "wrong-claim": Style(fill="#ffffff", stroke="#111111", width=4.0, radius=0.115),
     "claim": Style(fill="#ffffff", radius=0.08),
+    "later-wrong-claim": Style(fill="#ffffff", stroke="#111111", width=2.5, radius=0.075),
+    "later-claim": Style(fill="#ffffff", radius=0.05),
     "name": Style(fill="#3a4149"),
     "error": Style(stroke="#d5202a", width=3.0),
     "heading": Style(stroke="#2b3138", width=2.2),

@@ -55,7 +55,8 @@ def frame_marks(session: Session, frame: int, claims: FrameClaims | None = None)
 
     The true path on this storey is grey, the estimated path above it is blue, and both are thick up to the frame. The
     camera's place and what it sees of the floor nearby are yellow. With `claims.groups`, dots at the true positions of the
-    frames show these claims. Otherwise, a line leads from the true to the estimated position of the frame.
+    frames show these claims; the dots of later frames are smaller. Otherwise, a line leads from the true to the estimated
+    position of the frame.
     """
     storeys = np.array([truth.storey for truth in session.truths])
     here, positions = storeys == storeys[frame], session.tour.T_W_B[:, :2, 3]
@@ -69,7 +70,9 @@ def frame_marks(session: Session, frame: int, claims: FrameClaims | None = None)
         marks += _estimate(claims, shown, so_far[claims.frames])
         legend += [] if claims.T_W_B is None else [LegendEntry("line", "estimated", "estimated path")]
         if claims.groups:
-            marks += _dots(claims, positions[claims.frames], shown)
+            now = so_far[claims.frames]
+            marks += _dots(claims, positions[claims.frames], shown & ~now, "later-")
+            marks += _dots(claims, positions[claims.frames], now)
             more = list(_dot_entries(claims, shown))
         elif claims.T_W_B is not None and (claims.frames == frame).any():
             marks += _error(session, frame, claims.T_W_B[claims.frames == frame][0])
@@ -84,11 +87,14 @@ def _estimate(claims: FrameClaims, shown: Bool[np.ndarray, "n"], so_far: Bool[np
         yield from (Mark("line", "estimated", claims.T_W_B[part, :2, 3]) for part in true_stretches(so_far))
 
 
-def _dots(claims: FrameClaims, positions: Float64[np.ndarray, "n 2"], shown: Bool[np.ndarray, "n"]) -> Iterator[Mark]:
+def _dots(
+    claims: FrameClaims, positions: Float64[np.ndarray, "n 2"], shown: Bool[np.ndarray, "n"], when: str = ""
+) -> Iterator[Mark]:
+    """Yield the dots of the frames that are `shown`, and rings around the wrong ones; `when` is "later-" for small dots."""
     for k in np.flatnonzero(shown).tolist():
         if claims.wrong is not None and claims.wrong[k]:
-            yield Mark("dot", "wrong-claim", positions[k : k + 1])
-        yield Mark("dot", "claim", positions[k : k + 1], claims.colours[claims.groups[k]], claims.groups[k])
+            yield Mark("dot", f"{when}wrong-claim", positions[k : k + 1])
+        yield Mark("dot", f"{when}claim", positions[k : k + 1], claims.colours[claims.groups[k]], claims.groups[k])
 
 
 def _dot_entries(claims: FrameClaims, shown: Bool[np.ndarray, "n"]) -> Iterator[LegendEntry]:

@@ -185,7 +185,7 @@ def _how_drawn(run: Run, frame: WrongFrame, claims: FrameClaims) -> Iterator[str
         )
         yield f" The estimated path is moved as a whole {agrees}."
     if claims.groups:
-        yield " Each dot is a frame at its true position, in the colour of the SLAM's claim."
+        yield " Each dot is a frame at its true position, in the colour of the SLAM's claim; later frames are small."
 
 
 def _crash_frame_page(crash: Crash) -> Page:

@@ -62,12 +62,16 @@ def test_a_line_leads_from_the_true_to_the_estimated_position(session, claims):
 
 def test_every_frame_is_a_dot_in_the_colour_of_its_claim_at_its_true_position(session, claims):
     marks, legend = frame_marks(session, FRAME, claims)
-    dots = [mark for mark in marks if mark.kind == "dot" and mark.colour in claims.colours.values()]
-    assert [mark.colour for mark in dots] == [claims.colours[group] for group in claims.groups]
-    np.testing.assert_array_equal(np.concatenate([mark.points for mark in dots]), session.tour.T_W_B[claims.frames, :2, 3])
-    assert {mark.style for mark in dots} == {"claim"}
-    rings = np.concatenate([mark.points for mark in of_style(marks, "wrong-claim")])
-    np.testing.assert_array_equal(rings, session.tour.T_W_B[claims.frames[claims.wrong], :2, 3])
+    later, colours = claims.frames > FRAME, np.array([claims.colours[group] for group in claims.groups])
+    assert later.any() and not later.all()
+    for style, rows in (("claim", ~later), ("later-claim", later)):
+        dots = of_style(marks, style)
+        assert [mark.colour for mark in dots] == colours[rows].tolist()
+        places = np.concatenate([mark.points for mark in dots])
+        np.testing.assert_array_equal(places, session.tour.T_W_B[claims.frames[rows], :2, 3])
+        rings = [mark.points for mark in of_style(marks, style.replace("claim", "wrong-claim"))]
+        wrong = session.tour.T_W_B[claims.frames[claims.wrong & rows], :2, 3]
+        np.testing.assert_array_equal(np.concatenate([np.zeros((0, 2)), *rings]), wrong)
     assert {("room 0", "#0072b2"), ("room 1", "#e69f00")} <= {(entry.text, entry.colour) for entry in legend}
     assert "ringed: wrong" in [entry.text for entry in legend]
 
@@ -76,6 +80,7 @@ def test_names_of_rooms_are_above_dots_and_dots_above_the_rings_of_wrong_ones():
     order = list(STYLES)
     assert order.index("walked") < order.index("wrong-claim") < order.index("claim") < order.index("name")
     assert STYLES["claim"].radius < STYLES["wrong-claim"].radius
+    assert STYLES["later-claim"].radius < STYLES["later-wrong-claim"].radius < STYLES["claim"].radius
 
 
 def test_marks_of_wrong_claims_and_of_the_camera_have_the_colour_of_no_room():
