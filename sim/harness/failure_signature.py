@@ -83,13 +83,9 @@ class FailureTest:
     runner: Runner
     reference: Runner | None = None
     """Runs a SLAM without the failure, such as an earlier version of the SLAM under test; only for a claim."""
-    original: OriginalFailure | None = field(default=None, repr=False)
-    """What is remembered of the first failure. Copies made by `replace` share it; None: nothing yet."""
+    original: OriginalFailure = field(default_factory=OriginalFailure, repr=False)
+    """What is remembered of the first failure. Copies made by `replace` share it."""
     _kept: dict[Fidelity, Observed | Crash] = field(default_factory=dict, init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        if self.original is None:
-            object.__setattr__(self, "original", OriginalFailure(None if self.claim is None else self.claim.figure))
 
     @staticmethod
     def parse(text: str, runner: Runner, reference: Runner | None = None) -> "FailureTest":
@@ -169,15 +165,19 @@ class FailureTest:
 
     def _compared(self, signature: Signature, failing: Run, trials: Sequence[Trial]) -> Signature:
         """Return the signature of a failing run after a comparison with the original failure and the reference."""
-        assert self.original is not None
+        assert self.claim is not None
         if self.original.is_unavoidable(failing, trials, self._passes):
             return signature.unavoidable
-        if not self.original.is_like(failing):
+        if not self.original.is_like(failing, self.claim.figure):
             return signature.with_other_errors
         return signature if self.reference_fails(failing.scenario) is None else signature.of_reference
 
-    def reference_run(self, scenario: Scenario) -> Run | Crash | None:
-        """Run the reference on a scenario; None without a reference. Raises `SimError` if it cannot run there."""
+    def reference_run(self, scenario: Scenario) -> Run | None:
+        """Run the reference on a scenario; None without a reference, or if it crashes. Raises `SimError` as `run` does."""
+        finished = self._reference_attempt(scenario)
+        return finished if isinstance(finished, Run) else None
+
+    def _reference_attempt(self, scenario: Scenario) -> Run | Crash | None:
         if self.reference is None:
             return None
         try:
@@ -187,7 +187,7 @@ class FailureTest:
 
     def reference_fails(self, scenario: Scenario) -> str | None:
         """Return how the reference fails on a scenario, as text; None if it passes, or without a reference."""
-        finished = self.reference_run(scenario)
+        finished = self._reference_attempt(scenario)
         if finished is None:
             return None
         assert self.claim is not None

@@ -15,9 +15,9 @@ from sim.wording import counted
 class OriginalFailure:
     """Tells whether the run of a smaller scenario shows the same failure as the original run."""
 
-    def __init__(self, figure: str | None) -> None:
-        """Leave the rest to the first failing run. `figure` is that of the failure, such as "rooms.pq", if it is known."""
-        self._figure, self._reference = figure, Reference()
+    def __init__(self) -> None:
+        """Leave all to the first failing run."""
+        self._reference = Reference()
         self._labels: dict[str, str] = {}
         self.kinds: Counter[str] | None = None
         """Number of frames with each kind of error in the original run; None before the first failing run."""
@@ -31,26 +31,25 @@ class OriginalFailure:
         """
         return not self._reference.avoids(run, trials, passes)
 
-    def is_like(self, run: Run) -> bool:
-        """Return whether a failing run has the same kinds of errors as the original one, which the first call remembers."""
+    def is_like(self, run: Run, figure: str | None) -> bool:
+        """Return whether a failing run has the same kinds of errors as the original one, which the first call remembers.
+
+        `figure` is the figure of the failure, such as "rooms.pq"; None if it is not known.
+        """
         if self.kinds is None:
             self._labels = {room.id: room.label for room in run.house.rooms}
-            self.kinds = self.kinds_of(run)
-            self.first_wrong = str(first_wrong(run, self._figure) or "")
+            self.kinds = error_kinds(run, figure, self._labels)
+            self.first_wrong = str(first_wrong(run, figure) or "")
             return True
-        return are_alike(self.kinds_of(run), self.kinds)
+        return are_alike(error_kinds(run, figure, self._labels), self.kinds)
 
-    def compared(self, run: Run) -> str:
+    def compared(self, run: Run, figure: str | None) -> str:
         """Say how many wrong frames of the smallest scenario have the most frequent kind of error, and of the original run.
 
         The result is "" for figures without kinds of errors.
         """
-        if not (kinds := self.kinds_of(run)):
+        if not (kinds := error_kinds(run, figure, self._labels)):
             return ""
         kind, before = most_frequent(kinds), self.kinds or kinds
         wrong = f"{kinds[kind]} of {counted(kinds.total(), 'wrong frame')} {'is' if kinds[kind] == 1 else 'are'} {kind}"
         return f"Here, {wrong}; in the original scenario, {before[kind]} of {before.total()}."
-
-    def kinds_of(self, run: Run) -> "Counter[str]":
-        """Count the frames of a run with each kind of error, for a failure of rooms or floors; see `error_kinds`."""
-        return error_kinds(run, self._figure, self._labels)

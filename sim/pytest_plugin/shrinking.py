@@ -43,7 +43,7 @@ def shrunk(
     from worlds.errors import WorldsError
 
     signature, last = _signature(found), found
-    original = OriginalFailure(found.failure.figure if found.failure else None)
+    original, figure = OriginalFailure(), found.failure.figure if found.failure else None
 
     def fails(candidate: "Scenario") -> "Signature | None":
         nonlocal last
@@ -55,7 +55,7 @@ def shrunk(
         if signature is not None and _signature(tried) == signature:
             if tried.run is not None and original.is_unavoidable(tried.run, tried.last.trials, passes):
                 return signature.unavoidable
-            if tried.run is not None and not original.is_like(tried.run):
+            if tried.run is not None and not original.is_like(tried.run, figure):
                 return signature.with_other_errors
             last = tried
         if tried.failure is not None and isinstance(tried.failure.error, SimError) and signature != _signature(tried):
@@ -79,7 +79,7 @@ def shrunk(
         _stop(item)
     text, kinds = (
         found.failure.text if found.failure else "",
-        "" if smallest.run is None else original.compared(smallest.run),
+        "" if smallest.run is None else original.compared(smallest.run, figure),
     )
     return smallest, Search(scenario, text, _place(found), kinds, reduction, blamed)
 

@@ -2,7 +2,7 @@
 
 import re
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from lexis.errors import LexisError, one_line
@@ -149,7 +149,7 @@ def _failure_test(
     """
     if isinstance(check, ClaimCheck):
         alone = FailureTest(check.claim.opposite, runner)
-        compared = replace(alone, reference=reference, original=None)
+        compared = FailureTest(alone.claim, runner, reference)
         how = compared.reference_fails(with_listed_house(scenario))
         return (compared, "") if how is None else (alone, f"\n  the reference is not used, because it fails, too: {how}")
     crash = FailureTest(None, runner)

@@ -13,7 +13,6 @@ from sim.harness.failures.first_wrong import shown_failure
 from sim.harness.failures.why_page import why_page
 from sim.harness.outputs import write_crash, write_run
 from sim.harness.reducer import Reduction
-from sim.harness.runner import Run
 from sim.harness.world_tests import TEST_REPLAY
 
 
@@ -45,13 +44,12 @@ def write_failure(
         raise not_reproduced(reduction)
     original = json.dumps(reduction.original.data(), indent=1) + "\n"
     files = {"original.json": original.encode(), TEST_REPLAY: replay_test(test.claim, replay).encode()}
-    files |= why_page(reduction, test, blamed, smallest).files
+    reference = test.reference_run(reduction.scenario)
+    files |= why_page(reduction, test, blamed, smallest, reference).files
     if isinstance(smallest, Crash):
         write_crash(smallest, out, files)
     else:
         assert test.claim is not None
-        compared = test.reference_run(smallest.scenario)
-        reference = compared if isinstance(compared, Run) else None
         failure = shown_failure(
             smallest.run, f"{test.claim}: {test.claim.figure} is {smallest.value:.4g}", test.claim.figure, reference
         )

@@ -56,16 +56,23 @@ class Page:
         return {WHY: ("\n".join(self.lines) + "\n").encode(), **self.pictures}
 
 
-def why_page(reduction: Reduction, test: FailureTest, blamed: BlameTable, smallest: Observed | Crash) -> Page:
-    """Make the page about a failure of a SLAM; `smallest` is the run or crash of the SLAM in the smallest scenario."""
+def why_page(
+    reduction: Reduction,
+    test: FailureTest,
+    blamed: BlameTable,
+    smallest: Observed | Crash,
+    reference: Run | None = None,
+) -> Page:
+    """Make the page about a failure of a SLAM.
+
+    `smallest` is the run or crash of the SLAM in the smallest scenario, and `reference` the run of the reference there.
+    """
     if isinstance(smallest, Crash):
         return crash_page(f"The SLAM {smallest.what}", smallest, reduction, blamed)
     assert test.claim is not None
     figure = test.claim.figure
-    compared = test.reference_run(smallest.scenario)
-    other = compared if isinstance(compared, Run) else None
-    head = [f"# {test.claim}", *_under_test(_name_of(smallest.run)), "", *_failure(reduction, test, smallest, other)]
-    place = wrong_frame_page(smallest.run, figure, other)
+    head = [f"# {test.claim}", *_under_test(_name_of(smallest.run)), "", *_failure(reduction, test, smallest, reference)]
+    place = wrong_frame_page(smallest.run, figure, reference)
     return _page(head, place, _search_sections(reduction, blamed, figure), _WHOLE_RUN)
 
 
@@ -132,9 +139,9 @@ def _failure(reduction: Reduction, test: FailureTest, smallest: Observed, refere
     original, figure = reduction.signature.value, test.claim.figure
     yield f"`{figure}` is **{_number(smallest.value)}** in this scenario; a SLAM without the failure has"
     yield f"`{test.claim.opposite}`. In the scenario in which the failure was found, it is {_number(original)}."
-    if not reduction.accepted or test.original is None:
+    if not reduction.accepted:
         return
-    if kinds := test.original.compared(smallest.run):
+    if kinds := test.original.compared(smallest.run, figure):
         yield kinds
     if reference is not None:
         yield f"The reference, `{_name_of(reference)}`, passes in both."
