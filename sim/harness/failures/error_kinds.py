@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping
 
-from sim.harness.failures.first_wrong import main_groups
+from sim.harness.failures.first_wrong import misplaced
 from sim.harness.runner import Run
 
 NO_FLOOR, TOO_HIGH, TOO_LOW = "claimed on no floor", "claimed on a floor too high", "claimed on a floor too low"
@@ -46,14 +46,12 @@ def _of_floors(run: Run) -> Iterator[str]:
 
 
 def _of_rooms(run: Run, labels: Mapping[str, str]) -> Iterator[str]:
-    claims, truth = run.estimate.rooms, run.true_rooms
-    if claims is not None:
-        main_room, main_claim = main_groups(claims, truth), main_groups(truth, claims)
-        named = [labels.get(room.id, room.label) for room in run.house.rooms]
-        for claim, room in zip(claims.tolist(), truth.tolist(), strict=True):
-            if claim < 0:
+    named, truth = [labels.get(room.id, room.label) for room in run.house.rooms], run.true_rooms.tolist()
+    for row, _, how, other in misplaced(run):
+        match how:
+            case "nowhere":
                 yield NO_ROOM
-            elif main_room[claim] != room:
-                yield TWINS if named[main_room[claim]] == named[room] else STRANGERS
-            elif main_claim[room] != claim:
+            case "merged":
+                yield TWINS if named[other] == named[truth[row]] else STRANGERS
+            case "split":
                 yield SPLIT

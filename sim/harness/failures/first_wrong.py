@@ -30,6 +30,18 @@ class _Wrong(NamedTuple):
     since: int | None = None
 
 
+class Misplaced(NamedTuple):
+    """A row of the estimate in no room instance or in a wrong one."""
+
+    row: int
+    claim: int
+    """Number of the claimed room; negative for none."""
+    how: Literal["nowhere", "merged", "split"]
+    other: int
+    """If merged, the true room in which most of the claimed room lies. If split, the claimed room that holds most of the
+    true room; negative for none. Otherwise, the true room itself."""
+
+
 @dataclass(frozen=True)
 class WrongFrame:
     """A frame at which the SLAM was wrong: the room, the time and the error."""
@@ -181,28 +193,39 @@ def _instance_or_label(run: Run) -> Iterator[_Wrong]:
 
 
 def _instance(run: Run) -> Iterator[_Wrong]:
-    """Yield the frames in no room instance or in a wrong one.
+    """Yield the frames in no room instance or in a wrong one; see `misplaced`."""
+    for row, claim, how, other in misplaced(run):
+        match how:
+            case "nowhere":
+                yield _Wrong(row, "in no claimed room")
+            case "merged":
+                yield _Wrong(row, f"in the claimed room {claim}, which lies mostly in {_room(run, other)}")
+            case "split":
+                mostly = f"though most of this room is {'in no claimed room' if other < 0 else f'the claimed room {other}'}"
+                yield _Wrong(row, f"in the claimed room {claim}, {mostly}")
+
+
+def misplaced(run: Run) -> Iterator[Misplaced]:
+    """Yield the frames in no room instance or in a wrong one; none if the SLAM claims no rooms.
 
     The room instance of a frame is wrong in two cases: most of the instance lies in another true room than the frame, or
     most frames of the frame's true room belong to another instance.
     """
     claims, truth = run.estimate.rooms, run.true_rooms
-    if claims is not None:
-        main_room, main_claim = main_groups(claims, truth), main_groups(truth, claims)
-        for row, (claim, room) in enumerate(zip(claims.tolist(), truth.tolist(), strict=True)):
-            if claim < 0:
-                yield _Wrong(row, "in no claimed room")
-            elif main_room[claim] != room:
-                lies = f"which lies mostly in {_room(run, main_room[claim])}"
-                yield _Wrong(row, f"in the claimed room {claim}, {lies}")
-            elif main_claim[room] != claim:
-                main = main_claim[room]
-                mostly = f"though most of this room is {'in no claimed room' if main < 0 else f'the claimed room {main}'}"
-                yield _Wrong(row, f"in the claimed room {claim}, {mostly}")
+    if claims is None:
+        return
+    main_room, main_claim = _most_frequent(claims, truth), _most_frequent(truth, claims)
+    for row, (claim, room) in enumerate(zip(claims.tolist(), truth.tolist(), strict=True)):
+        if claim < 0:
+            yield Misplaced(row, claim, "nowhere", room)
+        elif main_room[claim] != room:
+            yield Misplaced(row, claim, "merged", main_room[claim])
+        elif main_claim[room] != claim:
+            yield Misplaced(row, claim, "split", main_claim[room])
 
 
-def main_groups(groups: Int[np.ndarray, "n"], values: Int[np.ndarray, "n"]) -> dict[int, int]:
-    """Return the most frequent value of every group, such as the true room of each claimed room; on a tie, the smallest."""
+def _most_frequent(groups: Int[np.ndarray, "n"], values: Int[np.ndarray, "n"]) -> dict[int, int]:
+    """Return the most frequent value of every group; on a tie, the smallest one."""
     chosen = {}
     for group in np.unique(groups):
         found, counts = np.unique(values[groups == group], return_counts=True)
