@@ -8,6 +8,7 @@ from rich.progress import Progress
 
 from lexis.command_line import Commands, add_command, warn_of_replacement
 from sim.commands.arguments import add_walk, folder, number, numbers, walk_options, whole_number
+from sim.record.stamps import MAX_DAY
 
 FORMATS = {
     "euroc": "EuRoC ASL: stereo, 200 Hz IMU, true states, odometry; ORB-SLAM3 reads it if images are png",
@@ -60,7 +61,7 @@ def add_to(commands: Commands) -> None:
     formats = "; ".join(f"{name}: {text}" for name, text in FORMATS.items())
     record.add_argument("--format", choices=FORMATS, default="euroc", help=f"{formats} (default: %(default)s)")
     record.add_argument("--image-format", choices=("png", "jpg", "raw"), default="png", help=IMAGE_FORMAT_HELP)
-    record.add_argument("--day", type=whole_number(0, 10_000), default=0, metavar="N", help=DAY_HELP)
+    record.add_argument("--day", type=whole_number(0, MAX_DAY), default=0, metavar="N", help=DAY_HELP)
     record.add_argument(
         "-o", "--out", type=folder, default=Path("recording"), metavar="DIR", help="folder to write (default: %(default)s)"
     )

@@ -2,8 +2,8 @@
 
 `recording` writes a dataset. `take` collects the data that all sensors measure on one tour. `euroc`, `tum_rgbd` and `ros2`
 (with `messages`) each write these data in one format; `image_names` names the files of images. `settings` writes the
-settings files of other SLAM systems, and `rooms` writes the true rooms. From a recording, `lexis run` makes the same map as
-LEXIS makes in the live run.
+settings files of other SLAM systems, and `rooms` writes the true rooms. `stamps` says when a recording begins. From a
+recording, `lexis run` makes the same map as LEXIS makes in the live run.
 """
 
 import lazy_loader

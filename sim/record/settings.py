@@ -13,7 +13,8 @@ from jaxtyping import Float64
 from lexis.maths.se3 import inverse
 from lexis.types import Camera
 from sim.odometry.imu import GRAVITY_M_S2, ImuConfig
-from sim.record.take import REST_S, Take
+from sim.record.stamps import REST_S
+from sim.record.take import Take
 from sim.render.image_files import DEPTH_FACTOR
 from sim.render.lens import Distortion
 

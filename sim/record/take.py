@@ -25,20 +25,13 @@ from sim.harness.scenario import Scenario
 from sim.harness.walk import Walk, walk
 from sim.number_checks import check_count
 from sim.odometry.imu import GRAVITY_M_S2, Imu, ImuConfig, ideal_imu, with_noise
+from sim.record.stamps import MAX_DAY, REST_S, stamp_ns
 from sim.render.lens import Distortion, rendered_camera
 from sim.render.rig import FREE_M, STEREO_BASELINE_M, build_rig
 from sim.session import Session
 from sim.truth import Truth
 from sim.world_states import FrameRenderer, WorldStates
 
-EPOCH_NS = 1_000_000_010 * 10**9
-"""Stamp of the first frame [ns], a time in 2001. Tools that split stamps into s and ns expect stamps of 19 digits, also of
-the IMU data that are earlier."""
-DAY_S = 86_400
-MAX_DAY = 10_000
-"""Latest day of a recording. On later days, the seconds of stamps would soon need more than 31 bits."""
-REST_S = 2.0
-"""Duration of the rest at the start [s]."""
 _CHANGES_TIMES = Dropped, Duplicated, Late, OutOfOrder, StampOffset, StampJitter, StampJump
 """Faults that change which frames arrive, their order or their stamps."""
 _MARGIN_S = 0.1
@@ -276,8 +269,3 @@ def _with_rest(imu: Imu, rate_hz: float) -> Imu:
         force[rest] = [0.0, 0.0, GRAVITY_M_S2]
     zero = np.zeros_like(force)
     return Imu(stamps, np.pad(imu.angular_velocity, pad), force, zero, zero)
-
-
-def stamp_ns(seconds: float, day: int = 0) -> int:
-    """Convert a time since the start of the walk [s] to a stamp [ns] on the given day."""
-    return EPOCH_NS + day * DAY_S * 10**9 + round((seconds + REST_S) * 1e9)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from sim.harness.walk import walk
 from sim.programs import run_command
-from sim.record.take import stamp_ns
+from sim.record.stamps import stamp_ns
 from worlds.truth import boundary_openness, room_at
 
 PROGRAM = Path(__file__).with_name("planted_program.py")

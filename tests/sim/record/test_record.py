@@ -33,7 +33,8 @@ from sim.odometry.imu import ImuConfig
 from sim.record import record
 from sim.record.ros2 import write_bag
 from sim.record.settings import write_settings
-from sim.record.take import EPOCH_NS, MAX_DAY, REST_S, Take, prepare, stamp_ns
+from sim.record.stamps import EPOCH_NS, MAX_DAY, REST_S, stamp_ns
+from sim.record.take import Take, prepare
 from sim.render.lens import Distortion
 from sim.render.rig import RigConfig, build_rig
 from sim.world_states import FrameRenderer
