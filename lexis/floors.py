@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float64, Int
 from lexis.maths.paths import arc_length
 from lexis.maths.stretches import Stretch, stretches_of
 from lexis.maths.ties import rounded
-from lexis.stairs import RIDE_M, lift_rides
+from lexis.stairs import RIDE_M, Metres, lift_rides
 
 NO_FLOOR = -1
 """Floor number of a keyframe on stairs, which is on no floor."""
@@ -21,9 +21,6 @@ RAMP_SLOPE = 0.04
 """Slope above which a change of height is a ramp and not drift. Ramps have slopes of 0.06 to 0.125, drift is less."""
 RAMP_RISE_M = 0.5
 """Least rise of a ramp above `RAMP_SLOPE` times its length [m]."""
-
-Metres = Float64[np.ndarray, "n"]
-"""A length or a height of each keyframe [m]."""
 
 
 def floor_numbers(floors: Int[np.ndarray, "n"]) -> list[int]:
