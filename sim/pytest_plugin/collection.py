@@ -15,6 +15,8 @@ from sim.pytest_plugin.options import SEED, out_folder, replayed_file
 SHARE_S = pytest.StashKey[float]()
 """Key under which pytest stores each decorated test's share of the time budget [s]; absent without a budget."""
 
+REFERENCE = "reference_slam"
+"""Name of a fixture of the user that returns a SLAM with which the test passes; the plugin has none of this name."""
 _FIXTURES = "sim.pytest_plugin.fixtures"
 """Module of the plugin's own fixtures."""
 _REPLAY = "replay"
@@ -61,21 +63,27 @@ def _problem(metafunc: pytest.Metafunc, family: WorldFamily) -> str:
         return "is decorated with @worlds and takes no house; valid: the argument run, house or scenario"
     if family.fidelity == "layout" and "run" in metafunc.fixturenames:
         return "takes run, but no SLAM runs with fidelity 'layout'; valid: the argument house instead of run"
-    if (place := _ignored_slam(metafunc)) is not None:
-        return (
-            f"would test LEXIS: the name slam in {place} is no fixture; "
-            "valid: @pytest.fixture above a function slam() that returns the SLAM under test, or another name"
-        )
+    for name, effect in (("slam", "would test LEXIS"), (REFERENCE, "would be shrunk without a reference")):
+        if "slam" in metafunc.fixturenames and (place := _not_a_fixture(metafunc, name)) is not None:
+            return (
+                f"{effect}: the name {name} in {place} is no fixture; "
+                f"valid: @pytest.fixture above a function {name}() that returns a SLAM, or another name"
+            )
     return ""
 
 
-def _ignored_slam(metafunc: pytest.Metafunc) -> str | None:
-    """Return the place of a name `slam` that looks like the user's SLAM, although the fixture `slam` is that of the plugin.
+def has_own_fixture(item: pytest.Item, name: str) -> bool:
+    """Return whether the user has defined a fixture of this name for a test, be it in place of one of the plugin or new."""
+    found = item.session._fixturemanager.getfixturedefs(name, item) or ()
+    return bool(found) and found[-1].func.__module__ != _FIXTURES
+
+
+def _not_a_fixture(metafunc: pytest.Metafunc, fixture: str) -> str | None:
+    """Return the place of a name that looks like a SLAM of the user, although the user has no fixture of this name.
 
     None if there is none. Modules of this name, as in `from lexis import slam`, do not look like a SLAM.
     """
-    found = metafunc._arg2fixturedefs.get("slam", ())
-    if not found or found[-1].func.__module__ != _FIXTURES:
+    if has_own_fixture(metafunc.definition, fixture):
         return None
     folder = metafunc.definition.path.parent
     plugins = [plugin for plugin in metafunc.config.pluginmanager.get_plugins() if isinstance(plugin, types.ModuleType)]
@@ -84,12 +92,12 @@ def _ignored_slam(metafunc: pytest.Metafunc) -> str | None:
     places: dict[str, object] = {} if metafunc.cls is None else {f"class {metafunc.cls.__name__}": metafunc.cls}
     places[metafunc.definition.path.name] = metafunc.module
     places |= {str(file): module for module, file in conftests if folder.is_relative_to(file.parent)}
-    return next((name for name, place in places.items() if _has_other_slam(place)), None)
+    return next((name for name, place in places.items() if _has_other(place, fixture)), None)
 
 
-def _has_other_slam(place: object) -> bool:
-    """Return whether a module or class has an attribute `slam` that is neither a fixture nor a module."""
-    slam = getattr(place, "slam", None)
+def _has_other(place: object, fixture: str) -> bool:
+    """Return whether a module or class has an attribute of this name that is neither a fixture nor a module."""
+    slam = getattr(place, fixture, None)
     return slam is not None and not isinstance(slam, types.ModuleType) and getfixturemarker(slam) is None
 
 

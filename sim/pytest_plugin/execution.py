@@ -86,6 +86,10 @@ class Execution:
     """The scenario of a decorated test; None until it is built."""
     given: "RunResult | None" = None
     """What the fixture `run` returns without running the SLAM; None: the result of the SLAM."""
+    by_reference: bool = False
+    """Whether the fixture `run` runs the SLAM of the fixture `reference_slam` in place of `slam`."""
+    reference: "Run | None" = None
+    """The run of the reference in the same scenario, with which the test passes; None if it was not run."""
     last: LastRun = field(default_factory=LastRun)
     raised: Raised | None = None
     failure: Reason | None = None
@@ -120,7 +124,7 @@ class Execution:
         from sim.harness.runner import scene_of
 
         if self.run is not None:
-            return str(first_wrong(self.run, self.failure.figure if self.failure else None) or "")
+            return str(first_wrong(self.run, self.failure.figure if self.failure else None, self.reference) or "")
         if self.tested is None or self.crashed_at is None:
             return ""
         return str(crash_frame(scene_of(self.tested), self.crashed_at))
@@ -131,14 +135,19 @@ EXECUTION = pytest.StashKey[Execution]()
 
 
 def execute(
-    item: pytest.Item, nextitem: pytest.Item | None, world: World, given: "RunResult | None" = None
+    item: pytest.Item,
+    nextitem: pytest.Item | None,
+    world: World,
+    given: "RunResult | None" = None,
+    by_reference: bool = False,
 ) -> tuple[list[pytest.TestReport], Execution]:
     """Set up, run and tear down a decorated test in one world; return pytest's reports and the record of the execution.
 
-    With `given`, the SLAM is not run, and this is its result.
+    With `given`, the SLAM is not run, and this is its result. With `by_reference`, the SLAM of the fixture `reference_slam`
+    is run instead.
     """
     item._report_sections.clear()  # otherwise the printed output of all executions adds up
-    execution = item.stash[EXECUTION] = Execution(world, given=given)
+    execution = item.stash[EXECUTION] = Execution(world, given=given, by_reference=by_reference)
     try:
         return runtestprotocol(item, log=False, nextitem=nextitem), execution
     except KeyboardInterrupt:  # pytest stops here and would leave the fixtures set up

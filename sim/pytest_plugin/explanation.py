@@ -16,7 +16,8 @@ from sim.pytest_plugin.options import loading_options, out_folder, replayed_file
 
 if TYPE_CHECKING:
     from sim.harness.crash import Crash
-    from sim.harness.failures.failed_test import FailedPytest, FinishedRun, Search
+    from sim.harness.failures.failed_test import FailedPytest, FinishedRun
+    from sim.harness.failures.search import Search
     from sim.harness.scenario import Scenario
 
 
@@ -73,6 +74,7 @@ def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search
     try:
         place = execution.first_wrong
         lines += [f"first wrong: {place}"] if place else []
+        lines += _about_reference(search)
         folder = _folder(item, execution, _outcome(execution, scenario), search)
     except Exception as problem:  # whatever it is, the failure of the test must not be lost
         return [*lines, f"folder: cannot be written: {one_line(f'{type(problem).__name__}: {problem}', 160)}"]
@@ -81,6 +83,15 @@ def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search
     shown = folder if item.config.option.lexis_out.is_absolute() else Path(relpath(folder, here))
     command = shlex.join(["pytest", *loading_options(item.config), test, "--lexis-replay", str(shown)])
     return [*lines, f"folder: {shown}", f"replay: {command}"]
+
+
+def _about_reference(search: "Search | None") -> list[str]:
+    """Return a line on the SLAM of the fixture `reference_slam`; none without one."""
+    if search is None:
+        return []
+    if search.left_out:
+        return [f"note: {search.left_out}"]
+    return [] if search.reference is None else [f"reference: {type(search.reference.slam).__name__} passes in this scenario"]
 
 
 def _folder(item: pytest.Item, execution: Execution, outcome: "FinishedRun | Crash", search: "Search | None") -> Path:

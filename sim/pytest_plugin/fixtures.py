@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from sim.errors import USER_ERRORS, SimError
-from sim.pytest_plugin.collection import family_of
+from sim.pytest_plugin.collection import REFERENCE, family_of
 from sim.pytest_plugin.execution import EXECUTION, Execution, Raised
 
 if TYPE_CHECKING:
@@ -59,9 +59,11 @@ def run(request: pytest.FixtureRequest, scenario: "Scenario", slam: "SlamUnderTe
     execution: Execution = request.node.stash[EXECUTION]
     if execution.given is not None:
         return execution.given
-    family = family_of(request.node)
+    family, name = family_of(request.node), "slam"
+    if execution.by_reference:
+        name, slam = REFERENCE, request.getfixturevalue(REFERENCE)
     if slam is None:
-        pytest.fail("the fixture slam returned None; valid: a SLAM under test (is `return` missing?)", pytrace=False)
+        pytest.fail(f"the fixture {name} returned None; valid: a SLAM under test (is `return` missing?)", pytrace=False)
     try:
         finished = run_scenario(scenario, slam)
         result = evaluate(finished, try_plans(finished) if family is not None and family.plans else [])

@@ -1,4 +1,7 @@
-"""Shrinking: a failing test is executed in smaller and smaller scenarios, as long as it fails in the same way."""
+"""Shrinking: a failing test is executed in smaller and smaller scenarios, as long as it fails in the same way.
+
+If the user has a fixture `reference_slam`, the test also has to pass with this SLAM in each of these scenarios.
+"""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -6,12 +9,14 @@ from typing import TYPE_CHECKING
 import pytest
 
 from sim.errors import SimError
+from sim.pytest_plugin.collection import REFERENCE, has_own_fixture
 from sim.pytest_plugin.execution import Execution, execute
 
 if TYPE_CHECKING:
     from sim.harness.failure_signature import Signature
-    from sim.harness.failures.failed_test import Search
+    from sim.harness.failures.search import Search
     from sim.harness.results import RunResult
+    from sim.harness.runner import Run
     from sim.harness.scenario import Scenario
 
 
@@ -27,6 +32,41 @@ class _Chosen:
         return self.chosen
 
 
+class _Reference:
+    """The SLAM of the fixture `reference_slam`: a smaller scenario counts only if the test passes with it."""
+
+    def __init__(self, item: pytest.Item, nextitem: pytest.Item | None) -> None:
+        """Leave the reference out if the user has none."""
+        self._item, self._nextitem = item, nextitem
+        self._is_used, self._is_first = has_own_fixture(item, REFERENCE), True
+        self.left_out = ""
+        """Why the reference is not used, as a sentence; "" if it is used, and without a reference."""
+        self.run: Run | None = None
+        """The last run with which the test passed; None without a reference."""
+
+    def passes(self, scenario: "Scenario") -> bool:
+        """Return whether the test passes with the reference in a scenario; True without a reference.
+
+        The first call is for the original scenario. If the test fails there, the reference is left out from then on.
+        """
+        if not self._is_used:
+            return True
+        reports, tried = execute(self._item, self._nextitem, _Chosen(scenario), by_reference=True)
+        passed = all(report.passed for report in reports)
+        if passed:
+            self.run = tried.run
+        elif self._is_first:
+            self._is_used, self.left_out = False, self._why_left_out(tried)
+        self._is_first = False
+        return passed or not self._is_used
+
+    def _why_left_out(self, tried: Execution) -> str:
+        if "run" not in self._item.fixturenames:  # type: ignore[attr-defined]
+            return f"{REFERENCE} is not used, because the test does not take run."
+        how = "" if tried.failure is None else f": {tried.failure.message.splitlines()[0]}"
+        return f"{REFERENCE} is not used, because the test fails with it, too{how}."
+
+
 def shrunk(
     item: pytest.Item, nextitem: pytest.Item | None, found: Execution, scenario: "Scenario"
 ) -> "tuple[Execution, Search | None]":
@@ -37,13 +77,14 @@ def shrunk(
     """
     from sim.harness.adapters.lexis import Lexis
     from sim.harness.blame_table import blame
-    from sim.harness.failures.failed_test import Search
+    from sim.harness.failures.search import Search
     from sim.harness.original_failure import OriginalFailure
     from sim.harness.reducer import reduce
     from worlds.errors import WorldsError
 
     signature, last = _signature(found), found
     original, figure = OriginalFailure(), found.failure.figure if found.failure else None
+    reference = _Reference(item, nextitem)
 
     def fails(candidate: "Scenario") -> "Signature | None":
         nonlocal last
@@ -57,7 +98,9 @@ def shrunk(
                 return signature.unavoidable
             if tried.run is not None and not original.is_like(tried.run, figure):
                 return signature.with_other_errors
-            last = tried
+            if not reference.passes(candidate):
+                return signature.of_reference
+            tried.reference, last = reference.run, tried
         if tried.failure is not None and isinstance(tried.failure.error, SimError) and signature != _signature(tried):
             raise tried.failure.error  # the test cannot run in this scenario
         if tried.failure is None and any(report.failed for report in reports):
@@ -77,11 +120,9 @@ def shrunk(
     blamed = blame(reduction, fails, smallest.run is not None and isinstance(smallest.run.slam, Lexis))
     if blamed.interrupted:
         _stop(item)
-    text, kinds = (
-        found.failure.text if found.failure else "",
-        "" if smallest.run is None else original.compared(smallest.run, figure),
-    )
-    return smallest, Search(scenario, text, _place(found), kinds, reduction, blamed)
+    text = found.failure.text if found.failure else ""
+    kinds = "" if smallest.run is None else original.compared(smallest.run, figure)
+    return smallest, Search(scenario, text, _place(found), kinds, reduction, blamed, smallest.reference, reference.left_out)
 
 
 def _place(found: Execution) -> str:

@@ -385,7 +385,7 @@ def test_a_failure_is_stored_in_the_smallest_scenario_with_what_mends_it(pyteste
 
 
 def test_a_failure_is_shown_even_if_it_cannot_be_found_where_the_original_run_went_wrong(pytester, inner, monkeypatch):
-    def unknown(run, figure=None):
+    def unknown(*_):
         raise RuntimeError("no idea")
 
     steps = {"shorten the tour": sim.harness.reductions.STEPS["shorten the tour"]}
@@ -434,6 +434,51 @@ def test_a_test_relative_to_the_odometry_is_shrunk_to_a_scenario_that_a_mended_s
     inner("--lexis-replay", str(folder), "--no-lexis-shrink").assert_outcomes(failed=1)
     monkeypatch.setenv("MENDED", "1")
     inner("--lexis-replay", str(folder)).assert_outcomes(passed=1)
+
+
+REFERENCE = """
+class Silent(Stub):
+    def finish(self):
+        return Estimate(np.array(self.frames), T_W_B=np.array(self.poses))
+
+@pytest.fixture
+def reference_slam():
+    return Silent() if not os.environ.get("LABELS") else Stub()
+
+@small
+def test_walk(run):
+    assert run.run.path_m > 10 and run.labels.accuracy is None
+
+@small
+def test_house(scenario, slam):
+    assert scenario is None
+"""
+
+
+def test_the_test_passes_with_the_reference_in_the_smallest_scenario(pytester, inner, monkeypatch):
+    steps = {name: sim.harness.reductions.STEPS[name] for name in ("drop rooms", "shorten the tour")}
+    monkeypatch.setattr(sim.harness.reducer, "reduce", partial(sim.harness.reducer.reduce, steps=steps))
+    pytester.makepyfile(test_slam=SLAM + REFERENCE)
+    told, left_out = "reference: Silent passes in this scenario", "note: reference_slam is not used, because the test "
+
+    def path_m():
+        (folder,) = (pytester.path / ".lexis-failures").iterdir()
+        return json.loads((folder / "result.json").read_text())["run"]["path_m"], (folder / "why.md").read_text()
+
+    result = inner("-k", "walk")
+    result.stdout.fnmatch_lines(["SLAM under test: Stub", told])
+    walked_m, why = path_m()
+    assert walked_m > 10.0
+    assert "The test passes with the reference, `Silent`." in why and "and the reference did not" in why
+    assert "did not count, because the reference fails there, too." in why
+
+    shutil.rmtree(pytester.path / ".lexis-failures")
+    monkeypatch.setenv("LABELS", "1")
+    result = inner("-k", "walk")
+    result.stdout.fnmatch_lines([f"{left_out}fails with it, too: AssertionError: *"])
+    walked_m, why = path_m()
+    assert walked_m < 10.0 and "reference_slam is not used" in why
+    inner("-k", "house").stdout.fnmatch_lines([f"{left_out}does not take run."])
 
 
 INTERRUPTED = """
@@ -572,6 +617,14 @@ def test_a_slam_that_is_no_fixture_is_an_error_of_collection(pytester, inner, mo
         told = f"test_slam.py::test_run would test LEXIS: the name slam in {place} is no fixture; valid: @pytest.fixture *"
         result.stdout.fnmatch_lines([told])
         assert len(result.outlines) < 15
+
+
+def test_a_reference_that_is_no_fixture_is_an_error_of_collection(pytester, inner):
+    pytester.makepyfile(test_slam=SLAM + "reference_slam = Stub()\n@small\ndef test_run(run):\n    pass\n")
+    result = inner("--collect-only")
+    result.assert_outcomes(errors=1)
+    told = "test_run would be shrunk without a reference: the name reference_slam in test_slam.py is no fixture; valid: *"
+    result.stdout.fnmatch_lines([f"test_slam.py::{told}"])
 
 
 def test_a_house_that_cannot_be_made_costs_a_line_and_no_traceback(pytester, inner, monkeypatch):

@@ -5,13 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lexis.files.replace import replaced_folder
-from sim.harness.blame_table import BlameTable
 from sim.harness.crash import Crash
 from sim.harness.failures.first_wrong import shown_failure
+from sim.harness.failures.search import Search
 from sim.harness.failures.why_page import crash_page, failed_test_page
 from sim.harness.outputs import fill_crash_folder, fill_run_folder
 from sim.harness.planning import Trial
-from sim.harness.reducer import Reduction
 from sim.harness.results import RunResult
 from sim.harness.runner import Run
 from sim.harness.scenario import Scenario
@@ -65,23 +64,6 @@ class FinishedRun:
         return self.run.scenario
 
 
-@dataclass(frozen=True, eq=False)
-class Search:
-    """The search for the smallest scenario in which a test fails."""
-
-    original: Scenario
-    """The scenario in which the failure was found."""
-    found: str
-    """What pytest said about the failure in the original scenario."""
-    found_place: str
-    """Where the original run first went wrong: room, time and kind of error; empty if it is not known."""
-    kinds: str
-    """How many wrong frames have the most frequent kind of error, in both scenarios; empty for figures without kinds."""
-    reduction: Reduction
-    blamed: BlameTable
-    """The changes that mend the failure in the smallest scenario, and the changes that do not."""
-
-
 def folder_of(out: Path, name: str, scenario: Scenario, parameters: str = "") -> Path:
     """Return the folder for a failure of a test on a scenario; the same failure always gets the same folder.
 
@@ -110,15 +92,15 @@ def write_failed_test(folder: Path, test: FailedPytest, outcome: FinishedRun | C
     Raises `LexisError` where `folder` holds anything else or cannot be written.
     """
     with replaced_folder(folder, SCENARIO) as new:
-        reduction, blamed = (None, None) if search is None else (search.reduction, search.blamed)
         if isinstance(outcome, Crash):
+            reduction, blamed = (None, None) if search is None else (search.reduction, search.blamed)
             fill_crash_folder(outcome, new)
             page = crash_page(f"{test.name} fails", outcome, reduction, blamed)
         else:
-            failure = shown_failure(outcome.run, f"{test.name} fails\n{test.message}", test.figure)
+            reference = None if search is None else search.reference
+            failure = shown_failure(outcome.run, f"{test.name} fails\n{test.message}", test.figure, reference)
             fill_run_folder(outcome.run, outcome.result, outcome.trials, new, failure)
-            found = ("", "", "") if search is None else (search.found, search.found_place, search.kinds)
-            page = failed_test_page(test.name, outcome.run, test.figure, reduction, blamed, test.message, *found)
+            page = failed_test_page(test.name, outcome.run, test.figure, test.message, search)
         for each, content in page.files.items():
             (new / each).write_bytes(content)
         if search is not None:

@@ -11,6 +11,7 @@ from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.failure_signature import FailureTest, Observed
 from sim.harness.failures.claimed_frames import claimed_frames
 from sim.harness.failures.first_wrong import WrongFrame, crash_frame, first_wrong
+from sim.harness.failures.search import Search
 from sim.harness.nearest_changes import nearest
 from sim.harness.reducer import Reduction
 from sim.harness.reductions import ScenarioSize, difference, relabelled_rooms
@@ -80,26 +81,35 @@ def failed_test_page(
     name: str,
     run: Run,
     figure: str | None,
-    reduction: Reduction | None,
-    blamed: BlameTable | None,
-    message: str = "",
-    found: str = "",
-    found_place: str = "",
-    kinds: str = "",
+    message: str,
+    search: Search | None,
 ) -> Page:
     """Make the page about a test that fails.
 
-    `figure` is the figure that the failing assertion is about, such as "floors.accuracy"; None if it is unknown.
-    `reduction` and `blamed` are None if no smaller scenario was searched for. `message` is what pytest says about the
-    failure, if it is known, and `found` what it said in the scenario in which the failure was found; `found_place` says
-    where that run first went wrong, and `kinds` how frequent the most frequent kind of error is in both runs.
+    `figure` is the figure that the failing assertion is about, such as "floors.accuracy"; None if it is unknown. `message`
+    is what pytest says about the failure, "" if it is not known. `search` is None if no smaller scenario was searched for.
     """
-    head = [f"# {name} fails", *_under_test(_name_of(run)), *_quoted(message), *(["", kinds] if kinds else [])]
-    if found and found != message:
-        head += ["", "In the scenario in which the failure was found, pytest said:", *_quoted(found)]
-        if found_place and not kinds:
-            head += ["", *_first_place(found_place, "`pytest --no-lexis-shrink` shows the failure as it was found.")]
-    return _page(head, wrong_frame_page(run, figure), _search_sections(reduction, blamed), _WHOLE_RUN)
+    head = [f"# {name} fails", *_under_test(_name_of(run)), *_quoted(message)]
+    if search is None:
+        return _page(head, wrong_frame_page(run, figure), (), _WHOLE_RUN)
+    head += _compared_with_original(search, message)
+    sections = _search_sections(search.reduction, search.blamed)
+    return _page(head, wrong_frame_page(run, figure, search.reference), sections, _WHOLE_RUN)
+
+
+def _compared_with_original(search: Search, message: str) -> Iterator[str]:
+    """Yield lines on the failure in the original scenario, and on the reference."""
+    if search.kinds:
+        yield from ("", search.kinds)
+    if search.reference is not None:
+        yield from ("", f"The test passes with the reference, `{_name_of(search.reference)}`.")
+    if search.left_out:
+        yield from ("", search.left_out)
+    if search.found and search.found != message:
+        yield from ("", "In the scenario in which the failure was found, pytest said:", *_quoted(search.found))
+        if search.found_place and not search.kinds and search.reference is None:
+            yield ""
+            yield from _first_place(search.found_place, "`pytest --no-lexis-shrink` shows the failure as it was found.")
 
 
 def _name_of(run: Run) -> str:
