@@ -126,6 +126,11 @@ def family_of(item: pytest.Item) -> WorldFamily | None:
     return _family(getattr(item, "function", None))
 
 
+def is_without_worlds(item: pytest.Item) -> bool:
+    """Return whether a test is decorated with `worlds` in vain: pytest makes no parameters for methods of a TestCase."""
+    return family_of(item) is not None and not hasattr(item, "callspec")
+
+
 def world_of(item: pytest.Item) -> World:
     """Return the world for which `pytest_generate_tests` has made a decorated test."""
     world: World = item.callspec.params["scenario"]  # type: ignore[attr-defined]

@@ -16,6 +16,7 @@ from _pytest.runner import runtestprotocol
 from sim.errors import USER_ERRORS, ClaimError
 from sim.harness.last_run import LastRun, watched
 from sim.harness.world_tests import World
+from sim.pytest_plugin.collection import is_without_worlds
 from sim.pytest_plugin.drawn_tests import replay_of_draws
 from sim.pytest_plugin.options import replayed_file
 
@@ -164,6 +165,9 @@ def pytest_runtest_setup(item: pytest.Item) -> Generator[None, None, None]:
     If the SLAM raises an exception in the fixture `run`, the exception is stored, and `pytest_runtest_call` raises it.
     pytest then reports a failure of the test, not an error of its setup.
     """
+    if is_without_worlds(item):
+        problem = "is decorated with @worlds in a TestCase of unittest; valid: a function, or a method of any other class"
+        pytest.fail(f"{item.nodeid} {problem}", pytrace=False)
     if EXECUTION not in item.stash:
         item.stash[EXECUTION] = Execution()
     execution = item.stash[EXECUTION]

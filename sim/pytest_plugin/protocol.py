@@ -11,7 +11,7 @@ from itertools import count
 import pytest
 
 from sim.harness.world_tests import FreshWorld, WorldFamily
-from sim.pytest_plugin.collection import SHARE_S, family_of, world_of
+from sim.pytest_plugin.collection import SHARE_S, family_of, is_without_worlds, world_of
 from sim.pytest_plugin.execution import EXECUTION, Execution, execute, reason_of
 from sim.pytest_plugin.explanation import add_text
 from sim.pytest_plugin.options import SEED, wants_to_shrink
@@ -22,19 +22,19 @@ from sim.pytest_plugin.shrinking import shrunk
 def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
     """Run a decorated test, and report one outcome for all its executions."""
     family = family_of(item)
-    if family is None:
+    if family is None or is_without_worlds(item):
         return None
     item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
     reports, execution = _within_budget(item, nextitem, family)
-    original = execution.scenario
-    if execution.failure is not None and original is not None:
+    original, failed = execution.scenario, next((report for report in reports if report.failed), None)
+    if execution.failure is not None and original is not None and failed is not None:  # None: only subtests have failed
         search, problem = None, None
         if wants_to_shrink(item.config) and not execution.failure.unknown_figure:
             try:
                 execution, search = shrunk(item, nextitem, execution, original)
             except Exception as error:  # whatever it is, the failure of the test must not be lost
                 problem = error
-        add_text(item, execution, next(report for report in reports if report.failed), search, problem)
+        add_text(item, execution, failed, search, problem)
     for report in reports:
         item.ihook.pytest_runtest_logreport(report=report)
     item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)

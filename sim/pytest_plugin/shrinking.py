@@ -103,6 +103,8 @@ def shrunk(
             tried.reference, last = reference.run, tried
         if tried.failure is not None and isinstance(tried.failure.error, SimError) and signature != _signature(tried):
             raise tried.failure.error  # the test cannot run in this scenario
+        if any(report.skipped for report in reports):
+            raise SimError("the test is skipped in this scenario; valid: a scenario in which it runs")
         if tried.failure is None and any(report.failed for report in reports):
             raise SimError("the test cannot be set up in this scenario; valid: a scenario that can run")
         return _signature(tried)

@@ -481,6 +481,52 @@ def test_the_test_passes_with_the_reference_in_the_smallest_scenario(pytester, i
     inner("-k", "house").stdout.fnmatch_lines([f"{left_out}does not take run."])
 
 
+SKIPPED = """
+@worlds(max_rooms=3, n=1, frame_rate_hz=2.0, encoder="oracle")
+def test_rooms(run, house):
+    if len(house.rooms) < 3:
+        pytest.skip("too small")
+    assert run.labels.accuracy > 2.0
+"""
+
+
+def test_a_test_that_is_skipped_in_a_smaller_scenario_does_not_pass_there(pytester, inner, monkeypatch):
+    steps = {"drop rooms": sim.harness.reductions.STEPS["drop rooms"]}
+    monkeypatch.setattr(sim.harness.reducer, "reduce", partial(sim.harness.reducer.reduce, steps=steps))
+    pytester.makepyfile(test_slam=SLAM + SKIPPED)
+    inner().assert_outcomes(failed=1)
+    (folder,) = (pytester.path / ".lexis-failures").iterdir()
+    assert "goes away" not in (folder / "why.md").read_text()
+
+
+MISUSED = """
+import unittest
+from sim.harness import worlds
+
+@worlds(n=1, fidelity="layout")
+def test_parts(scenario, subtests):
+    with subtests.test("a part"):
+        assert scenario is None
+
+class TestWithUnittest(unittest.TestCase):
+    @worlds(n=1, fidelity="layout")
+    def test_method(self):
+        pass
+
+def test_other():
+    pass
+"""
+
+
+def test_subtests_and_methods_of_unittest_end_no_session(pytester, start):
+    pytester.makeconftest(LIGHT)
+    pytester.makepyfile(test_slam=MISUSED)
+    result = start()
+    result.assert_outcomes(failed=2, passed=1, errors=1)  # the subtest and the test around it fail
+    told = "is decorated with @worlds in a TestCase of unittest; valid: a function, or a method of any other class"
+    result.stdout.fnmatch_lines([f"test_slam.py::TestWithUnittest::test_method {told}", "E*assert * is None"])
+
+
 INTERRUPTED = """
 executions = []
 
