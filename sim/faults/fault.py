@@ -14,9 +14,15 @@ from lexis.types import Observation
 from sim.errors import SimError
 from sim.truth import Stream, Truth
 
+LARGEST = 1e10
+"""Largest number in a fault. A clock that is reset to 1970 jumps back by 1.8e9 s."""
 
-def setting(default: int | float | None, low: int | float, high: int | float = math.inf, kw_only: bool = False) -> Any:
-    """Define a field of a fault, with a default value and a valid range from `low` to `high`, both included."""
+
+def setting(default: int | float | None, low: int | float, high: int | float = LARGEST, kw_only: bool = False) -> Any:
+    """Define a field of a fault, with a default value and a valid range from `low` to `high`, both included.
+
+    The default may be infinite; a scenario file leaves it out, because JSON has no such number.
+    """
     return field(default=default, kw_only=kw_only, metadata={"range": (low, high)})
 
 
@@ -37,8 +43,8 @@ class Fault(ABC):
             value = getattr(self, each.name)
             if isinstance(value, np.generic):  # JSON, in which scenarios are stored, has no numbers of numpy
                 object.__setattr__(self, each.name, value := value.item())
-            if value is not None and not low <= value <= high:
-                raise SimError(f"fault {self.name}: {each.name} is {value}; valid: {low:g} to {high:g}")
+            if value not in (None, each.default) and not low <= value <= high:
+                raise SimError(f"fault {self.name}: {each.name} is {value!r:.40}; valid: {low:g} to {high:g}")
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from worlds.visuals.surface_textures import finishes
 from worlds.visuals.surfaces import rectangles
 
 SURFACES = ("wall", "floor", "ceiling")
-OBJECTS = (*sorted(CATALOGUE.keys() - set(own_kinds())), "door", "window", STAIRS_OBJECT)
+OBJECTS = (*sorted(CATALOGUE.keys() - {kind.name for kind in own_kinds()}), "door", "window", STAIRS_OBJECT)
 """Kinds of objects that the included feature model knows. Furniture that a user declares has none of these kinds."""
 KINDS = (*OBJECTS, *(f"{pattern} {surface}" for surface in SURFACES for pattern in PATTERNS))
 """Visual kinds of things: kinds of objects, then one kind for each combination of a surface and a pattern of its finish. The

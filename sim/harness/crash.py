@@ -86,7 +86,7 @@ def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None
     or a model cannot be loaded.
     """
     with noted() as last, chdir("."):  # a SLAM may change the working directory
-        last.in_slam = False
+        last.forget()
         try:
             return runner(scenario, progress)
         except ProgramError as error:

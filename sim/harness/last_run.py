@@ -43,9 +43,14 @@ class LastRun:
 
         Returns the scenario to run: `instead` if it is set, otherwise `scenario`.
         """
+        self.forget()
         self.scenario = self.instead or scenario
-        self.slam, self.done, self.in_slam, self.run, self.result, self.trials = None, None, False, None, None, ()
         return self.scenario
+
+    def forget(self) -> None:
+        """Forget the previous run, whose SLAM must not be blamed for what happens before the next run begins."""
+        self.scenario, self.slam, self.done, self.in_slam = None, None, None, False
+        self.run, self.result, self.trials = None, None, ()
 
     @property
     def slam_name(self) -> str:
@@ -58,10 +63,17 @@ class LastRun:
             self.result, self.trials = result, trials
 
     @contextmanager
-    def calling_slam(self) -> Iterator[None]:
-        """Set `in_slam` while the block calls a method of the SLAM. After an exception, `in_slam` stays true."""
+    def calling_slam(self, *allowed: type[Exception]) -> Iterator[None]:
+        """Set `in_slam` while the block calls a method of the SLAM.
+
+        After an exception, `in_slam` stays true, unless the method may raise exceptions of this type: `allowed`.
+        """
         self.in_slam = True
-        yield
+        try:
+            yield
+        except allowed:
+            self.in_slam = False
+            raise
         self.in_slam = False
 
 

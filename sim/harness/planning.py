@@ -116,7 +116,7 @@ def ask_plan(run: Run, slam: PlansPaths, start: str, goal: str) -> Int[np.ndarra
     Raises `ClaimError` unless the plan has one or more rows of the estimate. Other exceptions of the SLAM are passed on.
     """
     try:
-        with last_run().calling_slam():
+        with last_run().calling_slam(PlanError):
             plan = slam.plan(start, goal)
     except PlanError:
         return None

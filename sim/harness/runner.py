@@ -194,20 +194,18 @@ def _processed(
     given: dict[int, Given] = {}
     delivered: list[Truth] = []
     refused: list[str] = []
+    allowed = (ObservationError,) if session.faults else ()
     with closing(iter(session)) as pairs:
         for observation, truth in pairs:
             delivered.append(truth)
             last.done = observation.index / len(session)
             now = Given(observation.stamp, observation.T_O_B.copy())  # the SLAM may write into the observation
             try:
-                with timed("slam_s"), last.calling_slam():
+                with timed("slam_s"), last.calling_slam(*allowed):
                     slam.process(observation)
                 given.setdefault(observation.index, now)
-            except ObservationError as error:
-                if not session.faults:
-                    raise
+            except allowed as error:
                 refused.append(str(error))
-                last.in_slam = False
             if progress is not None:
                 progress((observation.index + 1) / len(session))
     return given, delivered, refused
@@ -229,10 +227,12 @@ def _session_of(scenario: Scenario, model: FeatureModel | None) -> Session:
     """
     if model is not None:
         shared = scenario.feature_model is None
-        return _remembered_session(scenario) if shared else _session(scenario, walk(scenario), model)
+        return _remembered_session(scenario, walk(scenario)) if shared else _session(scenario, walk(scenario), model)
     frames, camera = len(walk(scenario).tour.stamps), build_rig(scenario.rig).front
     size = 3 * frames * sum(each.intrinsics.width * each.intrinsics.height for each in camera.rig)
-    return _session_with_images(scenario) if size <= _KEPT_BYTES else _session(scenario, walk(scenario), None)
+    return (
+        _session_with_images(scenario, walk(scenario)) if size <= _KEPT_BYTES else _session(scenario, walk(scenario), None)
+    )
 
 
 def _session(scenario: Scenario, walked: Walk, model: FeatureModel | None, keeps_images: bool = False) -> Session:
@@ -244,18 +244,18 @@ def _session(scenario: Scenario, walked: Walk, model: FeatureModel | None, keeps
 
 
 @lru_cache(maxsize=2)
-def _remembered_session(scenario: Scenario) -> Session:
+def _remembered_session(scenario: Scenario, walked: Walk) -> Session:
     """Return the session of a scenario on the features of the shipped model.
 
     Successive runs of the scenario share the session, so that percepts are computed only once when several laws run it.
     """
-    return _session(scenario, walk(scenario), _shipped_features())
+    return _session(scenario, walked, _shipped_features())
 
 
 @lru_cache(maxsize=1)
-def _session_with_images(scenario: Scenario) -> Session:
+def _session_with_images(scenario: Scenario, walked: Walk) -> Session:
     """Return the session of a scenario on images, which keeps the images, so that several laws render them only once."""
-    return _session(scenario, walk(scenario), None, keeps_images=True)
+    return _session(scenario, walked, None, keeps_images=True)
 
 
 def _feature_model(scenario: Scenario) -> FeatureModel | None:

@@ -31,8 +31,6 @@ _OWN_FURNITURE = "own_furniture"
 VERSION = 1
 NEEDS_PIXELS = (ImageFault, Smear, ClosedDoors, Pedestrian)
 """Faults that the feature sensor cannot represent, because it has no pixels and sees no moving doors or people."""
-_LARGEST = 1e6
-"""Largest number in a fault of a scenario file."""
 _FILE = FileKind("a scenario, such as scenario.json in the folder of a run", 16_000_000, SimError)
 
 
@@ -99,7 +97,7 @@ class Scenario(Settings, place="scenario", error=SimError):
         If the user has declared kinds of furniture, the data name them, because without them another house would be built.
         """
         plain = {each.name: getattr(self, each.name) for each in fields(self)}
-        own = {_OWN_FURNITURE: list(kinds)} if (kinds := own_kinds()) else {}
+        own = {_OWN_FURNITURE: [kind.name for kind in kinds]} if (kinds := own_kinds()) else {}
         return (
             {"format": FORMAT, "version": VERSION}
             | plain
@@ -157,7 +155,7 @@ def _check_declared(kinds: object) -> None:
     """Raise `SimError` unless all kinds of furniture are declared that were declared where the scenario was made."""
     if not isinstance(kinds, list) or not all(isinstance(kind, str) for kind in kinds):
         raise SimError(f"scenario.{_OWN_FURNITURE} is {kinds!r:.60}; valid: a list of names")
-    if missing := sorted(set(kinds) - set(own_kinds())):
+    if missing := sorted(set(kinds) - {kind.name for kind in own_kinds()}):
         raise SimError(
             f"scenario was made with a kind of furniture that is not declared here, {missing[0]!r:.60}, so that the house "
             "would be another one; valid: a program or test that imports the module with its @furniture"
@@ -197,7 +195,9 @@ def _fault(data: Mapping[str, Any]) -> Fault:
         if key not in known:
             raise SimError(f"scenario.faults: {name} has no field {key!r:.60}; valid: {', '.join(known)}")
         whole = known[key] is int
-        if type(value) not in (int, *(() if whole else (float,))) or not abs(value) <= _LARGEST:
-            valid = f"a {'whole ' if whole else ''}number up to {_LARGEST:g}"
-            raise SimError(f"scenario.faults: {name}.{key} is {value!r:.60}; valid: {valid}")
-    return kind(**values)
+        if type(value) not in (int, *(() if whole else (float,))):
+            raise SimError(f"scenario.faults: {name}.{key} is {value!r:.60}; valid: a {'whole ' if whole else ''}number")
+    try:
+        return kind(**values)
+    except SimError as error:
+        raise SimError(f"scenario.faults: {error}") from None

@@ -8,6 +8,8 @@ from sim.harness.parts import house_spec, odometry_config, random_streams, tour_
 from sim.harness.scenario import Scenario
 from sim.odometry.simulation import Odometry, tour_odometry
 from sim.tours.tour import Tour, plan_tour, shortest_length
+from worlds.furniture.kinds import Kind
+from worlds.furniture.registry import own_kinds
 from worlds.house import House
 from worlds.validation import built_and_checked
 from worlds.walkable import Walkable
@@ -47,11 +49,12 @@ def walk(scenario: Scenario) -> Walk:
     in faults, cameras or the SLAM.
     """
     usual = Scenario()
-    return _walk(replace(scenario, **{name: getattr(usual, name) for name in _IRRELEVANT}))
+    return _walk(replace(scenario, **{name: getattr(usual, name) for name in _IRRELEVANT}), own_kinds())
 
 
 @lru_cache(maxsize=4)
-def _walk(scenario: Scenario) -> Walk:
+def _walk(scenario: Scenario, kinds: tuple[Kind, ...]) -> Walk:
+    """Make the walk of a scenario, whose house may have furniture of the given `kinds` of the user."""
     streams = random_streams(scenario)
     house = built_and_checked(house_spec(scenario))
     walkable = Walkable(house)

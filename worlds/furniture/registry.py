@@ -41,9 +41,10 @@ def furniture(
     return declare
 
 
-def own_kinds() -> tuple[str, ...]:
-    """Return the names of the kinds that users have declared, sorted. Houses that are built now may have such pieces."""
-    return tuple(sorted(name for name, kind in KINDS.items() if not kind.build.__module__.startswith("worlds.")))
+def own_kinds() -> tuple[Kind, ...]:
+    """Return the kinds that users have declared, in the order of their names. Houses that are built now may have them."""
+    own = (kind for kind in KINDS.values() if not kind.build.__module__.startswith("worlds."))
+    return tuple(sorted(own, key=lambda kind: kind.name))
 
 
 def _origin(build: Build) -> tuple[str, object]:

@@ -90,7 +90,7 @@ GOOD = {"format": "lexis-scenario", "version": 1}
         (GOOD | {"faults": [{"name": "dropped", "sahre": 1}]}, "scenario.faults: dropped has no field 'sahre'; valid: "),
         (GOOD | {"faults": [{"name": "dropped", "share": "x"}]}, "scenario.faults: dropped.share is 'x'; valid: a number"),
         (GOOD | {"faults": [{"name": "dropped", "burst": 2.5}]}, "scenario.faults: dropped.burst is 2.5; valid: a whole"),
-        (GOOD | {"faults": [{"name": "kidnap", "at_s": 10**400}]}, "scenario.faults: kidnap.at_s is 1"),
+        (GOOD | {"faults": [{"name": "kidnap", "at_s": 10**400}]}, "scenario.faults: fault kidnap: at_s is 1"),
         (GOOD | {"version": True}, "scenario has version True; valid: 1"),
         (GOOD | {"frame_rate_hz": 1e308}, "scenario.frame_rate_hz is 1e+308; valid: >= 0.1 and <= 120 Hz"),
         (GOOD | {"length_m": 2**70}, "scenario.length_m is 1.18"),

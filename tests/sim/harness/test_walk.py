@@ -10,6 +10,7 @@ from sim.faults import parse_fault
 from sim.harness.scenario import Scenario
 from sim.harness.walk import shortest_walk_m, walk, with_walk_m
 from sim.render.rig import RigConfig
+from worlds.furniture import registry
 from worlds.presets import sample_from_rooms
 from worlds.truth import room_at
 
@@ -44,6 +45,17 @@ def test_what_the_slam_sees_does_not_change_the_walk(name):
 @pytest.mark.parametrize("name", OTHER)
 def test_house_tour_and_odometry_change_the_walk(name):
     assert differs(walk(PLAIN), walk(replace(PLAIN, **{name: OTHER[name]})))
+
+
+def test_furniture_that_is_declared_between_two_runs_is_in_the_second(monkeypatch):
+    monkeypatch.setattr(registry, "KINDS", dict(registry.KINDS))
+    sizes = {"width": (0.5, 0.5), "depth": (0.5, 0.5), "height": (1.0, 1.0)}
+    for height in (1.0, 1.2):  # as in a cell of a notebook that is run again
+        before = walk(PLAIN)
+        assert walk(PLAIN) is before
+        declare = registry.furniture("grand piano", **sizes | {"height": (height, height)}, rooms={"kitchen": (1, 1)})
+        declare(lambda size, rng: [])
+        assert walk(PLAIN) is not before
 
 
 def test_the_preset_changes_the_walk_if_no_house_is_given():
