@@ -11,6 +11,7 @@ from lexis.types import Camera, Image, Observation, Percept
 from lexis.verification import Verifier, verify
 from sim.errors import SimError
 from sim.faults import Fault, corrupted
+from sim.faults.images import ImageFault, Smear
 from sim.feature_sensor.sensor import FeatureSensor, SensedTour
 from sim.odometry.simulation import Odometry
 from sim.prefetch import prefetched
@@ -93,8 +94,13 @@ class Session:
                 covariance = self.odometry.increment_covariance[i].copy()  # the SLAM may write into it
                 yield Observation(i, stamp, image, T_O_B[i], covariance, tuple(others)), self.truths[i]
 
+    @property
+    def faults_of_images(self) -> tuple[str, ...]:
+        """Names of the faults that change images after they were rendered; `pictures` does not show them."""
+        return tuple(fault.name for fault in self.faults if isinstance(fault, ImageFault | Smear))
+
     def pictures(self, frames: Sequence[int]) -> list[Image]:
-        """Render the first camera's images of some frames of the tour, without the faults that a run applies to images.
+        """Render the first camera's images of some frames of the tour, without the faults `faults_of_images`.
 
         This also works in a session with a `sensor`, which itself renders no images. Raises `GraphicsError` if there is no
         off-screen OpenGL.

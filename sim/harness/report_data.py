@@ -35,6 +35,7 @@ def report_data(
         _loops(run),
         _samples(run),
         tuple(_plan(run, trial) for trial in trials),
+        faults_of_images=run.session.faults_of_images,
         unseen_rooms=run.unseen_rooms,
         candidates=_candidates(run),
         failure=failure,
@@ -47,7 +48,7 @@ def _keyframes(run: Run) -> KeyframeTable:
     odometry = aligned(run.odometry_poses, truth)
     unknown = np.full(len(truth), UNKNOWN)
     return KeyframeTable(
-        run.stamps,
+        run.true_stamps,
         truth,
         odometry,
         odometry if claims.T_W_B is None else aligned(claims.T_W_B, truth),
@@ -79,6 +80,8 @@ def _plan(run: Run, trial: Trial) -> PlanPath:
 def _why_failed(run: Run, trial: Trial) -> str:
     if not len(trial.planned):
         return "no plan was found"
+    if not len(trial.path):
+        return "the robot cannot stand at the first frame of the plan, or no way leads from there to the goal"
     if trial.touched:
         return "came to a drop" if DROP in trial.touched else f"ran into {trial.touched[0]}"
     # Heights of keyframes sway with the walk: a point at eye height is in the room, a point near its floor may be below it.

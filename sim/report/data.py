@@ -204,6 +204,8 @@ class ReportData:
     loops: tuple[LoopMark, ...] = ()
     samples: tuple[SampleFrame, ...] = ()
     paths: tuple[PlanPath, ...] = ()
+    faults_of_images: tuple[str, ...] = ()
+    """Names of the faults of the run that the images of `samples` do not show."""
     unseen_rooms: tuple[str, ...] = ()
     """Names of the rooms on the walk that contain no keyframe."""
     candidates: tuple[CandidateMark, ...] = ()

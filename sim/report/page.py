@@ -21,6 +21,7 @@ from sim.report.palette import claimed_room_colours, label_colours
 from sim.report.plan import plan_drawing
 from sim.report.svg import styles_css, to_svg
 from sim.report.timeline import LEFT, WIDTH, positions, timeline_svg
+from sim.wording import joined
 
 _ENVIRONMENT = jinja2.Environment(
     loader=jinja2.PackageLoader("sim.report"),
@@ -87,6 +88,7 @@ def render_report(data: ReportData) -> str:
         confusion=confusion(data.keyframes, data.shown_labels) if is_labelled else None,
         right=right,
         wrong=wrong,
+        faults_of_images=joined(data.faults_of_images, "and"),
         sections=[(name, figures(claimed, name)) for name in SECTIONS if figures(claimed, name)],
         place_recognition=claimed.get(PLACES) or {},
         reasons=reason_counts(data),

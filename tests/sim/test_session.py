@@ -11,7 +11,8 @@ import pytest
 from lexis.types import Observation
 from sim.errors import SimError
 from sim.faults.delivery import Frozen
-from sim.faults.images import Noise
+from sim.faults.images import Blur, Noise
+from sim.faults.stamps import StampJitter
 from sim.faults.world import MovedFurniture
 from sim.odometry.simulation import ODOMETRY_PRESETS, simulate_odometry
 from sim.prefetch import THREAD
@@ -67,6 +68,13 @@ def test_pictures_are_the_images_of_the_walk_in_the_changed_world(session):
     frames = range(0, FRAMES, FRAMES // 5)
     for frame, picture in zip(frames, moved.pictures(frames), strict=True):
         assert np.array_equal(picture, images[frame])
+    assert not moved.faults_of_images
+
+
+def test_faults_of_images_are_those_that_pictures_do_not_show(session, pairs):
+    faulty = Session(session.house, session.tour, session.odometry, session.camera, (Blur(5.0), StampJitter(0.01)), 3)
+    assert faulty.faults_of_images == ("blur",)
+    assert np.array_equal(faulty.pictures([3])[0], pairs[3][0].image)
 
 
 def test_images_are_the_renderer_s(session, pairs):

@@ -176,7 +176,7 @@ def _position(run: Run) -> Iterator[_Wrong]:
 
 def _loop(run: Run) -> Iterator[_Wrong]:
     """Yield the later frames of loop edges whose relative pose is wrong, in the order of time."""
-    loops, stamps = run.estimate.loops, run.stamps - run.session.tour.stamps[0]
+    loops, stamps = run.estimate.loops, run.true_stamps - run.session.tour.stamps[0]
     if loops is not None:
         for k in sorted(np.flatnonzero(~edge_truth(run)), key=lambda k: int(loops.query[k])):
             query, match = int(loops.query[k]), int(loops.match[k])

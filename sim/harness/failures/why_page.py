@@ -20,6 +20,7 @@ from sim.harness.slam_under_test import CommandSlam
 from sim.render.image_files import encoded
 from sim.report.frame_picture import FrameClaims, place_image
 from sim.session import Session
+from sim.wording import joined
 
 WHY = "why.md"
 _LISTED = 8
@@ -235,6 +236,8 @@ def _frame_page(
         shown = f"![the image of the camera]({_IMAGE}) {shown}"
         if fidelity == "features":
             caption += " The SLAM was given features; the image was rendered for this page."
+        if left_out := session.faults_of_images:
+            caption += f" The image is shown without the effect of {joined(left_out, 'and')}."
     except GraphicsError as error:
         caption += f" The image of the camera is left out: {error}."
     return Page((*lines, "", shown, "", caption), pictures)

@@ -65,6 +65,9 @@ def test_a_failed_plan_says_where_it_ended_and_why(finished):
     nothing = np.zeros((0, 3))
     (unplanned,) = report_data(finished, evaluate(finished), [Trial("a", "b", False, 0.0, 0.0, (), nothing, nothing)]).paths
     assert (unplanned.ended, unplanned.reason, unplanned.shortest_m) == (None, "no plan was found", None)
+    undriven = Trial("bathroom", "kitchen", False, 0.0, 0.0, (), nothing, feet[[there]])
+    (shown,) = report_data(finished, evaluate(finished), [undriven]).paths
+    assert shown.ended is None and shown.reason.startswith("the robot cannot stand at the first frame of the plan")
 
 
 def test_candidates_carry_the_reasons_that_the_slam_claims_and_the_truth(finished):
