@@ -56,11 +56,11 @@ def write_crash(crash: Crash, out: Path, more: Mapping[str, bytes] = _NO_FILES) 
 
 @contextmanager
 def _folder_with(more: Mapping[str, bytes], out: Path) -> Iterator[Path]:
-    """Yield an empty folder to fill. After the block, the files `more` are added, and the folder replaces `out`."""
+    """Yield a folder to fill, which contains the files `more`. After the block, the folder replaces `out`."""
     with replaced_folder(out, *MARKERS) as folder:
-        yield folder
         for name, content in more.items():
             (folder / name).write_bytes(content)
+        yield folder
 
 
 def fill_crash_folder(crash: Crash, folder: Path) -> None:

@@ -8,7 +8,7 @@ from lexis.files.replace import replaced_folder
 from sim.harness.crash import Crash
 from sim.harness.failures.first_wrong import shown_failure
 from sim.harness.failures.search import Search
-from sim.harness.failures.why_page import crash_page, failed_test_page
+from sim.harness.failures.why_page import Page, crash_page, failed_test_page
 from sim.harness.outputs import fill_crash_folder, fill_run_folder
 from sim.harness.planning import Trial
 from sim.harness.results import RunResult
@@ -92,17 +92,21 @@ def write_failed_test(folder: Path, test: FailedPytest, outcome: FinishedRun | C
     Raises `LexisError` where `folder` holds anything else or cannot be written.
     """
     with replaced_folder(folder, SCENARIO) as new:
-        if isinstance(outcome, Crash):
-            reduction, blamed = (None, None) if search is None else (search.reduction, search.blamed)
-            fill_crash_folder(outcome, new)
-            page = crash_page(f"{test.name} fails", outcome, reduction, blamed)
-        else:
-            reference = None if search is None else search.reference
-            failure = shown_failure(outcome.run, f"{test.name} fails\n{test.message}", test.figure, reference)
-            fill_run_folder(outcome.run, outcome.result, outcome.trials, new, failure)
-            page = failed_test_page(test.name, outcome.run, test.figure, test.message, search)
-        for each, content in page.files.items():
+        reference = None if search is None else search.reference
+        for each, content in _page(test, outcome, search).files.items():
             (new / each).write_bytes(content)
         if search is not None:
             search.original.save(new / "original.json")
         (new / TEST_REPLAY).write_text(test.replay, encoding="utf-8")
+        if isinstance(outcome, Crash):
+            fill_crash_folder(outcome, new)
+        else:
+            failure = shown_failure(outcome.run, f"{test.name} fails\n{test.message}", test.figure, reference)
+            fill_run_folder(outcome.run, outcome.result, outcome.trials, new, failure)
+
+
+def _page(test: FailedPytest, outcome: FinishedRun | Crash, search: Search | None) -> Page:
+    if isinstance(outcome, Crash):
+        reduction, blamed = (None, None) if search is None else (search.reduction, search.blamed)
+        return crash_page(f"{test.name} fails", outcome, reduction, blamed)
+    return failed_test_page(test.name, outcome.run, test.figure, test.message, search)
