@@ -20,6 +20,8 @@ from sim.errors import ClaimError
 _NO_SECONDS: Mapping[str, float] = MappingProxyType({})
 _LONGEST_S = 1e9
 """Longest time of a stage [s]."""
+_TYPES = MappingProxyType({"iu": np.int64, "fiu": np.float64})
+"""The type into which the arrays of a claim are converted, by the valid values of `dtype.kind`."""
 _RIGID = 1e-3
 """Tolerance in the check of claimed rotation matrices, which may have been computed in single precision."""
 _FORMS: Mapping[str, tuple[str, tuple[int | None, ...]]] = MappingProxyType(
@@ -52,6 +54,12 @@ class LoopClaims:
     """For each loop, the measured pose of the body at the later frame, in the body frame of the earlier frame."""
     weights: Float64[np.ndarray, "m"] | None = None
     """Final confidence of the SLAM in each loop, in [0, 1]; None if the SLAM gives no confidences."""
+
+    def converted(self) -> "LoopClaims":
+        """Return the same claims with indices as int64 and all other numbers as float64."""
+        query, match = (each.astype(np.int64, copy=False) for each in (self.query, self.match))
+        weights = None if self.weights is None else self.weights.astype(np.float64, copy=False)
+        return LoopClaims(query, match, self.T_match_query.astype(np.float64, copy=False), weights)
 
 
 @dataclass(frozen=True)
@@ -130,6 +138,16 @@ class Estimate:
         if rows and not 0 <= min(rows) <= max(rows) < n:
             found = f"rows {min(rows)} to {max(rows)}"
             raise ClaimError(f"estimate: loops, candidates and verdicts refer to {found}; valid: 0 to {n - 1}")
+        self._convert_arrays()
+
+    def _convert_arrays(self) -> None:
+        """Convert whole numbers to int64 and other numbers to float64, so that figures do not depend on a SLAM's types."""
+        object.__setattr__(self, "frames", self.frames.astype(np.int64, copy=False))
+        for name, (kinds, _) in _FORMS.items():
+            if (claim := getattr(self, name)) is not None:
+                object.__setattr__(self, name, claim.astype(_TYPES[kinds], copy=False))
+        if self.loops is not None:
+            object.__setattr__(self, "loops", self.loops.converted())
 
     def named_rooms(self, room_names: tuple[str, ...]) -> dict[int, str] | None:
         """Return the most frequent label of every room instance, by the instance's number.
@@ -214,7 +232,7 @@ def _check_loops(loops: object) -> None:
     """Raise `ClaimError` unless there are as many earlier matches, rigid motions and weights in [0, 1] as later queries."""
     if not isinstance(loops, LoopClaims):
         raise ClaimError(f"estimate: loops is {_form_of(loops)}; valid: LoopClaims")
-    n = len(loops.query) if isinstance(loops.query, np.ndarray) else 0
+    n = len(loops.query) if _is_plain(loops.query) and loops.query.ndim else 0
     for name in ("query", "match"):
         _check_rows(f"loops.{name}", getattr(loops, name), n, "iu", ())
     if (wrong := np.flatnonzero(loops.query <= loops.match)).size:

@@ -2,6 +2,7 @@
 
 import json
 import re
+from contextlib import suppress
 from functools import partial
 
 import numpy as np
@@ -11,11 +12,13 @@ from helpers.unchecked import unchecked
 from lexis.errors import ObservationError
 from sim.errors import SimError
 from sim.faults.delivery import Dropped
+from sim.faults.stamps import StampJump
 from sim.harness import Estimate, LoopClaims, Scenario, check, run, try_plans, write_run
-from sim.harness.crash import attempt
+from sim.harness.crash import Crash, attempt
 from sim.harness.estimate import VerdictClaim
 from sim.harness.failures.first_wrong import crash_frame, first_wrong
 from sim.harness.figures import evaluate
+from sim.harness.last_run import LastRun, last_run, noted
 from sim.harness.report_data import report_data
 from sim.harness.results import FloorFigures, LabelFigures, LoopFigures, RoomFigures
 from sim.harness.runner import scene_of
@@ -210,6 +213,44 @@ def test_a_crash_is_placed_at_the_frame_that_the_slam_was_given_even_if_frames_w
     assert crash_frame(scene_of(faulty), crash.done).frame == slam.frames[-1] > 10
 
 
+def test_an_exception_before_a_run_is_no_crash_of_the_run_before():
+    def fails(scenario, progress):
+        with last_run().calling_slam():
+            raise RuntimeError("no second SLAM")
+
+    with noted():
+        assert not isinstance(attempt(lambda scenario, progress: run(scenario, Recorder(), progress), SCENARIO), Crash)
+        crash = attempt(fails, SCENARIO)
+    assert (crash.done, crash.slam) == (None, "")
+
+
+def test_an_exception_that_a_method_may_raise_is_not_the_fault_of_the_slam():
+    last = LastRun()
+    for allowed, blamed in ((KeyError,), False), ((), True):
+        with suppress(KeyError), last.calling_slam(*allowed):
+            raise KeyError
+        assert last.in_slam is blamed
+
+
+def test_a_clock_that_jumps_far_back_is_reported_on_the_clock_of_the_tour(tmp_path):
+    jumping = Scenario(**{**vars(SCENARIO), "faults": (StampJump(1e9, at_s=2.0),)})
+    finished = run(jumping, Recorder(T_W_B=poses))
+    assert finished.stamps[-1] < 0.0
+    write_run(finished, evaluate(finished), (), tmp_path / "out")
+    assert Scenario.load(tmp_path / "out" / "scenario.json") == jumping
+    drawn = report_data(finished, evaluate(finished)).keyframes.stamps
+    np.testing.assert_array_equal(drawn, finished.session.tour.stamps[finished.estimate.frames])
+
+
+def test_figures_do_not_depend_on_the_number_types_of_the_claims():
+    def typed(whole, real):
+        loops = one_loop(query=np.array([9], whole), match=np.array([0], whole), weights=np.ones(1, real))
+        return Estimate(np.arange(10).astype(whole), np.tile(np.eye(4), (10, 1, 1)), rooms=np.zeros(10, whole), loops=loops)
+
+    kinds = {each.dtype for each in (*vars(typed(np.uint64, np.float32).loops).values(), typed(np.int32, float).rooms)}
+    assert kinds == {np.dtype(np.int64), np.dtype(np.float64)}
+
+
 def test_claims_are_checked_as_they_are_returned():
     class Spoiling(Recorder):
         def finish(self):
@@ -241,11 +282,11 @@ def test_files_of_a_slam_are_in_the_folder_of_the_run(tmp_path):
     write_run(finished, evaluate(finished), (), tmp_path / "out")
 
 
-@pytest.mark.parametrize("name", ["result.json", "scenario.json", "report.html"])
+@pytest.mark.parametrize("name", ["result.json", "scenario.json", "report.html", "why.md"])
 def test_files_of_a_slam_never_replace_those_of_the_harness(tmp_path, name):
     finished = run(SCENARIO, Saving(name=name))
     with pytest.raises(SimError, match=re.escape(f"save() wrote {name!r}, a name of the harness")):
-        write_run(finished, evaluate(finished), (), tmp_path / "out")
+        write_run(finished, evaluate(finished), (), tmp_path / "out", {"why.md": b"because"})
     assert not list(tmp_path.iterdir())
 
 
@@ -287,6 +328,10 @@ def one_loop(**changes):
         ({"loops": one_loop(T_match_query=np.zeros((1, 4, 4)))}, "loops.T_match_query is no rigid motion in row 0"),
         ({"loops": one_loop(query=np.array([0]), match=np.array([2]))}, "query 0 and match 2 in row 0; valid: a query that"),
         ({"loops": []}, "loops is a list; valid: LoopClaims"),
+        (
+            {"loops": unchecked(LoopClaims, query=np.array(5), match=np.zeros(1, int), T_match_query=np.eye(4)[None])},
+            r"loops.query is int64 \(\); valid: an array of whole numbers",
+        ),
         ({"candidates": ((2, 0),)}, r"candidates is \(\(2, 0\),\); valid: a tuple of pairs"),
         ({"candidates": {2: (0,)}}, "candidates is {2: .*; valid: a tuple of pairs of a row and other rows"),
         ({"candidates": ((2, (0.5,)),)}, "candidates is .*; valid: a tuple of pairs of a row and other rows"),
