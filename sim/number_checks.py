@@ -1,6 +1,14 @@
-"""Checks of numbers that a user gives: `check_count` for whole numbers, `check_between` for the inside of an interval."""
+"""Checks of numbers that a user gives: `is_finite`, `check_count` for whole numbers, `check_between` for an interval."""
+
+import math
+from numbers import Real
 
 from sim.errors import SimError
+
+
+def is_finite(value: object) -> bool:
+    """Return whether a value is a finite number."""
+    return isinstance(value, Real) and math.isfinite(value)
 
 
 def check_count(place: str, value: object, least: int, most: int | None = None) -> None:

@@ -1,4 +1,4 @@
-"""Words for messages: `joined` writes lists in sentences, `counted` counts, and `kind_of` says what a value is."""
+"""Words for messages: lists in sentences (`joined`), counts (`counted`), shares (`percent`), kinds of values (`kind_of`)."""
 
 from collections.abc import Sequence
 
@@ -11,6 +11,11 @@ def joined(parts: Sequence[str], word: str) -> str:
 def counted(n: int, noun: str) -> str:
     """Return a number with a noun that has a regular plural: "1 house", "2 houses"."""
     return f"{n} {noun}" if n == 1 else f"{n} {noun}s"
+
+
+def percent(share: float) -> str:
+    """Return a share in per cent with all its digits: "95%", but "99.5%", which is not 100%."""
+    return f"{100 * share:g}%"
 
 
 def kind_of(value: object) -> str:

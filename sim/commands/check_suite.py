@@ -25,6 +25,7 @@ from sim.commands.slams import (
 from sim.durations import duration_s
 from sim.errors import SimError
 from sim.output_files import check_ending, check_output_file, make_output_folder
+from sim.wording import percent
 
 if TYPE_CHECKING:
     from sim.harness.crash import Runner
@@ -86,7 +87,8 @@ def run_suite(arguments: argparse.Namespace) -> int:
     """Check the chosen SLAM by the chosen suite, and print the verdicts.
 
     Return 1 if a check fails, if a figure got worse, or if no scenario was completed both in this run and in the earlier run
-    of `--against`; otherwise 0. Raises `SimError` before the run for options that cannot be used.
+    of `--against`; otherwise 0. Raises `SimError` before the run for options that cannot be used, and `KeyboardInterrupt`
+    after Ctrl-C, when the results so far are written and printed.
     """
     from sim.suites.report import check_slam, runnable
 
@@ -114,6 +116,8 @@ def run_suite(arguments: argparse.Namespace) -> int:
         print(f"not compared with {arguments.against}: no scenario was completed in both runs", file=sys.stderr)
     if worse:
         print(f"failed: {', '.join(worse)} worse than in {arguments.against}", file=sys.stderr)
+    if report.interrupted:
+        raise KeyboardInterrupt
     if arguments.picture is not None:
         _draw(report, workers, arguments.picture)
     _search_smallest(report, new_slam, reference, arguments)
@@ -166,7 +170,7 @@ def _lines(report: "SuiteReport", failed_alone: bool) -> Iterator[str]:
 
 def _verdict_line(verdict: "CheckVerdict") -> str:
     (held, decided), wanted = verdict.counts, 1.0 if verdict.rate is None else verdict.rate
-    return f"{verdict.outcome:12} {round(held, 2):5g} of {decided:<3} wanted: {wanted:4.0%}  {verdict.name}"
+    return f"{verdict.outcome:12} {round(held, 2):5g} of {decided:<3} wanted: {percent(wanted):>4}  {verdict.name}"
 
 
 def _mean_line(mean: "SuiteMean") -> str:

@@ -4,7 +4,6 @@ A claim compares a figure with a number, such as "rooms.pq >= 0.6", or with a mu
 such as "trajectory.ate_m <= 0.5 * trajectory.ate_odometry_m".
 """
 
-import math
 import operator
 import re
 from collections.abc import Callable, Mapping
@@ -14,6 +13,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from sim.errors import SimError
 from sim.harness.results import MATCHES, RunResult, figure_meant
+from sim.number_checks import is_finite
 from sim.wording import kind_of
 
 _OPERATORS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
@@ -41,8 +41,8 @@ class Claim:
         """Raise `SimError` for an unknown comparison or a limit that is no finite number."""
         if self.comparison not in _OPERATORS:
             raise SimError(f"claim {str(self)!r:.80}: unknown comparison; valid: {' '.join(_OPERATORS)}")
-        if not math.isfinite(self.limit):
-            raise SimError(f"claim {str(self)!r:.80}: the limit is {self.limit}; valid: a finite number")
+        if not is_finite(self.limit):
+            raise SimError(f"claim {self.figure!r:.80}: the limit is {self.limit!r:.40}; valid: a finite number")
 
     @staticmethod
     def parse(text: str) -> "Claim":

@@ -27,6 +27,7 @@ from sim.programs.command import Program
 from sim.suites.agreement import ClaimAgreement, agreement
 from sim.suites.changed_stream import changed
 from sim.suites.stream_changes import StreamChange
+from sim.wording import percent
 from worlds.errors import WorldsError
 
 NewSlam = Callable[[], SlamUnderTest] | Program
@@ -93,7 +94,7 @@ class ClaimCheck:
     @property
     def says(self) -> str:
         """The claim and the share of the scenarios in which it has to hold."""
-        return f"{self.claim} in {self.rate:.0%} of the scenarios"
+        return f"{self.claim} in {percent(self.rate)} of the scenarios"
 
     def examine(self, base: EvaluatedRun, new_slam: NewSlam) -> CheckFinding:
         """Compare the figure of the unchanged run with the limit."""

@@ -142,9 +142,13 @@ class _Reports:
 
     def _examine(self, part: SuitePart) -> None:
         try:
-            self._of_part[part.name] = check_slam(self._new_slam, replace(self._suite, parts=(part,)), self._seed)
+            report = check_slam(self._new_slam, replace(self._suite, parts=(part,)), self._seed)
         except Exception as error:
             self._errors[part.name] = error, error.__traceback__
+            return
+        if report.interrupted:
+            raise KeyboardInterrupt
+        self._of_part[part.name] = report
 
 
 def _tier(part: SuitePart) -> "pytest.MarkDecorator":

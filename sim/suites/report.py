@@ -174,6 +174,8 @@ class SuiteReport:
     suite: Suite
     seed: int
     examined: tuple[Examination, ...]
+    interrupted: bool = False
+    """Whether Ctrl-C ended the suite before all its scenarios were examined."""
 
     @cached_property
     def verdicts(self) -> tuple[CheckVerdict, ...]:
@@ -265,7 +267,8 @@ def check_slam(
 ) -> SuiteReport:
     """Check a SLAM by a suite.
 
-    In a scenario in which an exception is raised while the SLAM is made or runs, the check "the run completes" fails.
+    In a scenario in which an exception is raised while the SLAM is made or runs, the check "the run completes" fails. After
+    Ctrl-C, the report is about the scenarios that were examined before.
 
     Args:
         new_slam: makes a SLAM that has not run yet, such as a class that takes no arguments; or a `Program`, for which all
@@ -290,13 +293,16 @@ def check_slam(
     jobs = jobs_of(chosen, seed)
     report = SuiteReport(chosen, seed, ())
     # In a test, the pytest plugin would take the last of these many runs for the run that the test is about.
-    with watched(LastRun()), closing(examinations(jobs, new_slam, workers, end)) as found:
-        for each in found:
-            report = SuiteReport(chosen, seed, (*report.examined, each))
-            if progress is not None:
-                progress(len(report.examined) / len(jobs))
-            if stop_at_failure and not report.ok:
-                break
+    try:
+        with watched(LastRun()), closing(examinations(jobs, new_slam, workers, end)) as found:
+            for each in found:
+                report = SuiteReport(chosen, seed, (*report.examined, each))
+                if progress is not None:
+                    progress(len(report.examined) / len(jobs))
+                if stop_at_failure and not report.ok:
+                    break
+    except KeyboardInterrupt:
+        return replace(report, interrupted=True)
     return report
 
 

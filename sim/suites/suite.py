@@ -1,11 +1,9 @@
 """`Suite`: scenarios, and the checks that a SLAM has to pass in these scenarios."""
 
-import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from numbers import Real
 
 import numpy as np
 
@@ -13,7 +11,7 @@ from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.scenario import Scenario
 from sim.harness.world_tests import RENDER_FRAME_RATE_HZ
-from sim.number_checks import check_count
+from sim.number_checks import check_count, is_finite
 from sim.suites.checks import Check, ClaimCheck
 from sim.wording import kind_of
 from worlds.valid_names import did_you_mean, listed
@@ -108,13 +106,13 @@ class Suite:
         equalities = {claim.quantity: claim for claim in made if claim.comparison in ("==", "!=")}
         for figure, limit in limits.items():
             if figure not in known:
-                guess, valid = did_you_mean(figure, known), listed(sorted(known), 8)
+                guess, valid = did_you_mean(str(figure), known), listed(sorted(known), 8)
                 raise SimError(
                     f"suite {self.name}: has no claim about {figure!r:.60}{guess}; valid: {valid}, see its verdicts"
                 )
             if figure in equalities:
                 raise SimError(f"suite {self.name}: {equalities[figure]} has no limit; valid: claims with <, <=, > or >=")
-            if not _is_finite(limit):
+            if not is_finite(limit):
                 raise SimError(f"suite {self.name}: the limit of {figure} is {limit!r:.40}; valid: a finite number")
         means = (replace(claim, limit=limits.get(f"mean {claim.quantity}", claim.limit)) for claim in self.means)
         return replace(self, parts=tuple(part.with_limits(limits) for part in self.parts), means=tuple(means))
@@ -125,7 +123,7 @@ class Suite:
         The claims about means are left out if rounding changes the proportions of the parts, because their limits were set
         for the suite's own mixture of parts. Raises `SimError` for a share that is not positive and finite.
         """
-        if not _is_finite(share) or share <= 0.0:
+        if not is_finite(share) or share <= 0.0:
             raise SimError(f"suite {self.name}: the share is {share!r:.40}; valid: a positive number, such as 0.5 or 2")
         parts = tuple(replace(part, n=max(1, round(share * part.n / part.group)) * part.group) for part in self.parts)
         shares = {Fraction(new.n, old.n) for new, old in zip(parts, self.parts, strict=True)}
@@ -159,10 +157,6 @@ def _check_hashable(part: str, check: Check) -> None:
     except TypeError as error:
         valid = "a check such as a frozen dataclass of texts, numbers and tuples"
         raise SimError(f"part {part}: check {check.name!r} cannot be hashed: {error}; valid: {valid}") from None
-
-
-def _is_finite(value: object) -> bool:
-    return isinstance(value, Real) and math.isfinite(value)
 
 
 def _check_unique(where: str, what: str, names: Iterable[str]) -> None:

@@ -29,7 +29,7 @@ from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import SlamUnderTest, check_slam_factory
 from sim.number_checks import check_between
 from sim.verdicts.items import items
-from sim.wording import counted
+from sim.wording import counted, percent
 
 Change = Literal["worse", "better", "not shown to differ"]
 COMPLETED = "the run completed"
@@ -183,7 +183,7 @@ class Comparison:
     def __str__(self) -> str:
         size = f"{counted(self.scenarios, 'scenario')} in {counted(self.houses, 'house')}"
         title = f"a: {self.names[0]}, b: {self.names[1]}; {size}"
-        confidence = f"verdicts with {self.confidence:.0%} confidence together, intervals of the median change each"
+        confidence = f"verdicts with {percent(self.confidence)} confidence together, intervals of the median change each"
         width = max(*(len(each.name) for each in self.figures), *(len(each.name) - _MEANS for each in self.claims), 0)
         means = f"{'mean a':>8} {'mean b':>8}"
         header = f"{'':{width}} {means}   {'median change':<28} {'better/worse':>12}  {'p':>7}  verdict"

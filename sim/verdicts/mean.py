@@ -19,7 +19,7 @@ from sim.harness.results import RunResult
 from sim.number_checks import check_between
 from sim.verdicts.items import items
 from sim.verdicts.rate import RateOutcome
-from sim.wording import counted
+from sim.wording import counted, percent
 
 _FEWEST = 8
 """Fewest houses over which a mean is judged. With fewer, one unusual house decides."""
@@ -62,7 +62,7 @@ class MeanVerdict:
     def __str__(self) -> str:
         mean = "without a value" if self.mean is None else f"fulfilled by {self.mean:.3g} on average"
         low, high = self.interval
-        bounds = f"at least {low:.3g}, at most {high:.3g} with {self.confidence:.0%} confidence"
+        bounds = f"at least {low:.3g}, at most {high:.3g} with {percent(self.confidence)} confidence"
         return f"in {counted(len(self.margins), 'house')} {mean} ({bounds}): {self.outcome}"
 
 

@@ -22,7 +22,7 @@ from sim.harness.claims import Claim
 from sim.harness.results import RunResult
 from sim.number_checks import check_between
 from sim.verdicts.items import items
-from sim.wording import counted
+from sim.wording import counted, percent
 
 RateOutcome = Literal["holds", "fails", "undecided"]
 _LOWEST = 1e-9
@@ -79,9 +79,9 @@ class RateVerdict:
 
     def __str__(self) -> str:
         low, high = self.interval
-        rate = f"rate at least {low:.3f}, at most {high:.3f} with {self.confidence:.0%} confidence"
+        rate = f"rate at least {low:.3f}, at most {high:.3f} with {percent(self.confidence)} confidence"
         counts = f"holds in {round(self.held, 2):g} of {counted(self.houses, 'house')}"
-        return f"{counts} (wanted: in {100 * self.p:g}%; {rate}): {self.outcome}"
+        return f"{counts} (wanted: in {percent(self.p)}; {rate}): {self.outcome}"
 
 
 def _log_evidence(p: float, held: float, failed: float) -> tuple[float, float]:

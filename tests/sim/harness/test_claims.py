@@ -1,6 +1,9 @@
 """Claims are read from text, compared with figures, and say clearly what is wrong with them."""
 
+import math
+
 import pytest
+from helpers.unchecked import unchecked
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -112,3 +115,9 @@ def test_bad_claims_are_named(text, message):
 def test_an_unknown_comparison_is_named():
     with pytest.raises(SimError, match=r"'rooms.pq => 0.6': unknown comparison; valid: <= >= == != < >"):
         Claim("rooms.pq", "=>", 0.6)
+
+
+@pytest.mark.parametrize("limit", ["0.6", None, math.inf])
+def test_a_limit_that_is_no_finite_number_is_named(limit):
+    with pytest.raises(SimError, match=r"claim 'rooms.pq': the limit is .*; valid: a finite number"):
+        unchecked(Claim, figure="rooms.pq", comparison=">=", limit=limit)

@@ -22,7 +22,7 @@ from sim.harness.adapters import OdometryOnly
 from sim.programs import Program
 from sim.suites.catalogue import SUITES
 from sim.suites.consistency import CONSISTENCY
-from sim.suites.examination import COMPLETES
+from sim.suites.examination import COMPLETES, examine
 from sim.suites.laws import LAWS
 from sim.suites.report import check_slam
 from sim.suites.suite import claims
@@ -108,6 +108,19 @@ def test_results_are_written_even_if_the_reader_of_the_output_goes_away(tmp_path
     with suppress(BrokenPipeError, SystemExit):
         main(["check", "--suite", "flat", "--workers", "1", *ODOMETRY, "--json", str(tmp_path / "all.json")])
     assert len(load_results(tmp_path / "all.json")) == 2
+
+
+def test_results_before_ctrl_c_are_written_and_told(tmp_path, capsys, monkeypatch):
+    def interrupted(job, new_slam):
+        if job.number == 1:
+            raise KeyboardInterrupt
+        return examine(job, new_slam)
+
+    monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": FLAT})
+    monkeypatch.setattr("sim.suites.examination.examine", interrupted)
+    assert main(["check", "--suite", "flat", "--workers", "1", *ODOMETRY, "--json", str(tmp_path / "all.json")]) == 130
+    assert "1 of 2 scenarios were examined" in capsys.readouterr().out
+    assert len(load_results(tmp_path / "all.json")) == 1
 
 
 def broken_pipe(*_, **__):

@@ -115,6 +115,11 @@ def test_without_laws_a_suite_makes_its_claims_only():
         SUITES["language"].without_laws()
 
 
+def test_a_limit_of_something_that_is_no_figure_is_refused():
+    with pytest.raises(SimError, match="has no claim about 1; valid: "):
+        suite_named("pr").with_limits({1: 2.0})
+
+
 def test_an_unknown_suite_is_refused():
     with pytest.raises(SimError, match=r"unknown suite 'open-plane' \(did you mean 'open-plan'\?\)"):
         suite_named("open-plane")

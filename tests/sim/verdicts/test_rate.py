@@ -33,6 +33,11 @@ def first_outcomes(p, true_rate, streams=10_000, houses=400, seed=0):
     return outcomes
 
 
+def test_shares_are_told_with_all_their_digits():
+    told = str(RateVerdict(0.995, 0.9999, 5, 5))
+    assert "wanted: in 99.5%" in told and "with 99.99% confidence" in told
+
+
 @pytest.mark.parametrize("p", P)
 def test_a_rate_that_is_reached_is_hardly_ever_denied_at_any_time(p):
     assert (first_outcomes(p, p) == "fails").mean() <= 0.05
