@@ -73,7 +73,7 @@ class Reduction:
     none."""
     passing: tuple[Change, ...]
     """Scenarios one step smaller than `scenario` that were run and did not fail, in the order of the steps. If the search
-    ran on features, these scenarios were run on features, too."""
+    ended on features, these scenarios were run on features, too."""
     last_passing: tuple[Scenario, Change] | None
     """The last run that passed: the failing scenario from which its candidate was made, and the candidate. None if no
     candidate passed."""
@@ -88,7 +88,10 @@ class Reduction:
     ended: Ending
     """Why the search ended."""
     searched_on: Fidelity
-    """Fidelity of the runs that found the smallest scenario. It may be "features" although the original has images."""
+    """Fidelity of the runs with which the search began. It may be "features" although the original has images."""
+    ended_on: Fidelity
+    """Fidelity of the runs that found the smallest scenario. If the search began on features, and the smallest scenario that
+    it found does not fail on images, it goes on with images."""
     confirmed: bool
     """Whether `scenario` was run with the fidelity of the original, and failed."""
     on_features: CandidateOutcome | None = None
@@ -124,6 +127,8 @@ class Reduction:
                 "fails": "no smaller scenario was found that fails on feature fidelity and on images",
             }.get(self.on_features, "the failure does not exist on feature fidelity")
             return f"{how} The search ran on rendered images, because {reason}."
+        if self.ended_on == "render":
+            return f"{how} The search began on feature fidelity, and went on with rendered images."
         confirmed = (
             "the result was confirmed on rendered images" if self.confirmed else "nothing was confirmed on images yet"
         )
@@ -197,6 +202,8 @@ class _Search:
     """The candidates of `best` that pass, by content hash."""
     on_features: CandidateOutcome | None = None
     """Outcome of the original with fidelity "features"; None if this was not tried."""
+    from_features: int = 1
+    """Length of the path after the search on features."""
     is_cut: bool = False
     """Whether the search on features was stopped because its share of the time was used up."""
 
@@ -290,6 +297,7 @@ class _Search:
             rendered = [replace(change.scenario, fidelity="render") for change in found[1 : len(found) - back + 1]]
             if self.outcome(found[-back].step, rendered[-1], self.end) == "fails":
                 path += [Change(c.step, scenario) for c, scenario in zip(found[1:], rendered, strict=False)]
+                self.from_features = len(path)
                 return
             back *= 2
         found.clear()
@@ -316,6 +324,7 @@ class _Search:
             list(self.outcomes.values()).count("fails differently"),
             ended,
             "features" if on_features else original.fidelity,
+            "features" if on_features and len(path) <= self.from_features else original.fidelity,
             not unconfirmed,
             self.on_features,
         )

@@ -187,12 +187,20 @@ RENDERED = replace(FLAT, fidelity="render", encoder="mini")
 def test_a_failure_with_images_is_searched_on_features_and_confirmed():
     reduction = reduce(RENDERED, on({"features", "render"}))
     assert reduction.searched_on == "features" and reduction.confirmed and reduction.scenario.fidelity == "render"
-    assert size(reduction.scenario).rooms == 1
+    assert size(reduction.scenario).rooms == 1 and reduction.ended_on == "features"
+    assert "The search ran on feature fidelity, and the result was confirmed on rendered images." in reduction.note
 
 
 def test_where_images_need_more_the_search_walks_back_up():
     reduction = reduce(RENDERED, on({"features", "render"}, lambda s: len(s.house.storeys[0].rooms) >= 3))
     assert reduction.confirmed and reduction.scenario.fidelity == "render" and size(reduction.scenario).rooms == 3
+
+
+def test_a_search_that_goes_on_with_images_is_said_to_do_so():
+    wide_or_long = lambda s: len(s.house.storeys[0].rooms) >= 3 or s.length_m is None or s.length_m > 60.0  # noqa: E731
+    reduction = reduce(RENDERED, on({"features", "render"}, wide_or_long))
+    assert (reduction.searched_on, reduction.ended_on) == ("features", "render")
+    assert "The search began on feature fidelity, and went on with rendered images." in reduction.note
 
 
 def test_what_passed_on_features_is_next_to_the_result_on_images():
