@@ -80,7 +80,7 @@ class BlameTable:
         if mending or others:
             return f"mended by: {mending or 'nothing'}." + (f" Not mended by: {others}." if others else "")
         if self.named("cannot be told"):
-            return "it cannot be told what mends it."
+            return "no replacement could be judged."
         if self.not_needed:
             return f"the failure needs {self.not_needed}."
         return "what mends it is unknown, because Ctrl-C ended the search." if self.interrupted else "no change was tried."

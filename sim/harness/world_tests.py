@@ -231,7 +231,7 @@ def worlds(
         fidelity: "features" and "render" say what the SLAM gets (see `Scenario.fidelity`); with "layout" no SLAM runs.
         plans: whether a robot drives the plans of the SLAM; None: with fidelity "render" only.
         length_m: length of the tour [m]. If the shortest tour through all rooms is longer, the tour has that length. None:
-            the length that is usual for the house.
+            140 m for the preset home without `max_rooms`, otherwise the shortest tour through all rooms.
         frame_rate_hz: observations per second [Hz]; None: 10 with fidelity "render", otherwise 2.
         odometry: how the odometry drifts: a key of `sim.odometry.ODOMETRY_PRESETS`.
         encoder: the vision-language model; see `Scenario.encoder`.

@@ -37,7 +37,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--lexis-budget",
         type=duration_s,
         metavar="TIME",
-        help="run each test in further houses until all tests together have taken this time: 90s, 5m or 1h",
+        help="run each test in further houses, for an equal share of this time: 90s, 5m or 1h",
     )
     group.addoption(
         "--lexis-replay",

@@ -24,8 +24,8 @@ from sim.suites.suite_means import ALL_PARTS, SuiteMean
 from sim.verdicts.rate import RateVerdict
 
 CONFIDENCE = 0.99
-"""Confidence of each single verdict. The suite `pr` has about 300 of them. With 95 % confidence, some check failed LEXIS
-with five of eight seeds."""
+"""Confidence of each single verdict. The suite `pr` has about 300 of them. With 95 % confidence, LEXIS failed at least
+one check with five of eight seeds."""
 SEED = 7
 """Default seed of the scenarios of a suite; `lexis-sim check --suite` uses the same."""
 SuiteOutcome = Literal["holds", "fails", "undecided", "not claimed", "not examined"]

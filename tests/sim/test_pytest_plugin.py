@@ -358,7 +358,7 @@ def test_a_scenario_that_cannot_run_is_not_one_that_passes(pytester, inner, monk
     pytester.makepyfile(test_slam=SLAM + DRIFTS)
     inner().assert_outcomes(failed=1)
     (why,) = (page.read_text() for page in pytester.path.glob(".lexis-failures/*/why.md"))
-    assert "No smaller scenario that was run passes." in why
+    assert "None of the smaller scenarios that were run passes." in why
     assert "1 candidates, 0 steps" in why
 
 

@@ -288,7 +288,7 @@ def _needs(reduction: Reduction) -> Iterator[str]:
     yield "## What the failure needs"
     yield ""
     if not reduction.passing:
-        yield "No smaller scenario that was run passes." if reduction.tried else "No smaller scenario was run."
+        yield "None of the smaller scenarios that were run passes." if reduction.tried else "No smaller scenario was run."
         if reduction.last_passing is not None:
             larger, change = reduction.last_passing
             yield f"In a larger scenario, this change made the failure go away: {difference(larger, change.scenario)}."

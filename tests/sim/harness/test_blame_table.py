@@ -129,7 +129,7 @@ def test_blame_that_is_interrupted_keeps_the_rows_that_are_finished():
     [
         (["mends", "does not mend", "cannot be told"], "mended by: a. Not mended by: b."),
         (["does not mend", "changes nothing"], "mended by: nothing. Not mended by: a."),
-        (["cannot be told", "changes nothing"], "it cannot be told what mends it."),
+        (["cannot be told", "changes nothing"], "no replacement could be judged."),
         (["changes nothing", "changes nothing"], "the failure needs no error of a or error of b."),
         ([], "no change was tried."),
     ],
