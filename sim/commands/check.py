@@ -53,7 +53,7 @@ def _check(arguments: argparse.Namespace) -> int:
         raise SimError(
             f"--fails {CRASH}: a crash always fails check; valid: without it, or lexis-sim shrink --fails {CRASH}"
         )
-    claims = [Claim.parse(text) for text in arguments.fails]
+    claims = [Claim.parse(text, "condition") for text in arguments.fails]
     for claim in claims:
         check_claimable(arguments, claim)
     run, scenario = runner_of(arguments), scenario_of_arguments(arguments)

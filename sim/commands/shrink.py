@@ -13,7 +13,7 @@ from sim.errors import SimError
 
 if TYPE_CHECKING:
     from sim.harness.blame_table import BlameRow
-    from sim.harness.reducer import Attempt
+    from sim.harness.reducer import TriedCandidate
 
 FAILS_HELP = 'what is true of a failing run, such as "labels.accuracy < 0.7"; or the word crash, for a SLAM that raises'
 DEADLINE_HELP = "such as 90s or 3m; the smallest failure so far is kept (default: 3m; 10m with --command)"
@@ -56,8 +56,8 @@ def _shrink(arguments: argparse.Namespace) -> int:
 
     reference = None if arguments.reference is None else runner_of_class(arguments.reference, "--reference")
     test = FailureTest.parse(arguments.fails, runner_of(arguments), reference)
-    if test.claim is not None:
-        check_claimable(arguments, test.claim)
+    if test.condition is not None:
+        check_claimable(arguments, test.condition)
     path = arguments.scenario
     scenario = Scenario.load(path / SCENARIO if path.is_dir() else path)
     if unknown := [name for name in arguments.keep if name not in STEPS]:
@@ -83,5 +83,5 @@ def _print_substitution(row: "BlameRow") -> None:
     print(f"\r{'replaced: ' + row.substitution:<60}", end="", file=sys.stderr)
 
 
-def _print_progress(attempt: "Attempt") -> None:
-    print(f"\r{attempt.elapsed_s:5.0f} s, {attempt.tried} candidates, {attempt.step:<20}", end="", file=sys.stderr)
+def _print_progress(tried: "TriedCandidate") -> None:
+    print(f"\r{tried.elapsed_s:5.0f} s, {tried.tried} candidates, {tried.step:<20}", end="", file=sys.stderr)

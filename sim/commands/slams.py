@@ -60,7 +60,7 @@ def check_claimable(arguments: argparse.Namespace, claim: "Claim") -> None:
     """Raise `SimError` for a claim about plans if the SLAM is a program, because programs have no way to state plans."""
     if arguments.program is not None and claim.is_about_plans:
         raise SimError(
-            f"claim {str(claim)!r}: a program of --command makes no plans, so {claim.figure} is null; "
+            f"{str(claim)!r}: a program of --command makes no plans, so {claim.figure} is null; "
             "valid: figures of trajectory, labels, rooms, floors or loops, or --slam"
         )
 

@@ -225,11 +225,11 @@ def _tested(substitution: Substitution, test: FailureTest, signature: Signature)
     name, slam = substitution.name, substitution.slam
     runner = test.runner if slam is None else lambda scenario, progress: run(scenario, slam, progress)
     changed = replace(test, runner=runner)  # a copy, so that the test keeps the run of the failure
-    if changed.claim is None:
+    if changed.condition is None:
         return _compared(substitution, changed, signature)
     observed = changed.observe(substitution.scenario)
     if observed.value is None:
-        return BlameRow(name, "cannot be told", detail=f"{changed.claim.figure} is null")
+        return BlameRow(name, "cannot be told", detail=f"{changed.condition.figure} is null")
     if observed.signature is not None and observed.signature != signature:
         return BlameRow(name, "cannot be told", observed.value, _differently(observed.signature, signature))
     return BlameRow(name, "does not mend" if observed.signature else "mends", observed.value)

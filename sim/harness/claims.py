@@ -45,14 +45,14 @@ class Claim:
             raise SimError(f"claim {self.figure!r:.80}: the limit is {self.limit!r:.40}; valid: a finite number")
 
     @staticmethod
-    def parse(text: str) -> "Claim":
+    def parse(text: str, noun: str = "claim") -> "Claim":
         """Read a claim such as "labels.accuracy < 0.7" or "labels.accuracy > 1.1 * labels.accuracy_baseline".
 
-        Raises `SimError` for another form or an unknown figure.
+        Raises `SimError` for another form or an unknown figure. The message calls the text by the `noun`.
         """
         if (match := _FORM.fullmatch(text)) is None:
             raise SimError(
-                f"claim {text!r:.80} is not understood; "
+                f"{noun} {text!r:.80} is not understood; "
                 "valid: a figure, < <= > >= == or !=, and a number, or a number * figure"
             )
         figure, comparison, limit, factor, of = match.groups()
@@ -60,7 +60,7 @@ class Claim:
         try:
             value = float(number)
         except ValueError:
-            raise SimError(f"claim {text!r:.80}: {number!r} is no number; valid: a number such as 0.7") from None
+            raise SimError(f"{noun} {text!r:.80}: {number!r} is no number; valid: a number such as 0.7") from None
         claim = Claim(figure, comparison, value, of)
         claim._check_names()
         return claim

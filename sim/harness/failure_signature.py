@@ -27,7 +27,7 @@ class Signature:
     """How the run failed: the condition for a failure that came true, such as "labels.accuracy < 0.7", or what the SLAM did
     in a crash, such as "raises RuntimeError"."""
     value: float | None = field(default=None, compare=False)
-    """Value of the figure in the claim `what`, in the run that failed; None if `what` is an exception."""
+    """Value of the figure in the condition `what`, in the run that failed; None if `what` is an exception."""
 
     @property
     def unavoidable(self) -> "Signature":
@@ -55,9 +55,9 @@ class Observed:
     run: Run
     result: RunResult
     trials: tuple[Trial, ...]
-    """The plans that a robot has driven. Driving takes seconds, so there are none unless the claim is about planning."""
+    """The plans that a robot has driven. Driving takes seconds, so there are none unless the condition is about planning."""
     value: float | None
-    """Value of the figure that the claim is about; None without a claim, or if the run cannot have the figure."""
+    """Value of the figure that the condition is about; None without a condition, or if the run cannot have the figure."""
     signature: Signature | None
 
     @property
@@ -70,55 +70,54 @@ class Observed:
 class FailureTest:
     """Runs a SLAM on a scenario and says whether it fails.
 
-    A run fails if the claim is true or, without a claim, if the SLAM crashes. At its first failure, the test chooses a good
-    SLAM that does not fail there (`sim.harness.good_slam`), and remembers the kinds of errors. A later failure has another
-    signature if this good SLAM fails in its scenario, too (`Signature.unavoidable`), if the `reference` does so
+    A run fails if the condition is true or, without a condition, if the SLAM crashes. At its first failure, the test chooses
+    a good SLAM that does not fail there (`sim.harness.good_slam`), and remembers the kinds of errors. A later failure has
+    another signature if this good SLAM fails in its scenario, too (`Signature.unavoidable`), if the `reference` does so
     (`Signature.of_reference`), or if its errors are of other kinds (`Signature.with_other_errors`).
 
     The test keeps the last failing run of each fidelity. After a search by `reduce`, the kept run is the run of the smallest
     scenario, which need not be run again.
     """
 
-    claim: Claim | None
+    condition: Claim | None
     runner: Runner
     reference: Runner | None = None
-    """Runs a SLAM without the failure, such as an earlier version of the SLAM under test; only for a claim."""
+    """Runs a SLAM without the failure, such as an earlier version of the SLAM under test; only with a condition."""
     original: OriginalFailure = field(default_factory=OriginalFailure, repr=False)
     """What is remembered of the first failure. Copies made by `replace` share it."""
     _kept: dict[Fidelity, Observed | Crash] = field(default_factory=dict, init=False, repr=False)
 
     @staticmethod
     def parse(text: str, runner: Runner, reference: Runner | None = None) -> "FailureTest":
-        """Parse the condition for a failure: a claim such as "labels.accuracy < 0.7", or the word "crash".
+        """Parse the condition for a failure: a comparison such as "labels.accuracy < 0.7", or the word "crash".
 
         Raises `SimError` for anything else, and for a crash with a reference.
         """
         if text == CRASH and reference is not None:
             raise SimError(f"reference: the failure is {CRASH!r}; valid: with a figure, such as 'labels.accuracy < 0.7'")
-        return FailureTest(None if text == CRASH else Claim.parse(text), runner, reference)
+        return FailureTest(None if text == CRASH else Claim.parse(text, "condition"), runner, reference)
 
     def __call__(self, scenario: Scenario) -> Signature | None:
         """Run the SLAM on a scenario; return the signature of the failure, or None if the run does not fail.
 
-        A test with a claim, such as "labels.accuracy < 0.7", raises `SimError` in two cases: the SLAM crashes, or the run
-        has no value (null) for a figure in the claim.
+        A test with a condition, such as "labels.accuracy < 0.7", raises `SimError` in two cases: the SLAM crashes, or the
+        run has no value (null) for a figure in the condition.
         """
         return self.signature_of(self.outcome(scenario))
 
     def signature_of(self, outcome: Observed | Crash) -> Signature | None:
         """Return the signature of the failure that an outcome shows, or None if it shows none.
 
-        If the test has a claim, raises `SimError` if the SLAM crashed or the figure of the claim is null.
+        If the test has a condition, raises `SimError` if the SLAM crashed or a figure in the condition is null.
         """
         if isinstance(outcome, Crash):
-            if self.claim is None:
+            if self.condition is None:
                 return Signature(outcome.what)
-            valid = f"valid: {CRASH!r} in place of this claim"
-            raise SimError(f"claim {str(self)!r}: {outcome.sentence}; {valid}") from outcome.error
-        if self.claim is not None and outcome.value is None:
-            raise SimError(
-                f"claim {str(self)!r}: {' or '.join(self.claim.figures)} is null; valid: a figure of what the SLAM claims"
-            )
+            valid = f"valid: {CRASH!r} in place of this condition"
+            raise SimError(f"condition {str(self)!r}: {outcome.sentence}; {valid}") from outcome.error
+        if self.condition is not None and outcome.value is None:
+            null = " or ".join(self.condition.figures)
+            raise SimError(f"condition {str(self)!r}: {null} is null; valid: a figure of what the SLAM claims")
         return outcome.signature
 
     def outcome(self, scenario: Scenario, progress: Progress | None = None) -> Observed | Crash:
@@ -138,8 +137,8 @@ class FailureTest:
     def _shows_the_failure(self, outcome: Observed | Crash, kept: Observed | Crash | None) -> bool:
         """Return whether an outcome is the failure that is looked for. If a crash is kept, only an equal crash counts."""
         if isinstance(outcome, Crash):
-            return self.claim is None and (not isinstance(kept, Crash) or kept.what == outcome.what)
-        return self.claim is not None and outcome.signature == Signature(str(self.claim))
+            return self.condition is None and (not isinstance(kept, Crash) or kept.what == outcome.what)
+        return self.condition is not None and outcome.signature == Signature(str(self.condition))
 
     def observe(self, scenario: Scenario, progress: Progress | None = None) -> Observed:
         """Run the SLAM like `outcome`, but return completed runs only.
@@ -152,23 +151,23 @@ class FailureTest:
         return outcome
 
     def _judge(self, finished: Run) -> Observed | Crash:
-        drives = self.claim is None or self.claim.is_about_plans  # a crash may be one of the method `plan`
+        drives = self.condition is None or self.condition.is_about_plans  # a crash may be one of the method `plan`
         trials = attempt_plans(finished) if drives else ()
         if isinstance(trials, Crash):
             return trials
         result = evaluate(finished, trials)
-        if self.claim is None:
+        if self.condition is None:
             return Observed(finished, result, tuple(trials), None, None)
-        failing, value = self.claim.outcome(result) == "holds", self.claim.value(result)
-        signature = self._compared(Signature(str(self.claim), value), finished, trials) if failing else None
+        failing, value = self.condition.outcome(result) == "holds", self.condition.value(result)
+        signature = self._compared(Signature(str(self.condition), value), finished, trials) if failing else None
         return Observed(finished, result, tuple(trials), value, signature)
 
     def _compared(self, signature: Signature, failing: Run, trials: Sequence[Trial]) -> Signature:
         """Return the signature of a failing run after a comparison with the original failure and the reference."""
-        assert self.claim is not None
+        assert self.condition is not None
         if self.original.is_unavoidable(failing, trials, self._passes):
             return signature.unavoidable
-        if not self.original.is_like(failing, self.claim.figure):
+        if not self.original.is_like(failing, self.condition.figure):
             return signature.with_other_errors
         return signature if self.reference_fails(failing.scenario) is None else signature.of_reference
 
@@ -190,21 +189,21 @@ class FailureTest:
         finished = self._reference_attempt(scenario)
         if finished is None:
             return None
-        assert self.claim is not None
-        trials = attempt_plans(finished) if isinstance(finished, Run) and self.claim.is_about_plans else ()
+        assert self.condition is not None
+        trials = attempt_plans(finished) if isinstance(finished, Run) and self.condition.is_about_plans else ()
         for outcome in (finished, trials):
             if isinstance(outcome, Crash):
                 return f"it {outcome.what}{outcome.place}"
         assert isinstance(finished, Run) and not isinstance(trials, Crash)
         result = evaluate(finished, trials)
-        value = self.claim.value(result)
-        return None if self._passes(result) else f"{self.claim.figure} is {'null' if value is None else f'{value:g}'}"
+        value = self.condition.value(result)
+        return None if self._passes(result) else f"{self.condition.figure} is {'null' if value is None else f'{value:g}'}"
 
     def _passes(self, result: RunResult) -> bool:
-        return self.claim is not None and self.claim.outcome(result) == "fails"
+        return self.condition is not None and self.condition.outcome(result) == "fails"
 
     def __str__(self) -> str:
-        return CRASH if self.claim is None else str(self.claim)
+        return CRASH if self.condition is None else str(self.condition)
 
 
 def check_fails(scenario: Scenario, test: FailureTest) -> None:
@@ -220,8 +219,7 @@ def check_fails(scenario: Scenario, test: FailureTest) -> None:
         raise SimError(f"reference: it fails in the scenario, too: {how}; valid: a SLAM that passes there")
     if signature is not None:
         return
-    if test.claim is None or isinstance(outcome, Crash):
+    if test.condition is None or isinstance(outcome, Crash):
         raise SimError(f"{CRASH}: the SLAM does not crash on the scenario; valid: a scenario on which it does")
-    raise SimError(
-        f"claim {str(test)!r}: {test.claim.figure} is {outcome.value:g}; valid: a claim that is true of the scenario"
-    )
+    found = f"{test.condition.figure} is {outcome.value:g}"
+    raise SimError(f"condition {str(test)!r}: {found}; valid: a condition that is true of the scenario")

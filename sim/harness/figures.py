@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict
+from typing import NamedTuple
 
 import numpy as np
 
@@ -47,6 +48,19 @@ _ROUNDING_M = 1e-9
 """Least error of a trajectory that is reported [m]. Smaller errors come from rounding, and are reported as 0."""
 _REVISIT = PlaceRecognitionConfig()
 """Settings that say how old a frame must be so that a return to its place counts as a revisit; the same for every SLAM."""
+
+
+class EvaluatedRun(NamedTuple):
+    """A finished run with its figures, and the plans that a robot has driven."""
+
+    run: Run
+    result: RunResult
+    trials: Sequence[Trial] = ()
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario of the run."""
+        return self.run.scenario
 
 
 def check(scenario: Scenario, slam: SlamUnderTest | None = None) -> RunResult:

@@ -71,7 +71,7 @@ GOOD_SLAMS = (*(GoodSlam(error_m, uses_odometry=True) for error_m in (0.01, 0.00
 """Good SLAMs, from the one that is easiest to equal to the most exact one."""
 
 
-class Reference:
+class GoodSlamChoice:
     """The good SLAM by which a search judges whether a failure is avoidable: the first that avoids the original failure."""
 
     def __init__(self) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 
 from sim.harness.failures.error_kinds import are_alike, error_kinds, most_frequent
 from sim.harness.failures.first_wrong import first_wrong
-from sim.harness.good_slam import Reference
+from sim.harness.good_slam import GoodSlamChoice
 from sim.harness.planning import Trial
 from sim.harness.results import RunResult
 from sim.harness.runner import Run
@@ -17,7 +17,7 @@ class OriginalFailure:
 
     def __init__(self) -> None:
         """Leave all to the first failing run."""
-        self._reference = Reference()
+        self._good_slam = GoodSlamChoice()
         self._labels: dict[str, str] = {}
         self.kinds: Counter[str] | None = None
         """Number of frames with each kind of error in the original run; None before the first failing run."""
@@ -29,7 +29,7 @@ class OriginalFailure:
 
         `passes` evaluates the test or claim on the figures of another SLAM. The first call is for the original run.
         """
-        return not self._reference.avoids(run, trials, passes)
+        return not self._good_slam.avoids(run, trials, passes)
 
     def is_like(self, run: Run, figure: str | None) -> bool:
         """Return whether a failing run has the same kinds of errors as the original one, which the first call remembers.

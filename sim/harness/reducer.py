@@ -39,7 +39,7 @@ fails there, too; "reference fails"; and "fails differently", for example by err
 
 
 @dataclass(frozen=True, eq=False)
-class Attempt:
+class TriedCandidate:
     """A candidate that was tried, for progress reports."""
 
     step: str
@@ -139,7 +139,7 @@ def reduce(
     scenario: Scenario,
     fails: Fails,
     deadline_s: float = DEADLINE_S,
-    on_progress: Callable[[Attempt], None] | None = None,
+    on_progress: Callable[[TriedCandidate], None] | None = None,
     clock: Clock = time.monotonic,
     steps: Mapping[str, Step] = STEPS,
 ) -> Reduction:
@@ -189,7 +189,7 @@ class _Search:
     fails: Fails
     signature: Signature
     end: float
-    on_progress: Callable[[Attempt], None] | None
+    on_progress: Callable[[TriedCandidate], None] | None
     clock: Clock
     steps: Mapping[str, Step]
     outcomes: dict[str, CandidateOutcome] = field(default_factory=dict)
@@ -257,7 +257,7 @@ class _Search:
             self.outcomes[key] = self._run(scenario)
             if self.on_progress is not None:
                 elapsed_s = self.clock() - self.begin
-                self.on_progress(Attempt(step, scenario, self.outcomes[key], len(self.outcomes), elapsed_s))
+                self.on_progress(TriedCandidate(step, scenario, self.outcomes[key], len(self.outcomes), elapsed_s))
         if self.outcomes[key] == "passes":
             self.passing.setdefault(key, Change(step, scenario))
         return self.outcomes[key]

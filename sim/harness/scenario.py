@@ -124,11 +124,10 @@ class Scenario(Settings, place="scenario", error=SimError):
     def load(path: Path | str) -> "Scenario":
         """Read a scenario from a JSON file. Raises `SimError` or `worlds.WorldsError` that says what is wrong and where."""
         path = Path(path)
+        data = read_json(path, _FILE)
         try:
-            return scenario_of(read_json(path, _FILE))
+            return scenario_of(data)
         except SimError as error:
-            if str(error).startswith(str(path)):
-                raise
             raise SimError(f"{path}: {error}") from None
         except WorldsError as error:
             raise reworded(error, f"{path}: {error}") from None

@@ -16,8 +16,9 @@ from sim.pytest_plugin.options import loading_options, out_folder, replayed_file
 
 if TYPE_CHECKING:
     from sim.harness.crash import Crash
-    from sim.harness.failures.failed_test import FailedPytest, FinishedRun
+    from sim.harness.failures.failed_test import FailedPytest
     from sim.harness.failures.search import Search
+    from sim.harness.figures import EvaluatedRun
     from sim.harness.scenario import Scenario
 
 
@@ -94,7 +95,7 @@ def _about_reference(search: "Search | None") -> list[str]:
     return [] if search.reference is None else [f"reference: {type(search.reference.slam).__name__} passes in this scenario"]
 
 
-def _folder(item: pytest.Item, execution: Execution, outcome: "FinishedRun | Crash", search: "Search | None") -> Path:
+def _folder(item: pytest.Item, execution: Execution, outcome: "EvaluatedRun | Crash", search: "Search | None") -> Path:
     """Write the folder of a failure, and return its path.
 
     Nothing is written if this folder is being replayed, or if the test itself is in it.
@@ -147,13 +148,12 @@ def _replayed(item: pytest.Item, execution: Execution) -> Path | None:
     return execution.world.file if isinstance(execution.world, StoredWorld) else None
 
 
-def _outcome(execution: Execution, scenario: "Scenario") -> "FinishedRun | Crash":
+def _outcome(execution: Execution, scenario: "Scenario") -> "EvaluatedRun | Crash":
     """Return the finished run with its figures, which are computed if need be, or the crash if no run was finished."""
     from sim.harness.crash import Crash
-    from sim.harness.failures.failed_test import FinishedRun
-    from sim.harness.figures import evaluate
+    from sim.harness.figures import EvaluatedRun, evaluate
 
     if execution.run is None:
         return Crash(scenario, _error(execution), execution.crashed_at, execution.last.slam_name)
     result, trials = execution.last.result, execution.last.trials
-    return FinishedRun(execution.run, result or evaluate(execution.run, trials), trials)
+    return EvaluatedRun(execution.run, result or evaluate(execution.run, trials), trials)

@@ -16,8 +16,7 @@ from sim.errors import ClaimError, ProgramError, SimError
 from sim.harness.claims import Claim
 from sim.harness.crash import Crash, attempt, attempt_plans
 from sim.harness.estimate import Estimate, LoopClaims
-from sim.harness.figures import evaluate
-from sim.harness.results import RunResult
+from sim.harness.figures import EvaluatedRun, evaluate
 from sim.harness.runner import Progress, Run, run
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import CommandSlam, SlamUnderTest, made_slam
@@ -35,13 +34,6 @@ NewSlam = Callable[[], SlamUnderTest] | Program
 _CLAIMS = ("labels", "rooms", "floors", "loops", "T_W_B")
 _SHARES = ("frames", "labels", "rooms", "floors", "loops")
 """The figures of `ClaimAgreement` that are not distances or angles."""
-
-
-class EvaluatedRun(NamedTuple):
-    """A finished run and its figures."""
-
-    run: Run
-    result: RunResult
 
 
 class CheckFinding(NamedTuple):
@@ -260,7 +252,7 @@ def evaluated_run(scenario: Scenario, new_slam: NewSlam) -> EvaluatedRun | Check
         return CheckFinding(False, one_line(str(error), 160))
     if isinstance(trials, Crash):
         return CheckFinding(False, f"plan() of {_described(trials)}")
-    return EvaluatedRun(finished, evaluate(finished, trials))
+    return EvaluatedRun(finished, evaluate(finished, trials), trials)
 
 
 def _described(crash: Crash) -> str:

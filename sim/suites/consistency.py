@@ -12,10 +12,11 @@ from lexis.maths.se3 import between
 from lexis.maths.ties import reaches
 from lexis.types import Poses
 from sim.harness.estimate import LoopClaims
+from sim.harness.figures import EvaluatedRun
 from sim.harness.runner import Run
 from sim.harness.upright import upright
 from sim.suites.agreement import apart
-from sim.suites.checks import CheckFinding, EvaluatedRun, NewSlam
+from sim.suites.checks import CheckFinding, NewSlam
 from sim.suites.staircases import CLIMB_M, NEAR_M, staircases_are_rooms, stairs_are_climbed
 
 _STEP_M, _STEP_RAD = 0.25, 0.1

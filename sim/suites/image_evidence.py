@@ -7,8 +7,9 @@ import numpy as np
 
 from lexis.types import Image, Observation, Percept
 from sim.harness.estimate import Estimate
+from sim.harness.figures import EvaluatedRun
 from sim.harness.scenario import Scenario
-from sim.suites.checks import CheckFinding, EvaluatedRun, NewSlam, run_on_change
+from sim.suites.checks import CheckFinding, NewSlam, run_on_change
 from sim.suites.stream_changes import NoChange
 
 _TILES = 6, 8

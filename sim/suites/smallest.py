@@ -152,7 +152,7 @@ def _failure_test(
         if reference is None or test(listed) != Signature(str(test)).of_reference:
             return test, ""
         note = f"\n  the reference is not used, because it fails, too: {test.reference_fails(listed)}"
-        return FailureTest(test.claim, runner), note
+        return FailureTest(test.condition, runner), note
     crash = FailureTest(None, runner)
     with suppress(*USER_ERRORS):
         if check is None and crash(with_listed_house(scenario)) is not None:

@@ -1,6 +1,5 @@
 """The folder of a failed test: the scenario, the figures and report of the run, why.md, and a test that replays it."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,10 +8,8 @@ from sim.harness.crash import Crash
 from sim.harness.failures.first_wrong import shown_failure
 from sim.harness.failures.search import Search
 from sim.harness.failures.why_page import Page, crash_page, failed_test_page
+from sim.harness.figures import EvaluatedRun
 from sim.harness.outputs import fill_crash_folder, fill_run_folder
-from sim.harness.planning import Trial
-from sim.harness.results import RunResult
-from sim.harness.runner import Run
 from sim.harness.scenario import Scenario
 from sim.harness.world_tests import SCENARIO, TEST_REPLAY, slug_of
 
@@ -50,20 +47,6 @@ class FailedPytest:
         return _REPLAY.format(test=self.replayed_name, file=file, options=list(self.options))
 
 
-@dataclass(frozen=True, eq=False)
-class FinishedRun:
-    """A run in which the SLAM raised no exception, with its figures and the driven plans."""
-
-    run: Run
-    result: RunResult
-    trials: Sequence[Trial]
-
-    @property
-    def scenario(self) -> Scenario:
-        """The scenario of the run."""
-        return self.run.scenario
-
-
 def folder_of(out: Path, name: str, scenario: Scenario, parameters: str = "") -> Path:
     """Return the folder for a failure of a test on a scenario; the same failure always gets the same folder.
 
@@ -84,7 +67,7 @@ def holds_failure(folder: Path, test: FailedPytest, scenario: Scenario) -> bool:
     )
 
 
-def write_failed_test(folder: Path, test: FailedPytest, outcome: FinishedRun | Crash, search: Search | None = None) -> None:
+def write_failed_test(folder: Path, test: FailedPytest, outcome: EvaluatedRun | Crash, search: Search | None = None) -> None:
     """Write scenario.json, why.md and test_replay.py, and either the files of `write_run` or the traceback of a crash.
 
     `search` is the search that found the scenario, if there was one. An earlier folder of the same failure is replaced.
@@ -105,7 +88,7 @@ def write_failed_test(folder: Path, test: FailedPytest, outcome: FinishedRun | C
             fill_run_folder(outcome.run, outcome.result, outcome.trials, new, failure)
 
 
-def _page(test: FailedPytest, outcome: FinishedRun | Crash, search: Search | None) -> Page:
+def _page(test: FailedPytest, outcome: EvaluatedRun | Crash, search: Search | None) -> Page:
     if isinstance(outcome, Crash):
         reduction, blamed = (None, None) if search is None else (search.reduction, search.blamed)
         return crash_page(f"{test.name} fails", outcome, reduction, blamed)

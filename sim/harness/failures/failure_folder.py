@@ -43,15 +43,18 @@ def write_failure(
     if test.signature_of(smallest) != reduction.signature:
         raise not_reproduced(reduction)
     original = json.dumps(reduction.original.data(), indent=1) + "\n"
-    files = {"original.json": original.encode(), TEST_REPLAY: replay_test(test.claim, replay).encode()}
+    files = {"original.json": original.encode(), TEST_REPLAY: replay_test(test.condition, replay).encode()}
     reference = test.reference_run(reduction.scenario)
     files |= why_page(reduction, test, blamed, smallest, reference).files
     if isinstance(smallest, Crash):
         write_crash(smallest, out, files)
     else:
-        assert test.claim is not None
+        assert test.condition is not None
         failure = shown_failure(
-            smallest.run, f"{test.claim}: {test.claim.figure} is {smallest.value:.4g}", test.claim.figure, reference
+            smallest.run,
+            f"{test.condition}: {test.condition.figure} is {smallest.value:.4g}",
+            test.condition.figure,
+            reference,
         )
         write_run(smallest.run, smallest.result, smallest.trials, out, files, failure)
 

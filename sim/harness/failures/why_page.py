@@ -71,9 +71,9 @@ def why_page(
     """
     if isinstance(smallest, Crash):
         return crash_page(f"The SLAM {smallest.what}", smallest, reduction, blamed)
-    assert test.claim is not None
-    figure = test.claim.figure
-    head = [f"# {test.claim}", *_under_test(_name_of(smallest.run)), "", *_failure(reduction, test, smallest, reference)]
+    assert test.condition is not None
+    figure = test.condition.figure
+    head = [f"# {test.condition}", *_under_test(_name_of(smallest.run)), "", *_failure(reduction, test, smallest, reference)]
     place = wrong_frame_page(smallest.run, figure, reference)
     return _page(head, place, _search_sections(reduction, blamed, figure), _WHOLE_RUN)
 
@@ -146,10 +146,10 @@ def _page(head: Sequence[str], place: Page, sections: Iterable[str], whole_run: 
 
 
 def _failure(reduction: Reduction, test: FailureTest, smallest: Observed, reference: Run | None) -> Iterator[str]:
-    assert test.claim is not None
-    original, figure = reduction.signature.value, test.claim.figure
+    assert test.condition is not None
+    original, figure = reduction.signature.value, test.condition.figure
     yield f"`{figure}` is **{_number(smallest.value)}** in this scenario; a SLAM without the failure has"
-    yield f"`{test.claim.opposite}`. In the scenario in which the failure was found, it is {_number(original)}."
+    yield f"`{test.condition.opposite}`. In the scenario in which the failure was found, it is {_number(original)}."
     if not reduction.accepted:
         return
     if kinds := test.original.compared(smallest.run, figure):

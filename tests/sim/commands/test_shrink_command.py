@@ -159,11 +159,11 @@ def test_a_program_that_fails_is_shrunk_and_replayed(project, unlit, capsys):
         ),
         (
             ["scenario.json", "--slam", "sim.harness.adapters:OdometryOnly", *FAILS],
-            "claim 'floors.accuracy < 0.5': floors.accuracy is null; valid: a figure of what the SLAM claims",
+            "condition 'floors.accuracy < 0.5': floors.accuracy is null; valid: a figure of what the SLAM claims",
         ),
         (
             ["scenario.json", "--slam", "own_slam_to_shrink:Lost", *FAILS],
-            "the SLAM raises RuntimeError: lost; valid: 'crash' in place of this claim",
+            "the SLAM raises RuntimeError: lost; valid: 'crash' in place of this condition",
         ),
         (
             ["scenario.json", "--slam", "own_slam_to_shrink:Mine", "--fails", "crash"],
@@ -171,7 +171,7 @@ def test_a_program_that_fails_is_shrunk_and_replayed(project, unlit, capsys):
         ),
         (
             ["scenario.json", "--slam", "own_slam_to_shrink:Mine", "--fails", "floors.accuracy > 0.5"],
-            "claim 'floors.accuracy > 0.5': floors.accuracy is 0; valid: a claim that is true of the scenario",
+            "condition 'floors.accuracy > 0.5': floors.accuracy is 0; valid: a condition that is true of the scenario",
         ),
         (["scenario.json", "--timeout", "3", *FAILS], "--timeout is for programs; valid: with --command"),
     ],

@@ -11,7 +11,7 @@ from lexis.maths.se3 import between
 from sim.faults.poses import OdometryNaN
 from sim.harness import Estimate, Lexis, Scenario, evaluate, good_slam, run
 from sim.harness.adapters import GeometricRooms, OdometryOnly
-from sim.harness.good_slam import GOOD_SLAMS, GoodSlam, Reference, with_true_loops
+from sim.harness.good_slam import GOOD_SLAMS, GoodSlam, GoodSlamChoice, with_true_loops
 from worlds.presets import sample_from_rooms
 
 LONG = replace(OPEN_FLAT, length_m=80.0)
@@ -85,13 +85,13 @@ def test_the_first_good_slam_that_passes_is_the_reference(drifting):
     before = run(replace(LONG, odometry="perfect"), OdometryOnly())
     short = run(replace(LONG, length_m=8.0, odometry="degraded"), OdometryOnly())
     for limit_m, avoids in ((0.5, False), (0.1, True)):  # the second limit is beyond a SLAM that corrects the odometry
-        reference = Reference()
+        reference = GoodSlamChoice()
         assert reference.avoids(drifting, (), limited(limit_m))
         assert not reference.avoids(before, (), limited(limit_m))
         assert reference.avoids(short, (), limited(limit_m)) == avoids
 
 
 def test_where_no_good_slam_passes_at_first_nothing_is_avoidable_or_not(drifting):
-    reference = Reference()
+    reference = GoodSlamChoice()
     assert reference.avoids(drifting, (), lambda result: False)
     assert reference.avoids(drifting, (), lambda result: False)

@@ -40,7 +40,9 @@ def test_a_planted_bug_is_shrunk_and_blamed(name):
     assert after.rooms <= 3 + stairs and after.length_m <= 20.0 and after.furniture == 0
     assert after.storeys == (2 if name == "floors" else 1)
     assert after.drift == (name == "drift")
-    assert reduction.ended == "smallest" and test(reduction.scenario) == reduction.signature == Signature(str(test.claim))
+    assert reduction.ended == "smallest" and test(reduction.scenario) == reduction.signature == Signature(
+        str(test.condition)
+    )
     assert set(blame(reduction, test).named("mends")) == BUGS[name][3]
 
 
@@ -54,7 +56,7 @@ def test_a_failure_to_be_better_than_the_odometry_is_shrunk_to_a_scenario_where_
     reduction = reduce(FLAT, test, deadline_s=1e9)
     after = size(reduction.scenario)
     assert after.rooms == 1 and after.drift == 1 and after.length_m < size(reduction.original).length_m
-    assert test.claim.outcome(evaluate(run(reduction.scenario, Lexis("oracle")))) == "fails"
+    assert test.condition.outcome(evaluate(run(reduction.scenario, Lexis("oracle")))) == "fails"
     assert "perfect odometry" in blame(reduction, test).named("cannot be told")
 
 

@@ -10,7 +10,7 @@ from lexis.maths.se3 import between, exp
 from sim.faults import parse_fault
 from sim.harness import Estimate, Lexis, run
 from sim.harness.adapters import OdometryOnly
-from sim.suites.checks import EvaluatedRun
+from sim.harness.figures import EvaluatedRun
 from sim.suites.consistency import (
     CONSISTENCY,
     LastLoopsFit,

@@ -95,7 +95,7 @@ def both(run):
 def test_a_search_does_not_end_at_another_bug(reference):
     test = FailureTest(Claim.parse("rooms.merges > 0"), planted(both), reference)
     reduction = reduce(BEDROOMS, test, deadline_s=1e9)
-    kept = FailureTest(test.claim, planted(small_house))
+    kept = FailureTest(test.condition, planted(small_house))
     assert len(reduction.accepted) > 5 and kept(reduction.scenario) is None
     assert reduction.different > 0
 

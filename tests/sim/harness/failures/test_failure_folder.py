@@ -100,8 +100,8 @@ def test_the_replay_fails_now_and_passes_once_mended(failure):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--fails", "labels.accuracy < 0"], "; valid: a claim that is true of the scenario"),
-        (["--fails", "wrong"], "claim 'wrong' is not understood"),
+        (["--fails", "labels.accuracy < 0"], "; valid: a condition that is true of the scenario"),
+        (["--fails", "wrong"], "condition 'wrong' is not understood"),
         (["--fails", "labels.acc < 1"], "no figure 'acc'"),
         (["--fails", "labels.accuracy < 1", "--keep", "rooms"], "--keep 'rooms': no such step; valid: drop storeys, "),
         (
