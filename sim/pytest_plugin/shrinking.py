@@ -67,6 +67,55 @@ class _Reference:
         return f"{REFERENCE} is not used, because the test fails with it, too{how}."
 
 
+class _Failure:
+    """The failure of a test: says for any scenario whether the test fails there in the same way.
+
+    It is a function for `reduce` and `blame`, and keeps the last execution of the test that showed the failure.
+    """
+
+    def __init__(self, item: pytest.Item, nextitem: pytest.Item | None, found: Execution) -> None:
+        """Remember how the test failed in the execution `found`."""
+        from sim.harness.original_failure import OriginalFailure
+
+        self._item, self._nextitem = item, nextitem
+        self._signature = _signature(found)
+        self.figure = found.failure.figure if found.failure else None
+        self.original, self.reference = OriginalFailure(), _Reference(item, nextitem)
+        self.last = found
+
+    def __call__(self, scenario: "Scenario") -> "Signature | None":
+        """Execute the test in a scenario; return the signature of its failure, or None if it passes.
+
+        Raises `SimError` if the test cannot run there, or is skipped.
+        """
+        reports, tried = execute(self._item, self._nextitem, _Chosen(scenario))
+        signature = _signature(tried)
+        if signature is not None and signature == self._signature:
+            return self._compared(scenario, tried, signature)
+        if tried.failure is not None and isinstance(tried.failure.error, SimError):
+            raise tried.failure.error
+        if any(report.skipped for report in reports):
+            raise SimError("the test is skipped in this scenario; valid: a scenario in which it runs")
+        if signature is None and any(report.failed for report in reports):
+            raise SimError("the test cannot be set up in this scenario; valid: a scenario that can run")
+        return signature
+
+    def _compared(self, scenario: "Scenario", tried: Execution, signature: "Signature") -> "Signature":
+        """Return the signature of a failure after a comparison with the original failure and the reference."""
+
+        def passes(result: "RunResult") -> bool:
+            return all(report.passed for report in execute(self._item, self._nextitem, _Chosen(scenario), result)[0])
+
+        if tried.run is not None and self.original.is_unavoidable(tried.run, tried.last.trials, passes):
+            return signature.unavoidable
+        if tried.run is not None and not self.original.is_like(tried.run, self.figure):
+            return signature.with_other_errors
+        if not self.reference.passes(scenario):
+            return signature.of_reference
+        tried.reference, self.last = self.reference.run, tried
+        return signature
+
+
 def shrunk(
     item: pytest.Item, nextitem: pytest.Item | None, found: Execution, scenario: "Scenario"
 ) -> "tuple[Execution, Search | None]":
@@ -78,53 +127,27 @@ def shrunk(
     from sim.harness.adapters.lexis import Lexis
     from sim.harness.blame_table import blame
     from sim.harness.failures.search import Search
-    from sim.harness.original_failure import OriginalFailure
     from sim.harness.reducer import reduce
     from worlds.errors import WorldsError
 
-    signature, last = _signature(found), found
-    original, figure = OriginalFailure(), found.failure.figure if found.failure else None
-    reference = _Reference(item, nextitem)
-
-    def fails(candidate: "Scenario") -> "Signature | None":
-        nonlocal last
-
-        def passes(result: "RunResult") -> bool:
-            return all(report.passed for report in execute(item, nextitem, _Chosen(candidate), result)[0])
-
-        reports, tried = execute(item, nextitem, _Chosen(candidate))
-        if signature is not None and _signature(tried) == signature:
-            if tried.run is not None and original.is_unavoidable(tried.run, tried.last.trials, passes):
-                return signature.unavoidable
-            if tried.run is not None and not original.is_like(tried.run, figure):
-                return signature.with_other_errors
-            if not reference.passes(candidate):
-                return signature.of_reference
-            tried.reference, last = reference.run, tried
-        if tried.failure is not None and isinstance(tried.failure.error, SimError) and signature != _signature(tried):
-            raise tried.failure.error  # the test cannot run in this scenario
-        if any(report.skipped for report in reports):
-            raise SimError("the test is skipped in this scenario; valid: a scenario in which it runs")
-        if tried.failure is None and any(report.failed for report in reports):
-            raise SimError("the test cannot be set up in this scenario; valid: a scenario that can run")
-        return _signature(tried)
-
+    failure = _Failure(item, nextitem, found)
     try:
-        reduction = reduce(scenario, fails)
+        reduction = reduce(scenario, failure)
     except (SimError, WorldsError):  # the failure does not recur, or the house cannot be built
         return found, None
     except KeyboardInterrupt:  # before the reducer has anything to keep
         _stop(item)
         return found, None
-    if last.scenario != reduction.scenario and fails(reduction.scenario) != signature:
+    if failure.last.scenario != reduction.scenario and failure(reduction.scenario) != _signature(found):
         return found, None
-    smallest = last  # kept, because `fails` may change `last` in the runs of `blame`
-    blamed = blame(reduction, fails, smallest.run is not None and isinstance(smallest.run.slam, Lexis))
+    smallest = failure.last  # kept, because `blame` executes the test again
+    blamed = blame(reduction, failure, smallest.run is not None and isinstance(smallest.run.slam, Lexis))
     if blamed.interrupted:
         _stop(item)
-    text = found.failure.text if found.failure else ""
-    kinds = "" if smallest.run is None else original.compared(smallest.run, figure)
-    return smallest, Search(scenario, text, _place(found), kinds, reduction, blamed, smallest.reference, reference.left_out)
+    said = found.failure.text if found.failure else ""
+    kinds = "" if smallest.run is None else failure.original.compared(smallest.run, failure.figure)
+    left_out = failure.reference.left_out
+    return smallest, Search(scenario, said, _place(found), kinds, reduction, blamed, smallest.reference, left_out)
 
 
 def _place(found: Execution) -> str:
