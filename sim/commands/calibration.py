@@ -5,11 +5,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.progress import Progress
-
 from lexis.command_line import ENCODER_HELP, Commands, add_command, positive
 from sim.commands.arguments import SEED
+from sim.commands.progress import tracked
 from sim.errors import SimError
 from sim.output_files import check_output_file
 
@@ -84,7 +82,4 @@ def _said(figures: "CalibrationFigures") -> str:
 def _asked(houses: "Sequence[HouseDraw]", encoder: "OpenClipEncoder", seed: int) -> "list[QuestionBatch]":
     from sim.training.query_calibration import asked_in
 
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("asking", total=len(houses))
-        return asked_in(houses, encoder, seed, lambda: bar.advance(task))
+    return asked_in(tracked(houses, len(houses), "asking"), encoder, seed)

@@ -10,7 +10,8 @@ from lexis.command_line import MAX_LINE, Commands, add_command, warn_of_replacem
 from lexis.errors import one_line
 from sim.commands.arguments import add_scenario, folder, scenario_of_arguments
 from sim.commands.check_suite import add_suite, refuse_suite_options, run_suite
-from sim.commands.run import print_gaps, print_result, progress_bar
+from sim.commands.progress import progress_bar
+from sim.commands.run import print_gaps, print_result
 from sim.commands.slams import add_slam, check_claimable, replay_of, runner_of, slam_options
 from sim.errors import SimError
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from lexis.files.replace import replaced_file
 from sim.commands.arguments import given_options_of_a_run, whole_number
 from sim.commands.earlier_results import EarlierResults
-from sim.commands.run import progress_bar
+from sim.commands.progress import progress_bar
 from sim.commands.slams import (
     is_lexis,
     program_of,

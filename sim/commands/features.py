@@ -3,10 +3,8 @@
 import argparse
 from pathlib import Path
 
-from rich.console import Console
-from rich.progress import Progress
-
 from lexis.command_line import ENCODER_HELP, Commands, add_command, positive
+from sim.commands.progress import progress_bar
 from sim.errors import SimError
 from sim.output_files import check_output_file
 
@@ -37,12 +35,8 @@ def _fit(arguments: argparse.Namespace) -> int:
         raise SimError(f"--out is missing: only the model of {MINI!r} has a default file; valid: --out FILE.npz")
     out: Path = arguments.out or MINI_FEATURES
     check_output_file(out)  # before an hour of rendering
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("rendering and fitting", total=1.0)
-        model = fit_features(
-            load_encoder(arguments.encoder), arguments.houses, progress=lambda share: bar.update(task, completed=share)
-        )
+    with progress_bar("rendering and fitting") as progress:
+        model = fit_features(load_encoder(arguments.encoder), arguments.houses, progress=progress)
     save_features(model, out)
     loops = model.loops
     print(f"{out}: {out.stat().st_size / 1e3:.0f} kB")

@@ -5,13 +5,13 @@ import os
 from dataclasses import astuple
 
 from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
 
 from lexis.command_line import positive
 from sim.commands.action import Action
 from sim.commands.arguments import SEED, argument
 from sim.commands.house_action import FILE, describe
+from sim.commands.progress import tracked
 from worlds.house import build_house
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec
@@ -33,12 +33,11 @@ def _prove(arguments: argparse.Namespace) -> int:
     from sim.house_proof import cases, prove, summaries
 
     wanted = cases(arguments.preset, arguments.seed, arguments.houses)
-    proofs, progress = [], Console(stderr=True)
-    with Progress(console=progress, transient=True, disable=not progress.is_terminal) as bar:
-        for proof in bar.track(prove(wanted, arguments.processes), total=len(wanted), description="houses"):
-            proofs.append(proof)
-            if proof.failure is not None:
-                print(f"{proof.case}: {proof.failure}")
+    proofs = []
+    for proof in tracked(prove(wanted, arguments.processes), len(wanted), "houses"):
+        proofs.append(proof)
+        if proof.failure is not None:
+            print(f"{proof.case}: {proof.failure}")
     table = Table(
         "family", "houses", "failed", "median, ms", "worst, ms", title="processor time for a complete house, on one core"
     )

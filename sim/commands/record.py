@@ -3,11 +3,9 @@
 import argparse
 from pathlib import Path
 
-from rich.console import Console
-from rich.progress import Progress
-
 from lexis.command_line import Commands, add_command, warn_of_replacement
 from sim.commands.arguments import add_walk, folder, number, numbers, walk_options, whole_number
+from sim.commands.progress import progress_bar
 from sim.record.stamps import MAX_DAY
 
 FORMATS = {
@@ -95,15 +93,13 @@ def _record(arguments: argparse.Namespace) -> int:
     gyroscope, accelerometer = (arguments.imu_bias * deviation for deviation in TURN_ON)
     config = Scenario(rig=rig, **walk_options(arguments))
     warn_of_replacement(arguments.out, ROOMS)
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("recording", total=1.0)
+    with progress_bar("recording") as progress:
         size = record(
             config,
             arguments.out,
             arguments.format,
             arguments.image_format,
-            progress=lambda share: bar.update(task, completed=share),
+            progress=progress,
             imu_config=ImuConfig(gyroscope_turn_on=gyroscope, accelerometer_turn_on=accelerometer),
             distortion=Distortion(*arguments.distortion) if arguments.distortion else None,
             day=arguments.day,

@@ -1,20 +1,17 @@
 """`lexis-sim demo` and `lexis-sim run`: one run of LEXIS, the printed table of its figures, and its folder."""
 
 import argparse
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.progress import Progress as Bar
 
 from lexis.command_line import Commands, add_command, warn_of_replacement
 from sim.commands.arguments import CONFIG_HELP, DEMO_SEED, add_run_seed, add_scenario, folder, scenario_of_arguments
+from sim.commands.progress import progress_bar
 
 if TYPE_CHECKING:
     from sim.harness import Run, RunResult, Scenario
-    from sim.harness.runner import Progress
     from sim.harness.slam_under_test import SlamUnderTest
 
 _WIDE = 110
@@ -76,15 +73,6 @@ def _run_and_report(scenario: "Scenario", slam: "SlamUnderTest | None", out: Pat
         print("Not every plan reached its room: the report lists and draws those that failed.")
     print(f"report: {out / REPORT}")
     return 0
-
-
-@contextmanager
-def progress_bar(work: str) -> Iterator["Progress"]:
-    """Show a progress bar on a terminal; yield the function to call with the share of the work done, in [0, 1]."""
-    console = Console()
-    with Bar(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(work, total=1.0)
-        yield lambda share: bar.update(task, completed=share)
 
 
 def print_gaps(finished: "Run", result: "RunResult") -> None:

@@ -1,6 +1,6 @@
 """Calibrates the probabilities of `lexis query` for an encoder, on tuning houses, and measures how reliable they are."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,19 +47,13 @@ def write_calibration(encoder: TextEncoder, weights: Path, houses: int, seed: in
     save_calibration(fit_calibration(encoder, asked_in(tuning_houses(houses, seed), encoder, seed)), path)
 
 
-def asked_in(
-    houses: Sequence[HouseDraw], encoder: TextEncoder, seed: int, progress: Callable[[], None] = lambda: None
-) -> list[QuestionBatch]:
-    """Walk through each house and ask questions about its rooms, in trained words. Houses without a walk are left out.
-
-    `progress` is called after every house.
-    """
+def asked_in(houses: Iterable[HouseDraw], encoder: TextEncoder, seed: int) -> list[QuestionBatch]:
+    """Walk through each house and ask questions about its rooms, in trained words. Houses without a walk are left out."""
     asked = []
     for number, draw in enumerate(houses):
         with suppress(SimError, WorldsError):
             views = room_views(draw)
             asked.append(ask(views, embedded(views, encoder), encoder, np.random.default_rng([seed, number])))
-        progress()
     return asked
 
 

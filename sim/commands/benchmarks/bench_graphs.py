@@ -21,8 +21,8 @@ from sim.commands.benchmarks.bench_options import (
     mean_std_text,
     printing,
     seeds_of,
-    tracked,
 )
+from sim.commands.progress import tracked
 
 RIGS = ("wide", "stereo", "front-rear", "four")
 RIG_HELP = f"cameras of each run, of {', '.join(RIGS)} (default: wide front-rear)"

@@ -4,28 +4,29 @@ import argparse
 import os
 import time
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from contextlib import closing
 from dataclasses import astuple
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
 
 from lexis.command_line import positive
 from sim.commands.action import Action
 from sim.commands.arguments import SEED, argument, folder
-from sim.commands.benchmarks.bench_options import (
-    console,
-)
+from sim.commands.benchmarks.bench_options import console
 from sim.commands.earlier_results import EarlierResults
+from sim.commands.progress import tracked
 from sim.durations import duration_s
 from sim.errors import SimError
 from sim.output_files import check_output_file
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Generator, Sequence
+
     from sim.bench.mutation.grading import Grade
+    from sim.bench.mutation.planting import Mutant
 
 _OWN_PYTESTS = 10
 """Approximate number of reduced scenarios whose replay tests pytest also runs in a process of its own."""
@@ -34,7 +35,7 @@ _OWN_PYTESTS = 10
 def _mutation(arguments: argparse.Namespace) -> int:
     """Print a line for each mutant as soon as it is graded, and a table; return 1 if unchanged LEXIS fails a check."""
     from sim.bench.mutation import MUTANTS, grade
-    from sim.bench.mutation.grading import counts, end_suites, markdown_table, read_grades, usable_grades, write_grade
+    from sim.bench.mutation.grading import counts, markdown_table, read_grades, usable_grades, write_grade
     from sim.suites.catalogue import suite_named
 
     laws, before, chosen = not arguments.no_laws, arguments.against, suite_named(arguments.suite)
@@ -49,33 +50,56 @@ def _mutation(arguments: argparse.Namespace) -> int:
     suite = arguments.suite if laws else f"{arguments.suite} without laws"
     kept = [] if arguments.out is None else read_grades(arguments.out)
     usable = usable_grades(kept, wanted.values(), suite, arguments.seed, arguments.smallest, before)
+    alarms = _false_alarms(graded, arguments)  # first, because they show a wrong set-up
     grades = list(usable.values())
     mutants = [mutant for name, mutant in wanted.items() if name not in usable]
-    alarms = []
-    for seed in range(arguments.seed, arguments.seed + arguments.unchanged):  # first, because it shows a wrong set-up
-        found = graded(None, seed, workers=arguments.processes, before=before if seed == arguments.seed else None)
+    with closing(_graded(graded, mutants, arguments.seed, arguments.processes)) as found:
+        for each in found:
+            grades.append(each)
+            _print_grade(each, each.mutant, f"caught by {each.caught_by}" if each.is_caught else "not caught")
+            if arguments.out is not None:
+                write_grade(each, arguments.out)
+    print(markdown_table(grades))
+    print(f"{counts(grades)}; {alarms} false alarms")
+    return int(alarms > 0)
+
+
+def _false_alarms(graded: "Callable[..., Grade]", arguments: argparse.Namespace) -> int:
+    """Check unchanged LEXIS with several seeds, and print what is found; return with how many seeds a check fails."""
+    alarms = 0
+    for seed in range(arguments.seed, arguments.seed + arguments.unchanged):
+        found = graded(None, seed, workers=arguments.processes, before=arguments.against if seed == arguments.seed else None)
         verdict = f"FALSE ALARM by {found.caught_by}: {found.measured}" if found.is_caught else "passes"
-        print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  unchanged LEXIS, seed {seed}: {verdict}", flush=True)
-        alarms.append(found)
-    threads = ThreadPoolExecutor(arguments.processes)  # the work is done in a process of each mutant
+        _print_grade(found, f"unchanged LEXIS, seed {seed}", verdict)
+        alarms += found.is_caught
+    return alarms
+
+
+def _graded(
+    graded: "Callable[..., Grade]", mutants: "Sequence[Mutant]", seed: int, processes: int
+) -> "Generator[Grade, None, None]":
+    """Grade mutants, as many at once as there are `processes`; yield the grades in the order in which they are found.
+
+    After an error, after Ctrl-C, and if the generator is closed, the suites that are running are ended.
+    """
+    from sim.bench.mutation.grading import end_suites
+
+    threads = ThreadPoolExecutor(processes)  # the work is done in a process of each mutant
     futures: list[Future[Grade]] = []
     try:  # Ctrl-C may come as soon as the first suite has begun
         for mutant in mutants:
-            futures.append(threads.submit(graded, mutant, arguments.seed))
+            futures.append(threads.submit(graded, mutant, seed))
         for future in as_completed(futures):
-            grades.append(found := future.result())
-            verdict = f"caught by {found.caught_by}" if found.is_caught else "not caught"
-            print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  {found.mutant}: {verdict}", flush=True)
-            if arguments.out is not None:
-                write_grade(found, arguments.out)
+            yield future.result()
     finally:
         threads.shutdown(wait=False, cancel_futures=True)
-        while not all(future.done() for future in futures):  # after an error, or after Ctrl-C
+        while not all(future.done() for future in futures):
             end_suites()  # the suites do not get Ctrl-C themselves, because they are in process groups of their own
             time.sleep(0.1)
-    print(markdown_table(grades))
-    print(f"{counts(grades)}; {sum(found.is_caught for found in alarms)} false alarms")
-    return int(any(found.is_caught for found in alarms))
+
+
+def _print_grade(found: "Grade", of: str, verdict: str) -> None:
+    print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  {of}: {verdict}", flush=True)
 
 
 def _shrinking(arguments: argparse.Namespace) -> int:
@@ -84,13 +108,11 @@ def _shrinking(arguments: argparse.Namespace) -> int:
 
     one_in = arguments.scenarios // _OWN_PYTESTS
     plan = ProofPlan(arguments.seed, arguments.deadline, arguments.rooms, arguments.out, one_in)
-    proofs, progress = [], Console(stderr=True)
-    with Progress(console=progress, transient=True, disable=not progress.is_terminal) as bar:
-        proving = prove(plan, arguments.scenarios, arguments.processes)
-        for proof in bar.track(proving, total=arguments.scenarios, description="scenarios"):
-            proofs.append(proof)
-            for law in proof.broken:
-                print(f"{folder_of(proof.number, plan)}.json: {law}")
+    proofs = []
+    for proof in tracked(prove(plan, arguments.scenarios, arguments.processes), arguments.scenarios, "scenarios"):
+        proofs.append(proof)
+        for law in proof.broken:
+            print(f"{folder_of(proof.number, plan)}.json: {law}")
     headers = ("family", "scenarios", "in time", "broken", "needs", "rooms before", "rooms", "walk before, m", "walk, m")
     title = "reductions: median, 90 % and worst after it; before it, and what the bug needs at least"
     table = Table(*headers, "candidates", "seconds", title=title, title_justify="left")

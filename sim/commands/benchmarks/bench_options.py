@@ -2,12 +2,11 @@
 
 import argparse
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TypeAlias, TypeVar
 
 from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
 
 from lexis.command_line import ENCODER_HELP, Command, positive
@@ -51,13 +50,6 @@ FEATURE_MODEL = argument("--feature-model", type=Path, metavar="FILE", help=FEAT
 def seeds_of(arguments: argparse.Namespace) -> range:
     """Return the seeds of the houses that `--seed` and `--houses` ask for."""
     return range(arguments.seed, arguments.seed + arguments.houses)
-
-
-def tracked(items: Iterable[_Item], total: int, description: str) -> Iterator[_Item]:
-    """Yield the items, with a progress bar on standard error until the last of them."""
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        yield from bar.track(items, total=total, description=description)
 
 
 def mean_std_text(mean: float | None, std: float | None, form: str) -> str:

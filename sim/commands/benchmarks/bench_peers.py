@@ -20,8 +20,8 @@ from sim.commands.benchmarks.bench_options import (
     mean_std_text,
     printing,
     seeds_of,
-    tracked,
 )
+from sim.commands.progress import tracked
 from sim.errors import SimError
 
 if TYPE_CHECKING:

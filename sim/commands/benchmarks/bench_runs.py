@@ -23,8 +23,8 @@ from sim.commands.benchmarks.bench_options import (
     mean_std_text,
     printing,
     seeds_of,
-    tracked,
 )
+from sim.commands.progress import tracked
 from sim.fidelity import FIDELITIES
 
 _CERTAINTIES = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 1.0)
