@@ -19,6 +19,10 @@ from worlds.spec import HouseSpec
 if TYPE_CHECKING:
     from sim.harness import Scenario
 
+PINHOLE_RIGS = ("wide", "stereo", "front-rear", "four")
+"""The presets of rigs whose cameras are all pinholes."""
+IMAGE_FORMATS = ("png", "jpg", "raw")
+"""The formats of images in recordings."""
 Argument: TypeAlias = Callable[[argparse.ArgumentParser], object]
 """A function that adds one argument to a parser."""
 

@@ -4,7 +4,16 @@ import argparse
 from pathlib import Path
 
 from lexis.command_line import Commands, add_command, warn_of_replacement
-from sim.commands.arguments import add_walk, folder, number, numbers, walk_options, whole_number
+from sim.commands.arguments import (
+    IMAGE_FORMATS,
+    PINHOLE_RIGS,
+    add_walk,
+    folder,
+    number,
+    numbers,
+    walk_options,
+    whole_number,
+)
 from sim.commands.progress import progress_bar
 from sim.record.stamps import MAX_DAY
 
@@ -19,8 +28,7 @@ IMAGE_FORMAT_HELP = (
     "differ a little; raw: uncompressed, in bags only (default: %(default)s)"
 )
 
-RIGS = ("wide", "stereo", "front-rear", "four")
-RIG_HELP = f"cameras: {', '.join(RIGS)}; wide gets a second camera 0.11 m to the right (default: %(default)s)"
+RIG_HELP = f"cameras: {', '.join(PINHOLE_RIGS)}; wide gets a second camera 0.11 m to the right (default: %(default)s)"
 
 LEVER_ARM = "X,Y,Z[,ROLL,PITCH,YAW]"
 LEVER_ARM_HELP = (
@@ -54,11 +62,11 @@ def add_to(commands: Commands) -> None:
         "  lexis run recording --rooms recording/rooms.json -o map",
     )
     add_walk(record)
-    record.add_argument("--rig", choices=RIGS, default="wide", help=RIG_HELP)
+    record.add_argument("--rig", choices=PINHOLE_RIGS, default="wide", help=RIG_HELP)
     _add_calibration(record)
     formats = "; ".join(f"{name}: {text}" for name, text in FORMATS.items())
     record.add_argument("--format", choices=FORMATS, default="euroc", help=f"{formats} (default: %(default)s)")
-    record.add_argument("--image-format", choices=("png", "jpg", "raw"), default="png", help=IMAGE_FORMAT_HELP)
+    record.add_argument("--image-format", choices=IMAGE_FORMATS, default="png", help=IMAGE_FORMAT_HELP)
     record.add_argument("--day", type=whole_number(0, MAX_DAY), default=0, metavar="N", help=DAY_HELP)
     record.add_argument(
         "-o", "--out", type=folder, default=Path("recording"), metavar="DIR", help="folder to write (default: %(default)s)"

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lexis.errors import one_line
-from sim.commands.arguments import number
+from sim.commands.arguments import IMAGE_FORMATS, number
 from sim.commands.record import FORMATS
 from sim.errors import USER_ERRORS, SimError
 
@@ -40,7 +40,7 @@ def add_slam(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--format", choices=FORMATS, help="format of the recording for --command (default: euroc)")
     parser.add_argument(
         "--image-format",
-        choices=("png", "jpg", "raw"),
+        choices=IMAGE_FORMATS,
         help="images in the recording for --command; raw in bags only (default: png)",
     )
     parser.add_argument(

@@ -7,6 +7,9 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
+GLYPH_ASPECT = 0.58
+"""Width of an average letter, relative to its height."""
+
 
 @dataclass(frozen=True, eq=False)
 class Mark:

@@ -1,15 +1,15 @@
 """Draws one drive of the robot on the floor plans: the planned path, the driven path, and the end of the drive."""
 
-import cv2
 import numpy as np
 from jaxtyping import Float64
 
 from lexis.maths.stretches import stretches_of
+from sim.render.image_files import encoded
 from sim.report.drawing import Mark
 from sim.report.house_plan import floor_plans
 from sim.report.palette import label_colours
 from sim.report.plan import plan_drawing
-from sim.report.png import to_image
+from sim.report.png import joined_pictures, to_image
 from worlds.house import House
 from worlds.truth import storey_of
 
@@ -46,7 +46,4 @@ def drive_png(
                 Mark("text", "name", end + [0.3, 0.0], text=", ".join(touched[:1]), size=0.3),
             ]
         pictures.append(to_image(plan_drawing(plan, colours).with_marks(marks), pixels_per_metre=_PIXELS_PER_METRE))
-    height = max(map(len, pictures))
-    padded = [np.pad(p, ((height - len(p), 0), (0, 0), (0, 0)), constant_values=255) for p in pictures]
-    _, png = cv2.imencode(".png", np.hstack(padded)[..., ::-1])
-    return png.tobytes()
+    return encoded(joined_pictures(pictures), ".png")

@@ -3,18 +3,18 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-import cv2
 import numpy as np
 from jaxtyping import Float64, UInt8
 from shapely.affinity import rotate
 from shapely.geometry import Polygon, box
 
+from sim.render.image_files import encoded
 from sim.report.data import FloorPlan, PlannedLeaf, PlannedOpening, PlannedRoom
 from sim.report.drawing import Drawing, Mark
 from sim.report.legend import LegendEntry, with_legend
 from sim.report.palette import label_colours
 from sim.report.plan import plan_drawing
-from sim.report.png import to_image
+from sim.report.png import joined_pictures, to_image
 from sim.report.svg import side_by_side
 from worlds.house import House
 from worlds.parts import Part
@@ -41,8 +41,7 @@ def floor_plans(house: House) -> tuple[FloorPlan, ...]:
 
 def plan_png(house: House) -> bytes:
     """Draw the plans of all storeys side by side, the lowest on the left, and return the bytes of a PNG file."""
-    _, png = cv2.imencode(".png", plan_image(house)[..., ::-1])
-    return png.tobytes()
+    return encoded(plan_image(house), ".png")
 
 
 def plan_svg(house: House) -> str:
@@ -54,9 +53,7 @@ def plan_image(house: House, pixels_per_metre: int = _PIXELS_PER_METRE) -> UInt8
     """Draw the plans of all storeys side by side, the lowest on the left. Large houses are drawn at a smaller scale."""
     drawings = _drawings(house)
     scale = min(_scale(drawing, pixels_per_metre) for drawing in drawings)
-    pictures = [to_image(drawing, pixels_per_metre=scale) for drawing in drawings]
-    height = max(len(picture) for picture in pictures)
-    return np.hstack([np.pad(p, ((height - len(p), 0), (0, 0), (0, 0)), constant_values=255) for p in pictures])
+    return joined_pictures([to_image(drawing, pixels_per_metre=scale) for drawing in drawings])
 
 
 def marked_plan_image(

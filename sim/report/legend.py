@@ -6,9 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from sim.report.drawing import STYLES, Drawing, Mark
+from sim.report.drawing import GLYPH_ASPECT, STYLES, Drawing, Mark
 
-_GLYPH_ASPECT = 0.58  # width over height of an average letter
 _SYMBOL = 1.8
 """Length of a line in the legend, in heights of letters."""
 _GAP = 0.6
@@ -35,7 +34,7 @@ def with_legend(drawing: Drawing, entries: Sequence[LegendEntry], letter_m: floa
     row_m = max(_ROW * letter_m, *(2.5 * STYLES[entry.style].radius for entry in entries), 0.0)
     x, y, marks = left, float(drawing.low[1]) - row_m / 2, list(drawing.marks)
     for entry in entries:
-        width = letter_m * (_SYMBOL + _GAP + _GLYPH_ASPECT * len(entry.text))
+        width = letter_m * (_SYMBOL + _GAP + GLYPH_ASPECT * len(entry.text))
         if x > left and x + width > right:
             x, y = left, y - row_m
         marks += _entry(entry, x, y, letter_m)

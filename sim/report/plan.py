@@ -7,7 +7,7 @@ from jaxtyping import Float64
 
 from sim.errors import SimError
 from sim.report.data import FloorPlan, PlannedRoom
-from sim.report.drawing import Drawing, Mark
+from sim.report.drawing import GLYPH_ASPECT, Drawing, Mark
 from sim.report.symbols import NAMES, WINDOW, WITH_LEAF, leaf_marks, opening_marks, sample_marks, window_marks
 
 _MARGIN_M = 0.5
@@ -17,7 +17,6 @@ _LEAST_TEXT_M = 0.02
 _SAMPLE_M = 0.6
 """Length of the symbols in the legend [m]."""
 _LEGEND_TEXT_M = 0.2
-_GLYPH_ASPECT = 0.58  # width over height of an average letter
 
 
 def plan_drawing(plan: FloorPlan, colours: Mapping[str, str], names_labels: bool = True) -> Drawing:
@@ -71,7 +70,7 @@ def _name(room: PlannedRoom, names_label: bool) -> Iterator[Mark]:
 
 def _text_m(mark: Mark) -> float:
     """Return the width of a text [m]."""
-    return _GLYPH_ASPECT * mark.size * len(mark.text)
+    return GLYPH_ASPECT * mark.size * len(mark.text)
 
 
 def _layouts(text: str) -> list[tuple[str, ...]]:
@@ -80,7 +79,7 @@ def _layouts(text: str) -> list[tuple[str, ...]]:
 
 
 def _fitting_size(lines: tuple[str, ...], width: float) -> float:
-    return min(0.26 if len(lines) == 1 else 0.25, width / (_GLYPH_ASPECT * max(map(len, lines))))
+    return min(0.26 if len(lines) == 1 else 0.25, width / (GLYPH_ASPECT * max(map(len, lines))))
 
 
 def _corners(outline: Float64[np.ndarray, "corners 2"]) -> Iterator[tuple[Float64[np.ndarray, "2"], float]]:
@@ -96,7 +95,7 @@ def _legend(plan: FloorPlan, start: Float64[np.ndarray, "2"], right: float) -> I
     leaf, window = [WITH_LEAF] if plan.leaves else [], [WINDOW] if plan.windows else []
     x, y = start
     for name in [*leaf, *(NAMES[kind] for kind in NAMES if kind in kinds), *window]:
-        width = _SAMPLE_M + 0.12 + _GLYPH_ASPECT * _LEGEND_TEXT_M * len(name) + 0.3
+        width = _SAMPLE_M + 0.12 + GLYPH_ASPECT * _LEGEND_TEXT_M * len(name) + 0.3
         if x > start[0] and x + width > right:
             x, y = start[0], y - 0.45
         ends = np.array([[x, y], [x + _SAMPLE_M, y]])

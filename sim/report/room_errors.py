@@ -42,8 +42,8 @@ def room_errors(true: Sequence[str], predicted: Sequence[str]) -> RoomErrors:
 
     `true` and `predicted` name the true and the predicted room of each keyframe; "" stands for no predicted room.
     """
-    true_names, true_ids = _numbered(true)
-    predicted_names, predicted_ids = _numbered(predicted)
+    true_names, true_ids = numbered_rooms(true)
+    predicted_names, predicted_ids = numbered_rooms(predicted)
     whole = overlap(predicted_ids, true_ids)
     of_predicted, of_true = whole / whole.sum(axis=1, keepdims=True), whole / whole.sum(axis=0, keepdims=True)
     rooms = [k for k, name in enumerate(predicted_names) if name]
@@ -66,7 +66,8 @@ def surplus(groups: Groups) -> int:
     return sum(len(names) - 1 for names in groups.values())
 
 
-def _numbered(rooms: Sequence[str]) -> tuple[list[str], Int[np.ndarray, "n"]]:
+def numbered_rooms(rooms: Sequence[str]) -> tuple[list[str], Int[np.ndarray, "n"]]:
+    """Return the different names of rooms, and for each of `rooms` the index of its name."""
     names, ids = np.unique(np.array(rooms), return_inverse=True)
     return names.tolist(), ids
 

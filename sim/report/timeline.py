@@ -8,6 +8,7 @@ from jaxtyping import Float, Float64, Int
 
 from sim.report.data import ReportData
 from sim.report.palette import claimed_room_colours
+from sim.report.room_errors import numbered_rooms
 
 WIDTH = 1000.0
 LEFT = 84.0
@@ -30,7 +31,8 @@ def timeline_svg(data: ReportData, colours: Mapping[str, str]) -> str:
     for i, (name, labels) in enumerate(rows.items()):
         body += _strip(i * (_STRIP + _GAP), name, labels, data.shown_labels, edges, colours)
     if rooms := claimed_room_colours(table):
-        body += _strip(len(rows) * (_STRIP + _GAP), "claimed", *_numbered(table.predicted_rooms), edges, rooms)
+        names, indices = numbered_rooms(table.predicted_rooms)
+        body += _strip(len(rows) * (_STRIP + _GAP), "claimed", indices, names, edges, rooms)
     if table.is_labelled:
         body += _wrong(3 * (_STRIP + _GAP), edges, data)
     body += _error_chart(data)
@@ -66,12 +68,6 @@ def _strip(
             f'<rect x="{edges[start]:.1f}" y="{y:.1f}" width="{edges[stop] - edges[start]:.1f}" height="{_STRIP}" '
             f'fill="{colours[label]}"><title>{name}: {escape(label or "none")}</title></rect>'
         )
-
-
-def _numbered(rooms: Sequence[str]) -> tuple[Int[np.ndarray, "n"], list[str]]:
-    """Return the rooms as indices into a list of their names."""
-    names, numbers = np.unique(np.array(rooms), return_inverse=True)
-    return numbers, names.tolist()
 
 
 def _wrong(y: float, edges: Float64[np.ndarray, "m"], data: ReportData) -> Iterator[str]:

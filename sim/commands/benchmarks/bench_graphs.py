@@ -10,7 +10,7 @@ from rich.table import Table
 
 from lexis.command_line import positive
 from sim.commands.action import Action
-from sim.commands.arguments import SEED, argument, number
+from sim.commands.arguments import PINHOLE_RIGS, SEED, argument, number
 from sim.commands.benchmarks.bench_options import (
     CONFIG,
     CSV,
@@ -24,8 +24,7 @@ from sim.commands.benchmarks.bench_options import (
 )
 from sim.commands.progress import tracked
 
-RIGS = ("wide", "stereo", "front-rear", "four")
-RIG_HELP = f"cameras of each run, of {', '.join(RIGS)} (default: wide front-rear)"
+RIG_HELP = f"cameras of each run, of {', '.join(PINHOLE_RIGS)} (default: wide front-rear)"
 
 
 def _pose_graph(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -191,7 +190,9 @@ BENCHMARKS = (
         "whether places are recognised from the opposite direction, and the time per keyframe, with rigs of several cameras",
         "lexis-sim bench rigs --rigs wide front-rear four --houses 5 --seed 500",
         (
-            argument("--rigs", nargs="+", choices=RIGS, default=["wide", "front-rear"], metavar="RIG", help=RIG_HELP),
+            argument(
+                "--rigs", nargs="+", choices=PINHOLE_RIGS, default=["wide", "front-rear"], metavar="RIG", help=RIG_HELP
+            ),
             PRESET,
             HOUSES,
             FIDELITY,
