@@ -8,6 +8,7 @@ import operator
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, is_dataclass, replace
+from functools import lru_cache
 from types import MappingProxyType, NoneType, UnionType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
@@ -148,6 +149,7 @@ class Claim:
             _check_name(str(self), name)
 
 
+@lru_cache(maxsize=1000)  # every value of a claim checks its names
 def _check_name(claim: str, name: str) -> None:
     """Raise `SimError` unless results have a number of this name.
 
