@@ -154,6 +154,7 @@ class Slam:
         check_size(map, self._text)
         if not self._window.is_empty:
             raise LexisError("observations wait for further ones; valid: replay() before process(), or in another Slam")
+        self._begin_session()
         other = RenumberedMap(map, self.keyframes, self._window.session)
         for id in range(len(map.keyframes)):
             keyframe, place = other.keyframe(id), other.place(id)

@@ -297,6 +297,16 @@ def test_replayed_maps_and_observations_after_them_are_sessions_of_their_own(fir
     np.testing.assert_allclose(made.T_W_B, np.concatenate([TRUE, TRUE[:10]]), atol=1e-3)
 
 
+def test_a_map_that_is_replayed_after_finish_is_a_session_of_its_own(first, tmp_path):
+    slam = walk(range(10), verifier())
+    recorded = slam.finish()
+    slam.replay(first)
+    made = slam.finish()
+    assert [keyframe.session for keyframe in made.keyframes] == [0] * len(recorded.keyframes) + [1] * FIRST
+    save_map(made, tmp_path / "map")
+    assert_same(load_map(tmp_path / "map"), made)
+
+
 def test_a_map_is_not_replayed_between_the_observations_of_a_session(first):
     slam = walk(range(10), verifier())
     with pytest.raises(LexisError, match=r"valid: replay\(\) before process\(\)"):
