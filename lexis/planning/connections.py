@@ -3,10 +3,10 @@
 import numpy as np
 from jaxtyping import Float64, Int
 from scipy.sparse import csr_array
-from scipy.spatial import cKDTree
 
 from lexis.config import PlannerConfig
 from lexis.graph.walked_steps import walked_steps
+from lexis.planning.close_pairs import close_pairs
 from lexis.planning.shortcuts import shortcuts
 from lexis.types import LexisMap, LoopArrays
 
@@ -35,7 +35,7 @@ def unwalked_steps(map: LexisMap, config: PlannerConfig) -> Pairs:
     positions = map.T_W_B[:, :3, 3]
     return np.concatenate([
         _pairs_within(_trusted_loops(map), positions, config.shortcut_m),
-        _within_rooms(map, positions, config.shortcut_m),
+        _within_rooms(map, config.shortcut_m),
         shortcuts(map, config),
     ])  # fmt: skip
 
@@ -50,9 +50,9 @@ def as_graph(map: LexisMap, connections: Pairs) -> csr_array:
     return csr_array((np.tile(lengths, 2), (both[:, 0], both[:, 1])), shape=(len(positions), len(positions)))
 
 
-def _within_rooms(map: LexisMap, positions: Float64[np.ndarray, "n 3"], shortcut_m: float) -> Pairs:
+def _within_rooms(map: LexisMap, shortcut_m: float) -> Pairs:
     room_of = map.room_of
-    pairs = cKDTree(positions).query_pairs(shortcut_m, output_type="ndarray")
+    pairs = close_pairs(map, np.ones(len(room_of), bool), shortcut_m)
     return np.asarray(pairs[room_of[pairs[:, 0]] == room_of[pairs[:, 1]]])
 
 

@@ -21,6 +21,7 @@ from lexis.config import PlannerConfig
 from lexis.errors import MapError
 from lexis.floors import NO_FLOOR, floor_numbers
 from lexis.maths.ties import rounded
+from lexis.planning.close_pairs import close_pairs
 from lexis.sight.storey_grid import CELL_M, ViewCounts, count_views
 from lexis.types import LexisMap
 
@@ -67,20 +68,20 @@ def chunks(pairs: Pairs) -> Iterator[Pairs]:
 
 
 def _on_floor(map: LexisMap, floor: int, config: PlannerConfig) -> Pairs:
-    members = np.flatnonzero(map.floors == floor)
     positions = map.T_W_B[:, :3, 3]
     try:
         clearance = _Clearance(count_views(map, floor), positions[map.floors == NO_FLOOR, :2])
     except MapError:
         return np.zeros((0, 2), int)
-    pairs = _close_pairs(positions, members, config.sight_m)
+    pairs = _within_sight(map, floor, config.sight_m)
     kept = [clearance.allows(points_between(positions[:, :2], chunk, config.sight_m), config) for chunk in chunks(pairs)]
     return np.asarray(pairs[np.concatenate([np.zeros(0, bool), *kept])])
 
 
-def _close_pairs(positions: Float64[np.ndarray, "n 3"], members: Int[np.ndarray, "k"], metres: float) -> Pairs:
-    """Return the pairs of members that are at most `metres` apart, when rounded, with the smaller id first."""
-    pairs = np.sort(members[cKDTree(positions[members]).query_pairs(metres + _SPARE_M, output_type="ndarray")], axis=1)
+def _within_sight(map: LexisMap, floor: int, metres: float) -> Pairs:
+    """Return the pairs of keyframes of a floor that are at most `metres` apart, when rounded, with the smaller id first."""
+    positions = map.T_W_B[:, :3, 3]
+    pairs = np.sort(close_pairs(map, map.floors == floor, metres + _SPARE_M), axis=1)
     lengths = np.linalg.norm(positions[pairs[:, 0]] - positions[pairs[:, 1]], axis=1)
     return np.asarray(pairs[rounded(lengths) <= metres])
 

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 from helpers.map_builder import build_map
 
+from lexis.graph.thinning import as_retired
 from lexis.types import Landmarks
 
 ROOMS = {"kitchen": (0.0, 0.0, 4.0, 4.0), "office": (4.1, 0.0, 8.0, 4.0)}
@@ -58,3 +59,21 @@ def two_rooms(rng, stairs=True):
         keyframes.append(replace(keyframe, landmarks=Landmarks(local, np.full(len(local), -1))))
     rooms = tuple(replace(room, floor=None if room.label == "stairs" else 0) for room in flat.rooms)
     return replace(flat, keyframes=tuple(keyframes), rooms=rooms, floors=np.where(labels == 2, -1, 0))
+
+
+def walked_again(lexis_map, way):
+    """The map after the robot has passed the keyframes `way` once more; the new keyframes have retired at once."""
+    n, shown_by = len(lexis_map.keyframes), np.append(np.arange(len(lexis_map.keyframes)), way)
+    T_W_B = lexis_map.T_W_B[shown_by]
+    T_W_B[n:, 0, 3] += 0.05
+    again = (
+        as_retired(replace(lexis_map.keyframes[i], id=n + k, stamp=1e3 + k), lexis_map.keyframes[i])
+        for k, i in enumerate(way)
+    )
+    rooms = (
+        replace(room, keyframes=tuple(np.flatnonzero(np.isin(shown_by, room.keyframes)).tolist()))
+        for room in lexis_map.rooms
+    )
+    names = ("similarities", "baseline_labels", "labels", "probabilities", "floors")
+    per_keyframe = {name: getattr(lexis_map, name)[shown_by] for name in names}
+    return replace(lexis_map, keyframes=(*lexis_map.keyframes, *again), T_W_B=T_W_B, rooms=tuple(rooms), **per_keyframe)

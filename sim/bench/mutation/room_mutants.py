@@ -140,7 +140,7 @@ ROOM_MUTANTS = (
     Mutant(
         "paths take shortcuts of three metres through walls",
         "planning/connections.py",
-        "        _within_rooms(map, positions, config.shortcut_m),",
-        '        _pairs_within(cKDTree(positions).query_pairs(3.0, output_type="ndarray"), positions, 3.0),',
+        "        _within_rooms(map, config.shortcut_m),",
+        '        close_pairs(map, np.ones(len(positions), bool), 3.0),',
     ),
 )

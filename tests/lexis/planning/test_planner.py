@@ -7,9 +7,10 @@ import networkx as nx
 import numpy as np
 import pytest
 from helpers.map_builder import build_map, corridor_with_offices
-from helpers.two_rooms import two_rooms
+from helpers.two_rooms import two_rooms, walked_again
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.sparse.csgraph import connected_components
 
 from lexis.config import PlannerConfig
 from lexis.errors import PlanError
@@ -71,6 +72,16 @@ def test_a_path_to_a_room_in_which_nothing_is_sure_ends_at_its_innermost_keyfram
                           [("office", [0, 1, 2, 3, 5, 6, 7, 8]), ("kitchen", [4])], ("office", "kitchen"), rng)  # fmt: skip
     kitchen = lexis_map.rooms[1]
     assert plan(lexis_map, "office", "kitchen").keyframes[-1] == path_end(lexis_map, kitchen).keyframe
+
+
+@pytest.mark.parametrize("way", [range(21, -1, -1), [21, 11, 0, 16, 4]])
+def test_all_rooms_can_be_reached_and_left_after_keyframes_have_retired(rng, way):
+    """Between the few keyframes of the second way are gaps in the recording."""
+    longer = walked_again(two_rooms(rng, stairs=False), list(way))
+    assert connected_components(adjacency(longer, PlannerConfig()), directed=False)[0] == 1
+    active = replace(longer, keyframes=tuple(replace(keyframe, anchor=None) for keyframe in longer.keyframes))
+    for start, goal in (("kitchen", "office"), ("office", "kitchen")):
+        assert plan(longer, start, goal).length_m == pytest.approx(plan(active, start, goal).length_m, abs=0.3)
 
 
 def test_one_planner_makes_the_same_plans_as_many(rng):

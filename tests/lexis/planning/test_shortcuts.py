@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from helpers.two_rooms import DOOR, ROOMS, two_rooms
+from helpers.two_rooms import DOOR, ROOMS, two_rooms, walked_again
 
 from lexis.config import PlannerConfig
 from lexis.floors import NO_FLOOR
@@ -41,6 +41,14 @@ def test_shortcuts_are_pairs_of_one_floor_within_reach(lexis_map):
         assert len(np.unique(pairs, axis=0)) == len(pairs) and (pairs[:, 0] < pairs[:, 1]).all()
         assert (lexis_map.floors[pairs] == 0).all()
         assert shapely.length(lines(lexis_map, pairs)).max() == pytest.approx(sight_m, abs=0.5)
+
+
+def test_keyframes_that_have_retired_have_at_most_one_shortcut_each(lexis_map):
+    way = [*range(21, -1, -1), *range(22)]
+    pairs = shortcuts(walked_again(lexis_map, 2 * way), PlannerConfig())
+    active = (pairs < len(lexis_map.keyframes)).all(axis=1)
+    assert pairs[active].tolist() == shortcuts(lexis_map, PlannerConfig()).tolist()
+    assert 0 < (~active).sum() <= 2 * len(way) and len(np.unique(pairs[~active, 1])) == (~active).sum()
 
 
 def test_a_shortcut_cuts_off_the_corner_of_the_walk(lexis_map):
