@@ -24,6 +24,7 @@ With an earlier map, the keyframes are a further session of this map. Its place 
 """
 
 from collections.abc import Sequence
+from copy import copy
 
 from lexis.config import Config
 from lexis.errors import LexisError
@@ -106,6 +107,7 @@ class Slam:
         """Number of retired keyframes whose spaces, candidates and verdicts have been dropped."""
         self._rooms: tuple[RoomInstance, ...] = ()
         self._previous: Observation | None
+        self._selector: KeyframeSelector
         self._timed = StageTimer()
         self._relocaliser = Relocaliser(self._config.sessions, self._config.verification)
         if map is not None:
@@ -121,18 +123,20 @@ class Slam:
 
         Raises:
             ObservationError: the observation does not fit the camera or the sequence.
-            EncoderError: the encoder gives no embedding of unit norm for an image.
+            EncoderError: the encoder gives no embedding of unit norm for an image. The observation then counts as not
+                processed: it can be passed again, or left out.
         """
         check_observation(observation, self._camera, self._previous, self._text.shape[1])
         observation = with_copied_geometry(observation)
-        self._previous = observation
-        frame = self._selector.select(observation)
-        if frame is None:
-            return
+        selector = copy(self._selector)
+        frame = selector.select(observation)
         embeddings = None
-        if frame.is_keyframe:
+        if frame is not None and frame.is_keyframe:
             with self._timed("encode"):
                 embeddings = [embedding_of(image, self._encoder) for image in observation.images]
+        self._previous, self._selector = observation, selector  # not earlier, because the encoder may raise an error
+        if frame is None:
+            return
         with self._timed("features"):
             features = [features_of(image, self._extractor) for image in observation.images]
         with self._timed("landmarks"):

@@ -8,7 +8,7 @@ import pytest
 from helpers.box_room import FORWARD_CAMERA, FRONT_REAR, BoxRoom, walk
 
 from lexis.config import Config, LandmarkConfig, PlaceRecognitionConfig
-from lexis.errors import LexisError, ObservationError
+from lexis.errors import EncoderError, LexisError, ObservationError
 from lexis.features import FeatureExtractor
 from lexis.map.arrays import pack
 from lexis.maths import se3
@@ -227,6 +227,45 @@ def test_no_observation_makes_none():
 def test_time_cannot_run_backwards(observations):
     with pytest.raises(ObservationError, match="not after"):
         run([observations[1], replace(observations[2], stamp=0.0)])
+
+
+class FailingEncoder(ThumbnailEncoder):
+    """Gives no unit norm for every other image."""
+
+    def __init__(self):
+        self._images = 0
+
+    def encode_image(self, image):
+        self._images += 1
+        return super().encode_image(image) * (1.0 if self._images % 2 else 2.0)
+
+
+def test_an_observation_that_the_encoder_failed_on_can_be_processed_again(observations):
+    slam, failures = Slam(FORWARD_CAMERA, FailingEncoder(), ROOMS, CONFIG), 0
+    for observation in observations[:24]:
+        try:
+            slam.process(observation)
+        except EncoderError:
+            failures += 1
+            slam.process(observation)
+    found, expected = pack(slam.finish(), True), pack(run(observations[:24]), True)
+    assert failures >= 5
+    for name, array in expected.items():
+        np.testing.assert_array_equal(found[name], array, err_msg=name)
+
+
+def test_a_keyframe_after_an_image_that_the_encoder_failed_on_keeps_the_earlier_covariance(observations):
+    """The run goes on without the observations that fail."""
+    slam = Slam(FORWARD_CAMERA, FailingEncoder(), ROOMS, CONFIG)
+    failed = []
+    for observation in observations[:12]:
+        try:
+            slam.process(observation)
+        except EncoderError:
+            failed.append(observation.index)
+    second = slam.finish().keyframes[1]
+    assert second.observation_index == failed[0] + 1
+    assert second.step_covariance[3, 3] > 0.9 * failed[0] * COVARIANCE[3, 3]
 
 
 @pytest.fixture(scope="module")
