@@ -168,9 +168,14 @@ def pixels(observation: Observation) -> tuple[Image, ...]:
     return images
 
 
+def type_of(value: object) -> str:
+    """The type of a value, with the shape of an array, for messages."""
+    return f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"
+
+
 def _check_covariance(covariance: object, where: str) -> None:
     if not (isinstance(covariance, np.ndarray) and covariance.shape == (6, 6) and covariance.dtype.kind in "fi"):
-        raise ObservationError(f"{where}: increment_covariance is {_type_of(covariance)}; valid: a 6x6 array of numbers")
+        raise ObservationError(f"{where}: increment_covariance is {type_of(covariance)}; valid: a 6x6 array of numbers")
     if not usable_covariances(covariance.astype(np.float64)):
         raise ObservationError(
             f"{where}: increment_covariance is not finite, symmetric and without negative eigenvalues; "
@@ -181,7 +186,7 @@ def _check_covariance(covariance: object, where: str) -> None:
 def _check_image(image: object, camera: Camera, where: str) -> None:
     expected = (camera.intrinsics.height, camera.intrinsics.width, 3)
     if not isinstance(image, np.ndarray) or image.shape != expected or image.dtype != np.uint8:
-        raise ObservationError(f"{where}: the image is {_type_of(image)}; valid: uint8 {expected}, the camera's size")
+        raise ObservationError(f"{where}: the image is {type_of(image)}; valid: uint8 {expected}, the camera's size")
 
 
 def wrong_norm(embedding: Shaped[np.ndarray, "d"]) -> float | None:
@@ -193,7 +198,7 @@ def wrong_norm(embedding: Shaped[np.ndarray, "d"]) -> float | None:
 def _check_percept(percept: Percept, size: int | None, where: str) -> None:
     embedding = percept.embedding
     if not isinstance(embedding, np.ndarray) or embedding.dtype.kind != "f" or embedding.ndim != 1:
-        raise ObservationError(f"{where}: the embedding is {_type_of(embedding)}; valid: float32 (d,)")
+        raise ObservationError(f"{where}: the embedding is {type_of(embedding)}; valid: float32 (d,)")
     if (norm := wrong_norm(embedding)) is not None:
         shape = embedding.shape
         raise ObservationError(f"{where}: the embedding {shape} has norm {norm:.3g}; valid: a finite vector of unit norm")
@@ -201,10 +206,10 @@ def _check_percept(percept: Percept, size: int | None, where: str) -> None:
         raise ObservationError(f"{where}: the embedding has {len(embedding)} numbers; valid: {size}, as the encoder's")
     points, descriptors = percept.features.keypoints, percept.features.descriptors
     if not (_is_rows(points, 2, "f4", "f8") and _is_rows(descriptors, DESCRIPTOR_BYTES, "u1")):
-        found = f"key points are {_type_of(points)} and descriptors {_type_of(descriptors)}"
+        found = f"key points are {type_of(points)} and descriptors {type_of(descriptors)}"
         raise ObservationError(f"{where}: {found}; valid: float32 (n, 2) and uint8 (n, {DESCRIPTOR_BYTES})")
     if not _is_rows(percept.points, 3, "f8") or not (np.abs(percept.points) <= MAX_POSITION_M).all():
-        found = f"points are {_type_of(percept.points)}"
+        found = f"points are {type_of(percept.points)}"
         raise ObservationError(f"{where}: {found}; valid: float64 (m, 3), finite and up to {MAX_POSITION_M:g} m")
     if len(points) != len(descriptors) or not (np.abs(points) <= MAX_FOCAL_PX).all():
         found = f"{len(points)} key points and {len(descriptors)} descriptors"
@@ -213,11 +218,6 @@ def _check_percept(percept: Percept, size: int | None, where: str) -> None:
 
 def _is_rows(array: object, columns: int, *dtypes: str) -> bool:
     return isinstance(array, np.ndarray) and array.ndim == 2 and array.shape[1] == columns and array.dtype in dtypes
-
-
-def _type_of(value: object) -> str:
-    """The type of a value, with the shape of an array, for messages."""
-    return f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"
 
 
 def _as_text(value: object) -> str:

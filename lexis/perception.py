@@ -8,7 +8,7 @@ from jaxtyping import Float32
 
 from lexis.errors import EncoderError
 from lexis.features import FeatureExtractor
-from lexis.inputs import wrong_norm
+from lexis.inputs import type_of, wrong_norm
 from lexis.types import Features, Image, Percept
 
 
@@ -44,16 +44,32 @@ class TextEncoder(Encoder, Protocol):
         ...
 
 
-def embedding_of(seen: Image | Percept, encoder: Encoder) -> Float32[np.ndarray, "d"]:
+def check_room_embeddings(text: object, rooms: int, encoder: Encoder) -> None:
+    """Raise EncoderError unless the embeddings of room names are one finite vector of unit norm for each name."""
+    if not (isinstance(text, np.ndarray) and text.dtype.kind == "f" and text.ndim == 2 and len(text) == rooms):
+        found = f"the embeddings of {rooms} room names are {type_of(text)}"
+        raise EncoderError(f"encoder {encoder.name}: {found}; valid: float32 ({rooms}, d)")
+    for i, embedding in enumerate(text):
+        if (norm := wrong_norm(embedding)) is not None:
+            raise EncoderError(
+                f"encoder {encoder.name}: the embedding of room name {i} has norm {norm:.3g}; valid: unit norm"
+            )
+
+
+def embedding_of(seen: Image | Percept, encoder: Encoder, size: int | None = None) -> Float32[np.ndarray, "d"]:
     """CLIP embedding of an image (f_CLIP in the paper), copied because sensors and encoders may reuse their arrays.
 
-    Raises EncoderError unless the encoder gives a vector of unit norm. Percepts are checked with their observation.
+    Raises EncoderError unless the encoder gives a vector of unit norm, and of `size` numbers, as many as for room names.
+    Percepts are checked with their observation.
     """
     if isinstance(seen, Percept):
         return seen.embedding.astype(np.float32)
     embedding = encoder.encode_image(seen).astype(np.float32)
     if embedding.ndim != 1:
         raise EncoderError(f"encoder {encoder.name}: the embedding of an image has shape {embedding.shape}; valid: (d,)")
+    if size is not None and len(embedding) != size:
+        found = f"the embedding of an image has {len(embedding)} numbers"
+        raise EncoderError(f"encoder {encoder.name}: {found}; valid: {size}, as those of room names")
     if (norm := wrong_norm(embedding)) is not None:
         raise EncoderError(f"encoder {encoder.name}: the embedding of an image has norm {norm:.3g}; valid: unit norm")
     return embedding

@@ -36,7 +36,7 @@ from lexis.keyframe_window import KeyframeWindow
 from lexis.keyframes import KeyframeSelector
 from lexis.map.encoder_check import check_size
 from lexis.maths.growing_array import GrowingArray
-from lexis.perception import Encoder, embedding_of, features_of
+from lexis.perception import Encoder, check_room_embeddings, embedding_of, features_of
 from lexis.place_recognition import PlaceRecogniser, propose
 from lexis.room_labels import most_similar, similarities
 from lexis.semantics import Labeller, Semantics, Views, derive_by_component
@@ -88,6 +88,7 @@ class Slam:
         Raises:
             LexisError: the camera or the room names are unusable, or the camera, the room names or the encoder differ from
                 those of `map`.
+            EncoderError: the encoder does not give one embedding of unit norm for each room name.
         """
         check_camera(camera)
         check_room_names(room_names)
@@ -97,6 +98,7 @@ class Slam:
         self._config = config or Config()
         self._verify, self._propose, self._labeller = verifier, place_recogniser, labeller
         self._text = encoder.encode_rooms(self._room_names)
+        check_room_embeddings(self._text, len(self._room_names), encoder)
         self._extractor = FeatureExtractor(self._config.landmarks)
         self._graph = PoseGraph(self._config.pose_graph, self._camera)
         self._similarities = GrowingArray((len(camera.rig), len(self._room_names)))
@@ -123,8 +125,8 @@ class Slam:
 
         Raises:
             ObservationError: the observation does not fit the camera or the sequence.
-            EncoderError: the encoder gives no embedding of unit norm for an image. The observation then counts as not
-                processed: it can be passed again, or left out.
+            EncoderError: the encoder gives no embedding of unit norm for an image, or one of another length than for room
+                names. The observation then counts as not processed: it can be passed again, or left out.
         """
         check_observation(observation, self._camera, self._previous, self._text.shape[1])
         observation = with_copied_geometry(observation)
@@ -133,7 +135,7 @@ class Slam:
         embeddings = None
         if frame is not None and frame.is_keyframe:
             with self._timed("encode"):
-                embeddings = [embedding_of(image, self._encoder) for image in observation.images]
+                embeddings = [embedding_of(image, self._encoder, self._text.shape[1]) for image in observation.images]
         self._previous, self._selector = observation, selector  # not earlier, because the encoder may raise an error
         if frame is None:
             return

@@ -9,7 +9,7 @@ from lexis.config import Config
 from lexis.graph.components import component_of, sessions_of
 from lexis.inputs import check_room_names
 from lexis.map.encoder_check import check_encoder, check_size
-from lexis.perception import Encoder
+from lexis.perception import Encoder, check_room_embeddings
 from lexis.room_labels import similarities
 from lexis.semantics import Views, derive_by_component
 from lexis.sight.visible_space import spaces_in_view
@@ -30,6 +30,7 @@ def relabel(map: LexisMap, room_names: Sequence[str], encoder: Encoder, config: 
 
     Raises:
         LexisError: the room names are unusable, or the map was made with another encoder.
+        EncoderError: the encoder does not give one embedding of unit norm for each room name.
     """
     check_room_names(room_names)
     check_encoder(map, encoder)
@@ -38,6 +39,7 @@ def relabel(map: LexisMap, room_names: Sequence[str], encoder: Encoder, config: 
     embeddings = np.array([keyframe.embeddings for keyframe in map.keyframes])
     spaces = [spaces_in_view(keyframe, map.camera, config.sight) for keyframe in map.keyframes if config.by_sight]
     text = encoder.encode_rooms(names)
+    check_room_embeddings(text, len(names), encoder)
     check_size(map, text)
     alike = similarities(embeddings, text)
     views = Views(alike, spaces, map.T_W_B, map.camera, sessions_of(map.keyframes))

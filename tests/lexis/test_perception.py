@@ -5,14 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.box_room import FORWARD_CAMERA, BoxRoom, walk
+from helpers.map_builder import corridor_with_offices
 
 from lexis.config import Config, LandmarkConfig
 from lexis.errors import EncoderError, ObservationError
 from lexis.features import FeatureExtractor
 from lexis.inputs import pixels
+from lexis.map.relabelling import relabel
 from lexis.perception import embedding_of, features_of
 from lexis.slam import Slam
-from lexis.types import Features, Observation, Percept
+from lexis.types import EncoderId, Features, Observation, Percept
 from lexis.verification import Verification
 
 CONFIG = Config(landmarks=LandmarkConfig(max_features=200))
@@ -78,6 +80,39 @@ def test_an_encoder_that_gives_a_batch_for_an_image_is_refused_at_the_first_imag
     slam = Slam(FORWARD_CAMERA, Batched(), ("kitchen", "office"), CONFIG)
     with pytest.raises(EncoderError, match=r"the embedding of an image has shape \(1, 3\); valid: \(d,\)"):
         slam.process(observations[0])
+
+
+def test_an_encoder_whose_images_and_texts_differ_in_length_is_refused_at_the_first_image(observations):
+    class Longer(MeanColour):
+        def encode_image(self, image):
+            return np.append(super().encode_image(image), np.float32(0.0))
+
+    slam = Slam(FORWARD_CAMERA, Longer(), ("kitchen", "office"), CONFIG)
+    with pytest.raises(EncoderError, match="the embedding of an image has 4 numbers; valid: 3, as those of room names"):
+        slam.process(observations[0])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (np.eye(3, dtype=np.float32), r"the embeddings of 2 room names are float32 \(3, 3\); valid: float32 \(2, d\)"),
+        (np.ones(2, np.float32), r"the embeddings of 2 room names are float32 \(2,\); valid: float32 \(2, d\)"),
+        ([[1.0], [1.0]], r"the embeddings of 2 room names are a list; valid: float32 \(2, d\)"),
+        (np.eye(2, 3, dtype=np.float32) * 2.0, "the embedding of room name 0 has norm 2; valid: unit norm"),
+        (np.array([[1.0, 0.0], [np.nan, 1.0]], np.float32), "the embedding of room name 1 has norm nan; valid: unit norm"),
+    ],
+)
+def test_an_encoder_without_a_vector_of_unit_norm_for_each_room_name_is_refused_at_once(text, message):
+    class Wrong(MeanColour):
+        def encode_rooms(self, names):
+            return text
+
+    with pytest.raises(EncoderError, match=f"encoder mean colour: {message}"):
+        Slam(FORWARD_CAMERA, Wrong(), ("kitchen", "office"), CONFIG)
+    own = EncoderId(Wrong.name, Wrong.fingerprint)
+    lexis_map = replace(corridor_with_offices(np.random.default_rng(1)), encoder=own)
+    with pytest.raises(EncoderError, match=f"encoder mean colour: {message}"):
+        relabel(lexis_map, ("kitchen", "office"), Wrong())
 
 
 def test_loops_are_the_verifiers(observations):

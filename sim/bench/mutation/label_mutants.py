@@ -129,8 +129,8 @@ LABEL_MUTANTS = (
     ),
     Mutant(
         "the embeddings of the room names are centred around their mean",
-        "slam.py",
-        "self._text = encoder.encode_rooms(self._room_names)",
-        "self._text = encoder.encode_rooms(self._room_names) - encoder.encode_rooms(self._room_names).mean(axis=0)",
+        "room_labels.py",
+        "images, prompts = embeddings.astype(np.float64), text.astype(np.float64)",
+        "images, prompts = embeddings.astype(np.float64), (text - text.mean(axis=0)).astype(np.float64)",
     ),
 )

@@ -73,7 +73,7 @@ def test_settings_are_heeded(lexis_map, encoder):
 def test_unusable_names_and_another_encoder_are_refused(lexis_map, encoder):
     with pytest.raises(LexisError, match="more than once"):
         relabel(lexis_map, ("office", "Office"), encoder)
-    halved = ReadingEncoder({name: vector[:8] for name, vector in encoder.vectors.items()}, ENCODER)
+    halved = ReadingEncoder({name: v[:8] / np.linalg.norm(v[:8]) for name, v in encoder.vectors.items()}, ENCODER)
     with pytest.raises(MapError, match="embeddings have 16 numbers, and those of its encoder 'test' have 8; valid: "):
         relabel(lexis_map, NAMES, halved)
     with pytest.raises(MapError, match="similarities across weights mean nothing"):
