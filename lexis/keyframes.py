@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lexis.config import KeyframeConfig
+from lexis.inputs import MAX_VARIANCE, usable_covariances
 from lexis.maths.se3 import between, compose_covariance, rotation_angle
 from lexis.maths.ties import reaches
 from lexis.types import Covariance, Observation, Pose
@@ -25,7 +26,8 @@ class Frame:
     is_keyframe: bool
     """Whether the observation becomes a keyframe; False: a support frame, which only serves to triangulate landmarks."""
     step_covariance: Covariance
-    """Covariance of the odometry's motion estimate since the previous keyframe [rad², m²]."""
+    """Covariance of the odometry's motion estimate since the previous keyframe [rad², m²]. Where the sum of the increments
+    has an entry beyond `MAX_VARIANCE`, or too large rounding errors, nothing is known: `MAX_VARIANCE` times the identity."""
 
 
 class KeyframeSelector:
@@ -53,13 +55,13 @@ class KeyframeSelector:
             self._advance(between(self._last, observation.T_O_B), observation.increment_covariance)
         self._last = observation.T_O_B
         if first or self._keyframe_due():
-            frame = Frame(observation, True, self._covariance)
+            frame = Frame(observation, True, _usable(self._covariance))
             self._path_since_keyframe = self._path_since_frame = self._turn_since_keyframe = 0.0
             self._covariance = np.zeros((6, 6))
             return frame
         if reaches(self._path_since_frame, self._config.support_spacing_m):
             self._path_since_frame = 0.0
-            return Frame(observation, False, self._covariance)
+            return Frame(observation, False, _usable(self._covariance))
         return None
 
     def _advance(self, increment: Pose, covariance: Covariance) -> None:
@@ -73,3 +75,7 @@ class KeyframeSelector:
         rotation_rad = self._config.rotation_rad
         turned = rotation_rad is not None and bool(reaches(self._turn_since_keyframe, rotation_rad))
         return turned or bool(reaches(self._path_since_keyframe, self._config.spacing_m))
+
+
+def _usable(covariance: Covariance) -> Covariance:
+    return covariance if usable_covariances(covariance) else MAX_VARIANCE * np.eye(6)

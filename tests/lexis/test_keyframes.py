@@ -1,7 +1,10 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from lexis.config import KeyframeConfig
+from lexis.inputs import MAX_VARIANCE, usable_covariances
 from lexis.keyframes import KeyframeSelector
 from lexis.maths import se3
 from lexis.types import Observation
@@ -59,3 +62,16 @@ def test_step_covariance_gathers_every_increment_since_the_last_keyframe():
         expected = se3.compose_covariance(expected, straight(0.0625, 2)[1], COVARIANCE)
     np.testing.assert_allclose(second.step_covariance, expected)
     assert second.step_covariance[4, 4] > 8 * COVARIANCE[4, 4]  # a rotation early on moves the later path sideways
+
+
+@pytest.mark.parametrize("variance", [MAX_VARIANCE, 1e-2])
+@pytest.mark.parametrize("way", [[0.0, 0.25, 0.5], [0.0, 1e7, 2e7], [0.0, 3e6, 0.2], [0.0, 1e8, -1e8, 1e8]])
+def test_step_covariances_are_those_that_a_saved_map_may_have(variance, way):
+    """Long jumps turn an uncertain rotation into an uncertain position, and a jump back cancels most of it."""
+    selector = KeyframeSelector(KeyframeConfig(rotation_rad=0.1))
+    T = np.tile(np.eye(4), (len(way), 1, 1))
+    T[:, 0, 3] = way
+    for observation in observations(T):
+        frame = selector.select(replace(observation, increment_covariance=variance * np.eye(6)))
+        assert frame is None or usable_covariances(frame.step_covariance)
+        assert frame is None or not frame.observation.index or frame.step_covariance.max() >= variance
