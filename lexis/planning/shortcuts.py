@@ -19,10 +19,10 @@ from scipy.spatial import cKDTree
 
 from lexis.config import PlannerConfig
 from lexis.errors import MapError
-from lexis.floors import NO_FLOOR, floor_numbers
+from lexis.floors import NO_FLOOR
 from lexis.maths.ties import rounded
 from lexis.planning.close_pairs import close_pairs
-from lexis.sight.storey_grid import CELL_M, ViewCounts, count_views
+from lexis.sight.storey_grid import CELL_M, ViewCounts, count_views, on_storey, storeys
 from lexis.types import LexisMap
 
 BLOCKED_SHARE = 0.15
@@ -48,7 +48,7 @@ def shortcuts(map: LexisMap, config: PlannerConfig) -> Pairs:
     """
     if config.sight_m == 0.0:
         return np.zeros((0, 2), int)
-    return np.concatenate([np.zeros((0, 2), int), *(_on_floor(map, floor, config) for floor in floor_numbers(map.floors))])
+    return np.concatenate([np.zeros((0, 2), int), *(_on_storey(map, *storey, config) for storey in storeys(map))])
 
 
 def points_between(positions: Float64[np.ndarray, "n d"], pairs: Pairs, metres: float) -> Float64[np.ndarray, "m points d"]:
@@ -67,21 +67,21 @@ def chunks(pairs: Pairs) -> Iterator[Pairs]:
         yield pairs[start : start + _CHUNK]
 
 
-def _on_floor(map: LexisMap, floor: int, config: PlannerConfig) -> Pairs:
+def _on_storey(map: LexisMap, floor: int, component: int, config: PlannerConfig) -> Pairs:
     positions = map.T_W_B[:, :3, 3]
     try:
-        clearance = _Clearance(count_views(map, floor), positions[map.floors == NO_FLOOR, :2])
+        clearance = _Clearance(count_views(map, floor, component), positions[map.floors == NO_FLOOR, :2])
     except MapError:
         return np.zeros((0, 2), int)
-    pairs = _within_sight(map, floor, config.sight_m)
+    pairs = _within_sight(map, on_storey(map, floor, component), config.sight_m)
     kept = [clearance.allows(points_between(positions[:, :2], chunk, config.sight_m), config) for chunk in chunks(pairs)]
     return np.asarray(pairs[np.concatenate([np.zeros(0, bool), *kept])])
 
 
-def _within_sight(map: LexisMap, floor: int, metres: float) -> Pairs:
-    """Return the pairs of keyframes of a floor that are at most `metres` apart, when rounded, with the smaller id first."""
+def _within_sight(map: LexisMap, among: Bool[np.ndarray, "n"], metres: float) -> Pairs:
+    """Return the pairs of some keyframes that are at most `metres` apart, when rounded, with the smaller id first."""
     positions = map.T_W_B[:, :3, 3]
-    pairs = np.sort(close_pairs(map, map.floors == floor, metres + _SPARE_M), axis=1)
+    pairs = np.sort(close_pairs(map, among, metres + _SPARE_M), axis=1)
     lengths = np.linalg.norm(positions[pairs[:, 0]] - positions[pairs[:, 1]], axis=1)
     return np.asarray(pairs[rounded(lengths) <= metres])
 

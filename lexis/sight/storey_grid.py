@@ -17,6 +17,8 @@ from jaxtyping import Bool, Float64, Int
 from scipy.ndimage import distance_transform_edt
 
 from lexis.errors import MapError
+from lexis.floors import NO_FLOOR
+from lexis.graph.components import component_of
 from lexis.graph.walked_steps import walked_steps
 from lexis.keyframes import MAX_STEP_M
 from lexis.maths.se3 import transform
@@ -62,6 +64,8 @@ class StoreyGrid:
     """A plan of a storey as cells of width `CELL_M`; row 0 is at the lowest y, column 0 at the lowest x."""
 
     floor: int
+    component: int
+    """Component of the map, named as in `lexis.graph.components`."""
     origin: Float64[np.ndarray, "2"]
     """Lower left corner of the grid in W [m]."""
     free: Bool[np.ndarray, "rows columns"]
@@ -104,17 +108,33 @@ class ViewCounts:
         return np.asarray((self.hit > 0) & (self.hit >= share * (self.hit + self.passed)) & ~self.walked)
 
 
-def storey_grid(map: LexisMap, floor: int) -> StoreyGrid:
-    """Find the free and the occupied cells of a floor. Raises MapError if the floor is larger than `MAX_CELLS`."""
-    views = count_views(map, floor)
+def storeys(map: LexisMap) -> list[tuple[int, int]]:
+    """Return the number and the component of each storey on which there are keyframes, ascending.
+
+    Components count their floors each from their own lowest floor. Floors of one number in two components may thus be two
+    storeys, with different heights.
+    """
+    pairs = zip(map.floors.tolist(), component_of(map).tolist(), strict=True)
+    return sorted({(floor, component) for floor, component in pairs if floor != NO_FLOOR})
+
+
+def on_storey(map: LexisMap, floor: int, component: int) -> Bool[np.ndarray, "n"]:
+    """Return which keyframes are on a floor of a component."""
+    return np.asarray((map.floors == floor) & (component_of(map) == component))
+
+
+def storey_grid(map: LexisMap, floor: int, component: int = 0) -> StoreyGrid:
+    """Find the free and the occupied cells of a storey. Raises MapError if the storey is larger than `MAX_CELLS`."""
+    views = count_views(map, floor, component)
     occupied = views.occupied(OCCUPIED_SHARE)
     free = ((views.passed >= MIN_VIEWS) & ~occupied) | views.walked
-    return StoreyGrid(floor, views.origin, free, occupied, (views.low > 0) | views.walked, views.heights)
+    return StoreyGrid(floor, component, views.origin, free, occupied, (views.low > 0) | views.walked, views.heights)
 
 
-def count_views(map: LexisMap, floor: int) -> ViewCounts:
-    """Count the camera views that pass through the cells of a floor. Raises MapError if it is larger than `MAX_CELLS`."""
-    members = np.flatnonzero(map.floors == floor)
+def count_views(map: LexisMap, floor: int, component: int = 0) -> ViewCounts:
+    """Count the camera views that pass through the cells of a storey. Raises MapError if it is larger than `MAX_CELLS`."""
+    here = on_storey(map, floor, component)
+    members = np.flatnonzero(here)
     cameras = (map.T_W_B[members] @ map.camera.T_B_C)[:, :3, 3]
     sights = [sight for i in members.tolist() for sight in _sights(map, i)]
     seen = np.concatenate([cameras, *(points for _, points in sights)])
@@ -127,7 +147,7 @@ def count_views(map: LexisMap, floor: int) -> ViewCounts:
         _count(views, views.passed, _within(samples, band))
         _count(views, views.hit, _within(points, band))
         _count(views, views.low, np.concatenate([_within(samples, (bottom, heights[0] + LOW_M)), on_floor]))
-    return replace(views, walked=_walked(map, floor, views))
+    return replace(views, walked=_walked(map, here, views))
 
 
 def _sights(map: LexisMap, i: int) -> Iterator[tuple[Float64[np.ndarray, "3"], Float64[np.ndarray, "k 3"]]]:
@@ -198,17 +218,20 @@ def _count(views: ViewCounts, counts: Int[np.ndarray, "rows columns"], points: F
     counts.flat[np.unique(rows * counts.shape[1] + columns)] += 1
 
 
-def _walked(map: LexisMap, floor: int, views: ViewCounts) -> Bool[np.ndarray, "rows columns"]:
-    """Return which cells are within `WALKED_M` of the camera's path on this floor."""
+def _walked(map: LexisMap, here: Bool[np.ndarray, "n"], views: ViewCounts) -> Bool[np.ndarray, "rows columns"]:
+    """Return which cells are within `WALKED_M` of the camera's path past the keyframes `here`."""
     walk = np.zeros_like(views.walked)
-    walk[tuple(views.cells(np.concatenate(list(_steps(map, floor)))).T)] = True
+    walk[tuple(views.cells(np.concatenate(list(_steps(map, here)))).T)] = True
     return np.asarray(distance_transform_edt(~walk) * CELL_M <= WALKED_M)
 
 
-def _steps(map: LexisMap, floor: int) -> Iterator[Float64[np.ndarray, "k 2"]]:
-    """Yield positions (x and y in W) along the camera's path on a floor, less than a cell apart except at gaps [m]."""
+def _steps(map: LexisMap, here: Bool[np.ndarray, "n"]) -> Iterator[Float64[np.ndarray, "k 2"]]:
+    """Yield positions (x and y in W) along the camera's path past the keyframes `here` [m].
+
+    They are less than a cell apart, except at gaps.
+    """
     cameras = (map.T_W_B @ map.camera.T_B_C)[:, :2, 3]
-    yield cameras[map.floors == floor]
+    yield cameras[here]
     steps = walked_steps(map)
-    for first, second in steps[(map.floors[steps] == floor).all(axis=1)].tolist():
+    for first, second in steps[here[steps].all(axis=1)].tolist():
         yield np.linspace(cameras[first], cameras[second], int(MAX_STEP_M / CELL_M) * 2)

@@ -77,3 +77,24 @@ def walked_again(lexis_map, way):
     names = ("similarities", "baseline_labels", "labels", "probabilities", "floors")
     per_keyframe = {name: getattr(lexis_map, name)[shown_by] for name in names}
     return replace(lexis_map, keyframes=(*lexis_map.keyframes, *again), T_W_B=T_W_B, rooms=tuple(rooms), **per_keyframe)
+
+
+def with_session_apart(lexis_map, shift):
+    """The map with the same walk once more, as a session that is not recognised and lies at `shift` [m]."""
+    n, twice = len(lexis_map.keyframes), np.tile(np.arange(len(lexis_map.keyframes)), 2)
+    again = tuple(replace(keyframe, id=n + keyframe.id, session=1) for keyframe in lexis_map.keyframes)
+    T_W_B = lexis_map.T_W_B[twice]
+    T_W_B[n:, :3, 3] += shift
+    rooms = lexis_map.rooms + tuple(
+        replace(room, id=len(lexis_map.rooms) + room.id, keyframes=tuple(n + i for i in room.keyframes))
+        for room in lexis_map.rooms
+    )
+    return replace(
+        lexis_map, keyframes=lexis_map.keyframes + again, T_W_B=T_W_B, rooms=rooms, **_per_keyframe(lexis_map, twice)
+    )
+
+
+def _per_keyframe(lexis_map, rows):
+    """The arrays of a map with a row for each keyframe, besides the poses."""
+    names = ("similarities", "baseline_labels", "labels", "probabilities", "floors")
+    return {name: getattr(lexis_map, name)[rows] for name in names}

@@ -18,9 +18,9 @@ import yaml
 from jaxtyping import Float64
 
 from lexis.files.replace import replaced_file
-from lexis.floors import NO_FLOOR, floor_numbers
+from lexis.floors import NO_FLOOR
 from lexis.map.interchange.room_areas import rectangles, room_masks
-from lexis.sight.storey_grid import CELL_M, StoreyGrid, storey_grid
+from lexis.sight.storey_grid import CELL_M, StoreyGrid, storey_grid, storeys
 from lexis.types import LexisMap
 
 STAIRS_BOX_M = (1.0, 1.0, 2.0)
@@ -53,8 +53,8 @@ def hydra_rooms(map: LexisMap) -> RoomBoxes:
     inside the other rooms. Every room has at least one box.
     """
     boxes: dict[int, list[Box]] = {room.id: [] for room in map.rooms}
-    for floor in floor_numbers(map.floors):
-        grid = storey_grid(map, floor)
+    for floor, component in storeys(map):
+        grid = storey_grid(map, floor, component)
         for room_id, mask in room_masks(map, grid).items():
             boxes[room_id] += [room_box(*_corners(grid, rectangle)) for rectangle in rectangles(mask)]
     for room in map.rooms:

@@ -14,7 +14,7 @@ from scipy.ndimage import binary_fill_holes
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from lexis.sight.storey_grid import CELL_M, StoreyGrid
+from lexis.sight.storey_grid import CELL_M, StoreyGrid, on_storey
 from lexis.types import LexisMap
 
 ROOM_REACH_M = 4.0
@@ -40,7 +40,7 @@ def room_masks(map: LexisMap, grid: StoreyGrid) -> Mapping[int, Bool[np.ndarray,
 def _owners(map: LexisMap, grid: StoreyGrid) -> Int[np.ndarray, "rows columns"]:
     """Return the id of every free cell's room; `NO_ROOM` for cells that are not free or not reached."""
     cameras = (map.T_W_B @ map.camera.T_B_C)[:, :3, 3]
-    starts = np.flatnonzero((map.floors == grid.floor) & (map.room_of >= 0))
+    starts = np.flatnonzero(on_storey(map, grid.floor, grid.component) & (map.room_of >= 0))
     number = np.full(grid.free.shape, -1)
     number[grid.free] = np.arange(grid.free.sum())
     cells, first = np.unique(number[tuple(grid.cells(cameras[starts]).T)], return_index=True)

@@ -1,10 +1,11 @@
 """Occupancy grids for ROS: for each storey the `map.yaml` and PGM of map_server and Nav2, with the rooms as polygons.
 
-For floor 0, the folder holds `floor0.yaml`, `floor0.pgm` and `floor0.geojson`, and so on for other floors. `storeys.json`
-lists the storeys. Pixels are 254 for free, 0 for occupied and 205 for unknown cells, as map_saver writes them; the
-thresholds are chosen so that unknown cells do not count as free. A cell is only free if a camera also looks through it near
-the floor, because otherwise it may be over a table. All coordinates are in the frame W of the map [m], also those of the
-GeoJSON.
+For floor 0, the folder holds `floor0.yaml`, `floor0.pgm` and `floor0.geojson`, and so on for other floors. Sessions that
+share no frame with the first one have files of their own, such as `floor0-session2.yaml`. `storeys.json` lists the storeys,
+each with the first session that was there. Pixels are 254 for free, 0 for occupied and 205 for unknown cells, as map_saver
+writes them; the thresholds are chosen so that unknown cells do not count as free. A cell is only free if a camera also looks
+through it near the floor, because otherwise it may be over a table. All coordinates are in the frame W of the map [m], also
+those of the GeoJSON.
 """
 
 import json
@@ -18,10 +19,9 @@ from jaxtyping import UInt8
 
 from lexis.errors import MapError
 from lexis.files.replace import replaced_folder
-from lexis.floors import floor_numbers
 from lexis.map.interchange.room_areas import outline, room_masks
 from lexis.room_names import instance_names
-from lexis.sight.storey_grid import CELL_M, StoreyGrid, storey_grid
+from lexis.sight.storey_grid import CELL_M, StoreyGrid, storey_grid, storeys
 from lexis.types import LexisMap
 
 INDEX = "storeys.json"
@@ -38,7 +38,7 @@ def write_ros_maps(map: LexisMap, path: Path) -> None:
     Raises LexisError if the folder cannot be written or holds something else, or if the map has no floor or a floor is too
     large.
     """
-    grids = [storey_grid(map, floor) for floor in floor_numbers(map.floors)]
+    grids = [storey_grid(map, floor, component) for floor, component in storeys(map)]
     if not grids:
         raise MapError("the map has no floor, only stairs; valid: a map with keyframes on a floor")
     with replaced_folder(path, INDEX) as folder:
@@ -61,9 +61,10 @@ def _write_storey(map: LexisMap, grid: StoreyGrid, folder: Path) -> None:
 
 def _entry(grid: StoreyGrid) -> dict[str, Any]:
     """Return the names of a storey's files, and the heights of its floor and ceiling in W [m]."""
-    name = f"floor{grid.floor}"
+    name = f"floor{grid.floor}" + (f"-session{grid.component}" if grid.component else "")
     heights = {"floor_m": round(grid.heights[0], 3), "ceiling_m": round(grid.heights[1], 3)}
-    return {"floor": grid.floor, "map": f"{name}.yaml", "image": f"{name}.pgm", "rooms": f"{name}.geojson"} | heights
+    numbers = {"floor": grid.floor, "session": grid.component}
+    return numbers | {"map": f"{name}.yaml", "image": f"{name}.pgm", "rooms": f"{name}.geojson"} | heights
 
 
 def _pixels(grid: StoreyGrid) -> UInt8[np.ndarray, "rows columns"]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from helpers.two_rooms import DOOR, ROOMS, two_rooms, walked_again
+from helpers.two_rooms import DOOR, ROOMS, two_rooms, walked_again, with_session_apart
 
 from lexis.config import PlannerConfig
 from lexis.floors import NO_FLOOR
@@ -133,6 +133,13 @@ def test_bodies_outside_of_all_that_the_camera_saw_have_no_shortcuts(lexis_map, 
     camera = replace(lexis_map.camera, T_B_C=T_B_C)
     pairs = shortcuts(replace(lexis_map, camera=camera, T_W_B=poses, keyframes=tuple(keyframes)), PlannerConfig())
     assert shapely.within(lines(replace(lexis_map, T_W_B=poses), pairs), INSIDE.buffer(CELL_M)).all() and len(pairs)
+
+
+def test_a_session_that_shares_no_frame_with_the_first_changes_no_shortcut(lexis_map):
+    """The second session lies half a storey lower, where the first one would take its table tops for a floor."""
+    n, alone = len(lexis_map.keyframes), shortcuts(lexis_map, PlannerConfig())
+    pairs = shortcuts(with_session_apart(lexis_map, [24.0, 0.0, -1.2]), PlannerConfig())
+    assert set(map(tuple, pairs.tolist())) == {(a + k, b + k) for a, b in alone.tolist() for k in (0, n)}
 
 
 def test_a_floor_too_large_for_a_grid_has_no_shortcuts(lexis_map):

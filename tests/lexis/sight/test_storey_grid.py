@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from helpers.two_rooms import CAMERA_M, DOOR, ROOMS, two_rooms
+from helpers.two_rooms import CAMERA_M, DOOR, ROOMS, two_rooms, with_session_apart
 
 from lexis.errors import MapError
 from lexis.floors import floor_numbers
 from lexis.maths.se3 import between, exp, inverse, transform
 from lexis.sight import storey_grid as module
-from lexis.sight.storey_grid import CELL_M, LOW_M, count_views, storey_grid
+from lexis.sight.storey_grid import CELL_M, LOW_M, count_views, storey_grid, storeys
 from lexis.types import CameraView
 
 INSIDE = shapely.union_all([*(shapely.box(*room) for room in ROOMS.values()), shapely.box(4.0, DOOR[0], 4.1, DOOR[1])])
@@ -75,6 +75,20 @@ def test_nobody_walked_from_the_end_of_one_session_to_the_beginning_of_the_next(
     T_W_B[1, :3, 3] = T_W_B[0, :3, 3] + [1.0, 0.0, 0.0]
     grid = storey_grid(replace(lexis_map, keyframes=keyframes, T_W_B=T_W_B, floors=np.zeros(2, int)), 0)
     assert grid.free[tuple(grid.cells(T_W_B[:, :3, 3].mean(axis=0)[None])[0])] == walked
+
+
+def test_sessions_that_share_no_frame_have_storeys_of_their_own(lexis_map, grid):
+    """The odometry of the second session began three metres higher, so that its floor 0 is at another height."""
+    shift = np.array([24.0, 0.0, 3.0])
+    both = with_session_apart(lexis_map, shift)
+    assert storeys(both) == [(0, 0), (0, 1)]
+    first, second = (storey_grid(both, *storey) for storey in storeys(both))
+    for found, moved in ((first, np.zeros(3)), (second, shift)):
+        np.testing.assert_allclose(found.origin, grid.origin + moved[:2])
+        np.testing.assert_allclose(found.heights, np.add(grid.heights, moved[2]))
+        for name in ("free", "occupied", "low"):
+            differs = getattr(found, name) != getattr(grid, name)
+            assert differs.mean() < 0.01
 
 
 def test_stairs_have_no_grid(lexis_map):

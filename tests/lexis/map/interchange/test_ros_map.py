@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 import yaml
-from helpers.two_rooms import ROOMS, two_rooms
+from helpers.two_rooms import ROOMS, two_rooms, with_session_apart
 
 from lexis.errors import LexisError, MapError
 from lexis.files.replace import CONTENTS
@@ -67,6 +67,19 @@ def test_rooms_lie_beside_the_grids(folder):
     for room in rooms:
         polygon, true = shapely.geometry.shape(room["geometry"]), shapely.box(*ROOMS[room["properties"]["label"]])
         assert polygon.intersection(true).area / polygon.union(true).area > 0.85
+
+
+def test_a_session_that_shares_no_frame_with_the_first_has_grids_of_its_own(folder, tmp_path):
+    shift = [24.0, 0.0, 3.0]
+    export_map(with_session_apart(two_rooms(np.random.default_rng(3)), shift), "ros", tmp_path / "maps")
+    first, second = json.loads((tmp_path / "maps/storeys.json").read_text())
+    assert [(one["floor"], one["session"], one["map"]) for one in (first, second)] == [
+        (0, 0, "floor0.yaml"),
+        (0, 1, "floor0-session1.yaml"),
+    ]
+    assert second["floor_m"] == pytest.approx(first["floor_m"] + 3.0)
+    rooms = [json.loads((tmp_path / "maps" / one["rooms"]).read_text())["features"] for one in (first, second)]
+    assert [[room["properties"]["id"] for room in part] for part in rooms] == [[0, 1], [3, 4]]
 
 
 def test_an_earlier_folder_is_replaced_and_anything_else_is_left_alone(folder, tmp_path):
