@@ -128,12 +128,15 @@ def check_observation(
 def with_copied_geometry(observation: Observation) -> Observation:
     """Return the observation with copies of its pose, covariance and points, in double precision.
 
+    Its index and its stamp become numbers of Python, because JSON knows no numbers of numpy.
+
     The copies are needed because the caller may reuse the original arrays. Images are not copied: LEXIS reads no pixel after
     the observation is processed. It keeps the observations of a few recent frames with their images, which the caller may
     overwrite (`lexis.keyframe_window`).
     """
     T_O_B, covariance = observation.T_O_B.astype(np.float64), observation.increment_covariance.astype(np.float64)
-    return replace(observation, T_O_B=T_O_B, increment_covariance=covariance).with_images(
+    index, stamp = int(observation.index), float(observation.stamp)
+    return replace(observation, index=index, stamp=stamp, T_O_B=T_O_B, increment_covariance=covariance).with_images(
         replace(image, points=image.points.copy()) if isinstance(image, Percept) else image for image in observation.images
     )
 

@@ -1,16 +1,19 @@
 """LEXIS as a whole on one and a half laps of a textured room: real pixels, features and loops, without the simulator."""
 
+import json
 from dataclasses import replace
 
 import cv2
 import numpy as np
 import pytest
 from helpers.box_room import FORWARD_CAMERA, FRONT_REAR, BoxRoom, walk
+from helpers.unchecked import unchecked
 
 from lexis.config import Config, LandmarkConfig, PlaceRecognitionConfig
 from lexis.errors import EncoderError, LexisError, ObservationError
 from lexis.features import FeatureExtractor
 from lexis.map.arrays import pack
+from lexis.map.export import export_map
 from lexis.maths import se3
 from lexis.slam import Slam
 from lexis.types import Camera, Features, Observation, Percept
@@ -217,6 +220,16 @@ def test_the_camera_is_the_one_that_was_handed_over(observations):
 
 def test_one_observation_makes_a_map(observations):
     assert len(run(observations[:1]).keyframes) == 1
+
+
+@pytest.mark.parametrize(("whole", "seconds"), [(np.int64, np.float64), (np.uint8, np.float32), (int, np.int32)])
+def test_a_map_of_numpy_s_numbers_can_be_exported(observations, whole, seconds, tmp_path):
+    """ROS messages and tables of pandas give such numbers."""
+    lexis_map = run([unchecked(Observation, **vars(observations[3]) | {"index": whole(3), "stamp": seconds(2)})])
+    for form in ("json", "spark-dsg"):
+        export_map(lexis_map, form, tmp_path / form)
+    summary = json.loads((tmp_path / "json").read_text())
+    assert summary["keyframes"][0]["stamp_s"] == 2.0
 
 
 def test_no_observation_makes_none():
