@@ -18,7 +18,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
 from lexis.files.camera import CameraData, Row
 from lexis.inputs import MAX_CAMERAS, MAX_NAME_LENGTH, MAX_ROOM_NAMES
-from lexis.types import Verdict
+from lexis.types import LoopOutcome
 
 KEY = "lexis"
 """Key of the data of LEXIS in the metadata of nodes, edges and the graph. `Tagged` has a field of this name."""
@@ -69,6 +69,7 @@ Row6 = tuple[float, float, float, float, float, float]
 Matrix6 = tuple[Row6, Row6, Row6, Row6, Row6, Row6]
 Name = Annotated[str, Field(min_length=1, max_length=MAX_NAME_LENGTH)]
 Id = Annotated[int, Field(ge=0, lt=_MANY)]
+Count = Annotated[int, Field(ge=0, lt=2**62)]
 NodeId = Annotated[int, Field(ge=0, lt=2**64)]
 
 
@@ -79,6 +80,21 @@ class EncoderData(BaseModel):
 
     name: Annotated[str, Field(max_length=10_000)]
     fingerprint: Annotated[str, Field(max_length=10_000)]
+
+
+class VerdictData(BaseModel):
+    """A verdict on a loop candidate; see `lexis.types.Verdict`."""
+
+    model_config = _STRICT
+
+    query: Id
+    match: Id
+    outcome: LoopOutcome
+    matches: Count | None = None
+    inliers: Count | None = None
+    cells: Count | None = None
+    misfit_m: float | None = None
+    misfit_rad: float | None = None
 
 
 class GraphData(BaseModel):
@@ -93,7 +109,7 @@ class GraphData(BaseModel):
     encoder: EncoderData
     room_names: tuple[Name, ...] = Field(min_length=1, max_length=MAX_ROOM_NAMES)
     candidates: tuple[tuple[Id, tuple[Id, ...]], ...] = Field(max_length=_MANY)
-    verdicts: tuple[Verdict, ...] = Field(max_length=100 * _MANY)
+    verdicts: tuple[VerdictData, ...] = Field(max_length=100 * _MANY)
     stage_seconds: dict[str, float] = Field(max_length=100)
 
 
@@ -144,7 +160,7 @@ class LoopData(BaseModel):
     match: Id
     T_match_query: Matrix4
     covariance: Matrix6
-    inliers: Annotated[int, Field(ge=0, lt=2**62)]
+    inliers: Count
     weight: float
 
 

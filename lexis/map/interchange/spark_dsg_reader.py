@@ -29,7 +29,18 @@ from lexis.map.interchange.spark_dsg_format import (
     RoomAttributes,
 )
 from lexis.maths.quaternions import poses_of
-from lexis.types import CameraView, EncoderId, Features, Keyframe, Landmarks, LexisMap, LoopEdge, Poses, RoomInstance
+from lexis.types import (
+    CameraView,
+    EncoderId,
+    Features,
+    Keyframe,
+    Landmarks,
+    LexisMap,
+    LoopEdge,
+    Poses,
+    RoomInstance,
+    Verdict,
+)
 
 _FILE = FileKind(
     "a scene graph written by 'lexis export --format spark-dsg'", 400_000_000, MapError, unusable="no scene graph of a map"
@@ -75,7 +86,7 @@ def _map(file: GraphFile) -> LexisMap:
         loops=tuple(_loop(loop) for loop in loops),
         loop_weights=np.array([loop.weight for loop in loops], float),
         candidates=own.candidates,
-        verdicts=own.verdicts,
+        verdicts=tuple(Verdict(**vars(verdict)) for verdict in own.verdicts),
         stage_seconds=own.stage_seconds,
     )
 

@@ -182,6 +182,12 @@ def changed(data, path, value):
         ("nodes.84", None, "40 nodes p|39 nodes a"),
         ("edges.1.target", 8070450532247929832, "p1000 is no keyframe"),
         ("edges.1.source", 5908722711110090760, "edge leads from R8|R0 has no keyframe"),
+        ("metadata.lexis.verdicts.0.query", 2**70, r"metadata\.lexis\.verdicts\.0\.query"),
+        ("metadata.lexis.verdicts.1.match", -1, r"metadata\.lexis\.verdicts\.1\.match"),
+        ("metadata.lexis.verdicts.0.matches", 2**70, r"metadata\.lexis\.verdicts\.0\.matches"),
+        ("metadata.lexis.verdicts.0.inliers", -2, r"metadata\.lexis\.verdicts\.0\.inliers"),
+        ("metadata.lexis.verdicts.0.cells", 2**63, r"metadata\.lexis\.verdicts\.0\.cells"),
+        ("metadata.lexis.verdicts.0.outcome", "lost", r"metadata\.lexis\.verdicts\.0\.outcome"),
         ("edges.50.source", "kitchen", r"edges\.50\.source"),
     ],
 )
