@@ -9,6 +9,7 @@ from jaxtyping import Float64, Int
 from scipy.spatial import cKDTree
 
 from lexis.maths.ties import rounded
+from lexis.sight.cameras import mean
 from lexis.types import LexisMap
 
 LOOK_AHEAD_M = 1.5
@@ -32,9 +33,12 @@ def evidence_at(map: LexisMap, label: str, keyframes: Int[np.ndarray, "k"]) -> F
 
 
 def shown_places(map: LexisMap) -> Float64[np.ndarray, "n 3"]:
-    """Return the place that every keyframe's image shows: ahead of the camera, at the keyframe's height, in W [m]."""
-    places = map.T_W_B[:, :3, 3].copy()
-    places[:, :2] += LOOK_AHEAD_M * (map.T_W_B[:, :3, :3] @ map.camera.T_B_C[:3, 2])[:, :2]
+    """Return the place that every keyframe's image shows: ahead of the camera, at the keyframe's height, in W [m].
+
+    With several cameras, it is the mean of the places ahead of them, as similarities are means over the cameras.
+    """
+    places, ahead = map.T_W_B[:, :3, 3].copy(), mean([camera.T_B_C[:3, 2] for camera in map.camera.rig])
+    places[:, :2] += LOOK_AHEAD_M * (map.T_W_B[:, :3, :3] @ ahead)[:, :2]
     return places
 
 

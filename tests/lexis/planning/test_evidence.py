@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 from helpers.map_builder import build_map, random_pose
 
+from lexis.maths.se3 import exp
 from lexis.planning.evidence import LOOK_AHEAD_M, evidence_at, shown_places
+from lexis.types import Camera
 
 
 def facing_walk(rng):
@@ -25,6 +27,21 @@ def test_images_show_the_place_ahead_of_the_camera(rng):
     lexis_map = facing_walk(rng)
     ahead = shown_places(lexis_map) - lexis_map.T_W_B[:, :3, 3]
     assert np.allclose(ahead, [LOOK_AHEAD_M, 0.0, 0.0])
+
+
+def test_the_images_of_a_rig_show_the_mean_of_the_places_ahead_of_its_cameras(rng):
+    """The similarities of a keyframe are the mean over its cameras, here to the front, the rear and the left."""
+    lexis_map = facing_walk(rng)
+    front = lexis_map.camera
+    rear, left = (Camera(front.intrinsics, turned(yaw) @ front.T_B_C) for yaw in (np.pi, np.pi / 2))
+    for others, ahead in (((rear,), [0, 0, 0]), ((rear, left), [0, LOOK_AHEAD_M / 3, 0])):
+        of_rig = replace(lexis_map, camera=replace(front, others=others))
+        np.testing.assert_allclose(shown_places(of_rig) - of_rig.T_W_B[:, :3, 3], np.tile(ahead, (33, 1)), atol=1e-12)
+
+
+def turned(yaw):
+    """A rotation about z [rad]."""
+    return exp(np.array([0.0, 0.0, yaw, 0.0, 0.0, 0.0]))
 
 
 def test_evidence_changes_its_sign_at_the_boundary_of_the_places_and_not_of_the_images(rng):
