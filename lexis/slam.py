@@ -53,7 +53,7 @@ from lexis.sessions.renumbered_map import RenumberedMap
 from lexis.sight.visible_space import VisibleSpace, spaces_in_view
 from lexis.timing import StageTimer
 from lexis.types import Camera, EncoderId, Keyframe, LexisMap, LoopEdge, Observation, Poses, RoomInstance, Verdict
-from lexis.verification import Verifier, verify
+from lexis.verification import Verification, Verifier, verify
 
 
 class Slam:
@@ -238,9 +238,9 @@ class Slam:
         """
         self._graph.add_keyframe(keyframe, place)
         self._take_views(keyframe)
-        self._close_loops(keyframe)
+        verified = self._close_loops(keyframe)
         if loops:
-            self._keep_loops(loops, verdicts)
+            self._keep_loops(loops, verdicts, verified)
         joined = self._join_components(keyframe)
         optimised = self._optimise() or joined
         due = optimised or len(self._graph.keyframes) % self._config.labels.every == 0
@@ -261,8 +261,8 @@ class Slam:
             views = Views(shown, self._spaces, T_W_B, self._camera, self._graph.sessions)
             return derive_by_component(views, self._graph.components, self._room_names, self._config, given)
 
-    def _close_loops(self, query: Keyframe) -> None:
-        """Propose loop candidates, verify them by PnP, and add the loop edges."""
+    def _close_loops(self, query: Keyframe) -> Verification:
+        """Propose loop candidates, verify them by PnP, and add the loop edges. Returns the edges and the verdicts."""
         with self._timed("propose"):
             label = self._room_names[most_similar(self._similarities.rows[query.id].mean(axis=0))]
             candidates = self._propose(query, label, self._rooms, self._graph, self._config.place_recognition)
@@ -271,17 +271,20 @@ class Slam:
         self._candidates.append((query.id, candidates))
         self._verdicts.extend(verified.verdicts)
         self._graph.add_loops(verified.edges)
+        return verified
 
-    def _keep_loops(self, loops: Sequence[LoopEdge], verdicts: Sequence[Verdict]) -> None:
-        """Add known loops of the last keyframe that were not found again, and the verdicts on them."""
-        query, found = loops[0].query, {(loop.query, loop.match) for loop in self._graph.loops}
-        judged = {(verdict.query, verdict.match) for verdict in self._verdicts}
-        kept = [loop for loop in loops if (loop.query, loop.match) not in found]
-        known = [verdict for verdict in verdicts if (verdict.query, verdict.match) not in judged]
+    def _keep_loops(self, loops: Sequence[LoopEdge], verdicts: Sequence[Verdict], verified: Verification) -> None:
+        """Add known loops of the last keyframe that were not found again, and the verdicts on them.
+
+        `verified` are the loops that were found, and their verdicts, which are the last ones so far.
+        """
+        found, judged = ({one.match for one in ones} for ones in (verified.edges, verified.verdicts))
+        kept = [loop for loop in loops if loop.match not in found]
+        known = [verdict for verdict in verdicts if verdict.match not in judged]
         self._graph.add_loops(kept)
-        self._verdicts = [*with_support(self._verdicts, kept), *known]
+        self._verdicts[len(self._verdicts) - len(verified.verdicts) :] = [*with_support(verified.verdicts, kept), *known]
         if known:
-            self._candidates.append((query, tuple(verdict.match for verdict in known)))
+            self._candidates.append((loops[0].query, tuple(verdict.match for verdict in known)))
 
     def _join_components(self, query: Keyframe) -> bool:
         """Seek the place of a keyframe in the components of the map that are not connected with its own.

@@ -18,7 +18,7 @@ from lexis.map.relabelling import relabel
 from lexis.maths import se3
 from lexis.merging import merge
 from lexis.planning import adjacency
-from lexis.sessions.relocalisation import at_any_distance
+from lexis.sessions.relocalisation import at_any_distance, with_support
 from lexis.slam import Slam
 from lexis.types import EncoderId, Features, LoopEdge, Observation, Percept, Verdict
 from lexis.verification import Verification, plausible
@@ -269,6 +269,21 @@ def test_sessions_that_the_second_map_has_joined_stay_joined_in_a_merged_map(fir
         (query, match) for query, match in loops if query - 30 not in anchors
     }
     assert {(verdict.query, verdict.match) for verdict in merged.verdicts} <= set(candidates_of(merged))
+
+
+def test_a_loop_of_a_replayed_keyframe_leaves_the_verdicts_on_other_keyframes_alone(first, monkeypatch):
+    """Going through all verdicts for each loop would take a time that grows with the square of the map's length."""
+    joined, looked_at = second(first, verifier()), []
+
+    def recorded(verdicts, edges):
+        looked_at.append(({verdict.query for verdict in verdicts}, {edge.query for edge in edges}))
+        return with_support(verdicts, edges)
+
+    monkeypatch.setattr("lexis.slam.with_support", recorded)
+    merge(walk(range(30), verifier()).finish(), joined, Encoder(), verifier=without_second)
+    kept = [queries for _, queries in looked_at if len(queries) == 1]
+    assert len(kept) >= 2
+    assert all(judged <= queries for judged, queries in looked_at if len(queries) == 1)
 
 
 class OtherWeights(Encoder):
