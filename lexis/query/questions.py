@@ -69,15 +69,22 @@ _TRAILING = re.compile(
     r"|in (?:a|this|the|my|our) (?:house|home|flat|building)))+$"
 )
 _NEGATION = _lead_in(
-    rf"not(?: in)?(?= {_THE} )|not(?= \w+$)",
+    rf"not(?: in)?(?= {_THE} )|not(?= \w+$)|no(?= [a-z])",
     r"(?:any|every)(?:thing|where) (?:but|except|other than)",
     r"(?:all|any|every)(?: rooms?)? (?:but|except|other than)",
     rf"{_PLACE} (?:without|with no|other than|(?:that|which) (?:is|has) (?:not|no))",
 )
-_NEGATED_PART = re.compile(r"\b(?:without|with no|except|but not|not(?= (?:an?|the|in|my|our) ))\b")
+_NEGATED_PART = re.compile(
+    r"\b(?:without|with no|except|but not|not(?= (?:an?|the|in|my|our) )|no(?= [a-z])|neither|nor)\b"
+    rf"|^(?:(?:where|when|how|why) )?(?:(?:{_WHO}|it|there) )?(?:{_CAN}|am|are|is|was|were) not\b"
+)
+"""Matches the words that negate a part of a question, or its main clause, as in "I do not want"."""
 _ARTICLE = re.compile(rf"^{_THE} (?=\w)")
 _ROOM_TO = re.compile(r".*\broom to .* in$")
-_CONTRACTIONS = {"’": "'", "i'm": "i am", "i'd": "i would", "we'd": "we would", "we're": "we are", "where's": "where is"}
+_CONTRACTIONS = {
+    "’": "'", "i'm": "i am", "i'd": "i would", "we'd": "we would", "we're": "we are", "where's": "where is",
+    "can't": "can not", "cannot": "can not", "won't": "will not", "n't": " not",
+}  # fmt: skip
 
 _SERVED_BY = (
     (re.compile(r"\b(?:toilet|loo|wc|lavatory)\b"), ("bathroom",)),

@@ -70,7 +70,8 @@ def test_names_alone_stay_as_they_are():
     "text",
     ["not a kitchen", "not the kitchen", "not in the kitchen", "anything but the kitchen", "everything except the kitchen",
      "all rooms but the kitchen", "take me to a room without a kitchen", "somewhere other than the kitchen",
-     "Not a kitchen!"],
+     "Not a kitchen!", "no kitchen", "a room that isn't a kitchen", "a place which isn’t the kitchen",
+     "No kitchen, please."],
 )  # fmt: skip
 def test_what_is_not_wanted_is_understood(text):
     question = read_question(text)
@@ -84,6 +85,16 @@ def test_what_is_not_wanted_is_understood(text):
         "the bathroom but not the shower",
         "a table, not a desk",
         "a room with a bed except mine",
+        "I don't want the kitchen",
+        "Don’t take me to the kitchen",
+        "where can't I sleep",
+        "where isn't there a window",
+        "I am not looking for a desk",
+        "I cannot sleep in the office",
+        "I want no kitchen",
+        "a bedroom with a desk and no window",
+        "neither a kitchen nor a bathroom",
+        "no kitchen nor a bathroom",
     ],
 )
 def test_a_part_that_is_not_wanted_is_refused_in_a_line(text):
@@ -95,6 +106,8 @@ def test_a_part_that_is_not_wanted_is_refused_in_a_line(text):
 def test_a_relative_clause_is_no_negation():
     question = read_question("where can I keep things that are not needed")
     assert not question.negated and question.readings[0][0] == "keep things that are not needed"
+    assert read_question("where can I keep things that aren't needed") == question
+    assert not read_question("office no 3").negated
 
 
 def test_a_need_also_asks_for_things_that_serve_it_unless_they_are_named():
