@@ -1,6 +1,7 @@
 """The console script `lexis`, which makes maps from recorded runs and works with them. It needs no simulator.
 
-The exit status is 0 on success. On bad input it is 2, and one line on stderr says what would be valid.
+The exit status is 0 on success. On bad input it is 2, and one line on stderr says what would be valid. If a recording breaks
+off, `lexis run` saves what it has mapped, and says so in a line before.
 """
 
 import argparse
@@ -12,17 +13,19 @@ from typing import TYPE_CHECKING
 
 from lexis.command_line import (
     ENCODER_HELP,
+    MAX_LINE,
     Commands,
     Parser,
     add_command,
     add_completion,
+    interrupted_later,
     positive,
     run_command,
     warn_of_replacement,
 )
 from lexis.config import Config, read_config
 from lexis.encoder.options import PRECISIONS, EncoderOptions
-from lexis.errors import EncoderError, LexisError, MapError
+from lexis.errors import DatasetError, EncoderError, LexisError, MapError, ObservationError, one_line
 from lexis.files.reading import FileKind, read_json
 from lexis.files.replace import check_outside
 from lexis.graph.components import sessions_apart
@@ -38,6 +41,7 @@ from lexis.types import LexisMap
 
 if TYPE_CHECKING:
     from lexis.encoder.open_clip_encoder import OpenClipEncoder
+    from lexis.slam import Slam
 
 _FAST_M_S = 15.0
 """Mean speed above which a recording is probably in other units [m/s]."""
@@ -228,16 +232,40 @@ def _run(arguments: argparse.Namespace) -> int:
     names = old.room_names if old and arguments.rooms is None else _rooms(arguments.rooms)
     config = read_config(arguments.config) if arguments.config else Config()
     slam = Slam(dataset.camera, _encoder(arguments.encoder, options), names, config, map=old)
-    saved = slam.keyframes
-    for observation in track(dataset, "mapping", console=Console(stderr=True), disable=not sys.stderr.isatty()):
-        slam.process(observation)
-        if arguments.save_every and slam.keyframes >= saved + arguments.save_every:
-            save_map(slam.snapshot(), arguments.out)
-            saved = slam.keyframes
+    before = saved = slam.keyframes
+    shown = track(dataset, "mapping", console=Console(stderr=True), disable=not sys.stderr.isatty())
+    try:
+        with interrupted_later() as pressed:
+            for observation in shown:
+                slam.process(observation)
+                if arguments.save_every and slam.keyframes >= saved + arguments.save_every:
+                    save_map(slam.snapshot(), arguments.out)
+                    saved = slam.keyframes
+                if pressed.is_set():
+                    raise _Stopped
+    except (DatasetError, ObservationError, EncoderError, _Stopped):
+        _save_part(slam, before, arguments.out)
+        raise
     lexis_map = slam.finish()
     save_map(lexis_map, arguments.out)
     _report(lexis_map, arguments.out)
     return 0
+
+
+class _Stopped(KeyboardInterrupt):
+    """Ctrl-C, between two observations."""
+
+
+def _save_part(slam: "Slam", before: int, folder: Path) -> None:
+    """Save what a run that ends early has added to the `before` keyframes of an earlier map, if anything, and say so."""
+    try:
+        part = slam.finish()
+    except LexisError:  # there was no observation
+        return
+    if len(part.keyframes) > before:
+        save_map(part, folder)
+        told = f"lexis: the run ended early; {folder} holds the map until then, {_count(len(part.keyframes), 'keyframe')}"
+        print(one_line(told, MAX_LINE), file=sys.stderr)
 
 
 def _merge(arguments: argparse.Namespace) -> int:

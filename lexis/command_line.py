@@ -7,8 +7,11 @@ import argparse
 import errno
 import io
 import os
+import signal
 import sys
-from collections.abc import Callable, Sequence
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NoReturn, TypeAlias
 
@@ -104,6 +107,29 @@ def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type
         return _bad_input(parser, f"standard output cannot be written: {error.strerror}; valid: a place with room for it")
     except KeyboardInterrupt:
         return _INTERRUPTED
+
+
+@contextmanager
+def interrupted_later() -> Iterator[threading.Event]:
+    """Let the first Ctrl-C only set the event, so that the caller can stop where nothing is half done.
+
+    A second Ctrl-C interrupts at once. Where Ctrl-C is not handled as usual, as in a thread or under nohup, nothing changes.
+    """
+    pressed = threading.Event()
+    usual = signal.getsignal(signal.SIGINT)
+    if usual is not signal.default_int_handler or threading.current_thread() is not threading.main_thread():
+        yield pressed
+        return
+
+    def note(number: int, frame: object) -> None:
+        signal.signal(signal.SIGINT, usual)
+        pressed.set()
+
+    signal.signal(signal.SIGINT, note)
+    try:
+        yield pressed
+    finally:
+        signal.signal(signal.SIGINT, usual)
 
 
 def _run_and_flush(parser: Parser, argv: Sequence[str] | None) -> int:

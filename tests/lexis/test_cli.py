@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
 from dataclasses import replace
@@ -408,6 +409,39 @@ def test_a_run_that_is_cut_off_leaves_the_last_complete_map(dataset, tmp_path, m
     assert cli.main(["run", str(dataset), "--rooms", "kitchen, office", "--save-every", "3", "-o", str(out)]) != 0
     saved = load_map(out)
     assert 3 <= len(saved.keyframes) <= 12 and len(saved.labels) == len(saved.keyframes)
+
+
+def test_a_run_that_ends_at_an_image_that_cannot_be_read_leaves_the_map_until_then(dataset, tmp_path, capsys):
+    """A recorder that is cut off often leaves half of an image."""
+    damaged, out = dataset / "rgb" / "000060.png", tmp_path / "map"
+    damaged.write_bytes(damaged.read_bytes()[:200])
+    command = ["run", str(dataset), "--rooms", "kitchen, office", "-o", str(out)]
+    assert cli.main(command) == 2
+    told, error = capsys.readouterr().err.splitlines()
+    assert told == f"lexis: the run ended early; {out} holds the map until then, 12 keyframes"
+    assert error.endswith("000060.png: is not a readable PNG or JPEG")
+    assert [k.observation_index for k in load_map(out).keyframes] == list(range(0, 60, 5))
+    first = dataset / "rgb" / "000000.png"
+    first.write_bytes(b"")
+    assert cli.main([*command[:-1], str(tmp_path / "none")]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1 and not (tmp_path / "none").exists()
+
+
+def test_ctrl_c_ends_a_run_after_the_present_image_and_leaves_the_map_until_then(dataset, tmp_path, capsys, monkeypatch):
+    process = Slam.process
+
+    def interrupted(slam, observation):
+        if observation.index == 59:
+            os.kill(os.getpid(), signal.SIGINT)
+        process(slam, observation)
+
+    monkeypatch.setattr(Slam, "process", interrupted)
+    out = tmp_path / "map"
+    assert cli.main(["run", str(dataset), "--rooms", "kitchen, office", "-o", str(out)]) == 130
+    told = f"lexis: the run ended early; {out} holds the map until then, 12 keyframes\n"
+    assert capsys.readouterr().err == told
+    assert [k.observation_index for k in load_map(out).keyframes] == list(range(0, 60, 5))
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 def test_a_session_elsewhere_becomes_a_part_of_its_own(textured, tmp_path, capsys):
