@@ -64,7 +64,7 @@ def check_camera(camera: Camera) -> None:
         check_camera(other)
 
 
-def check_room_names(names: Sequence[str]) -> None:
+def check_room_names(names: object) -> None:
     """Raise LexisError unless there are 1 to `MAX_ROOM_NAMES` unique names, all of them printable and short enough.
 
     A room is looked up without regard to case and outer blanks. Names may therefore not differ in case alone, and may not
@@ -72,6 +72,9 @@ def check_room_names(names: Sequence[str]) -> None:
     """
     if isinstance(names, str):
         raise LexisError(f"room names are a single string {names!r}; valid: a sequence of names, such as ({names!r},)")
+    if not isinstance(names, Sequence):
+        found = f"room names are {type_of(names)}"
+        raise LexisError(f"{found}; valid: a sequence of names, because labels are indices into them")
     if others := [name for name in names if not isinstance(name, str)]:
         raise LexisError(f"the room name {others[0]!r:.80} is no text; valid: texts, such as 'kitchen'")
     if not 1 <= len(names) <= MAX_ROOM_NAMES:

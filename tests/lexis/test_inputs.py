@@ -78,6 +78,15 @@ def test_impossible_room_lists_are_refused(names):
         untyped(check_room_names)(names)
 
 
+@pytest.mark.parametrize(
+    ("names", "kind"),
+    [({"kitchen", "office"}, "set"), (dict.fromkeys(["kitchen"]).keys(), "dict_keys"), (iter(["kitchen"]), "list_iterator")],
+)
+def test_room_names_without_an_order_of_their_own_are_refused(names, kind):
+    with pytest.raises(LexisError, match=f"room names are a {kind}; valid: a sequence of names, because labels are indices"):
+        untyped(check_room_names)(names)
+
+
 @pytest.mark.parametrize("names", [["k" * 200], [f"room {i}" for i in range(1000)]])
 def test_a_map_can_be_saved_with_every_room_list_that_passes(rng, tmp_path, names):
     check_room_names(names)
