@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Bool, Float64, Shaped
+from jaxtyping import Bool, Float, Float64, Shaped
 
 from lexis.errors import LexisError, ObservationError, one_line
 from lexis.maths.se3 import is_rigid
@@ -102,8 +102,10 @@ def check_observation(
     embeddings; the embedding of a percept must have the same length.
     """
     where = f"observation {observation.index!r:.40}"
-    if not isinstance(observation.index, int | np.integer) or abs(observation.index) > MAX_INDEX:
+    if not isinstance(observation.index, int | np.integer):
         raise ObservationError(f"{where}: the index is no whole number; valid: a whole number up to {MAX_INDEX}")
+    if abs(int(observation.index)) > MAX_INDEX:
+        raise ObservationError(f"{where}: the index is too large; valid: a whole number up to {MAX_INDEX}")
     images = (observation.image, *observation.others)
     if len(images) != len(camera.rig):
         raise ObservationError(
@@ -118,10 +120,7 @@ def check_observation(
     if not is_pose(observation.T_O_B):
         raise ObservationError(f"{where}: T_O_B is not a rigid motion: {_as_text(observation.T_O_B)}; {_RIGID}")
     _check_covariance(observation.increment_covariance, where)
-    if not (isinstance(observation.stamp, int | float | np.integer | np.floating) and abs(observation.stamp) <= MAX_STAMP_S):
-        raise ObservationError(
-            f"{where}: stamp {_as_text(observation.stamp)} s is not finite; valid: a time in seconds up to {MAX_STAMP_S:g}"
-        )
+    _check_stamp(observation, where)
     if previous is not None and observation.stamp <= previous.stamp:
         raise ObservationError(
             f"{where}: stamp {observation.stamp} s is not after {previous.stamp} s of the previous; valid: ascending stamps"
@@ -179,6 +178,16 @@ def type_of(value: object) -> str:
     return f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"
 
 
+def _check_stamp(observation: Observation, where: str) -> None:
+    stamp = observation.stamp
+    if not isinstance(stamp, int | float | np.integer | np.floating):
+        raise ObservationError(f"{where}: stamp {_as_text(stamp)} is no number; valid: a time in seconds")
+    if not abs(stamp) < math.inf:
+        raise ObservationError(f"{where}: stamp {_as_text(stamp)} s is not finite; valid: a time up to {MAX_STAMP_S:g} s")
+    if abs(stamp) > MAX_STAMP_S:
+        raise ObservationError(f"{where}: stamp {_as_text(stamp)} s is too large; valid: a time up to {MAX_STAMP_S:g} s")
+
+
 def _check_covariance(covariance: object, where: str) -> None:
     if not (isinstance(covariance, np.ndarray) and covariance.shape == (6, 6) and covariance.dtype.kind in "fi"):
         raise ObservationError(f"{where}: increment_covariance is {type_of(covariance)}; valid: a 6x6 array of numbers")
@@ -214,12 +223,20 @@ def _check_percept(percept: Percept, size: int | None, where: str) -> None:
     if not (_is_rows(points, 2, "f4", "f8") and _is_rows(descriptors, DESCRIPTOR_BYTES, "u1")):
         found = f"key points are {type_of(points)} and descriptors {type_of(descriptors)}"
         raise ObservationError(f"{where}: {found}; valid: float32 (n, 2) and uint8 (n, {DESCRIPTOR_BYTES})")
-    if not _is_rows(percept.points, 3, "f8") or not (np.abs(percept.points) <= MAX_POSITION_M).all():
-        found = f"points are {type_of(percept.points)}"
-        raise ObservationError(f"{where}: {found}; valid: float64 (m, 3), finite and up to {MAX_POSITION_M:g} m")
-    if len(points) != len(descriptors) or not (np.abs(points) <= MAX_FOCAL_PX).all():
+    if len(points) != len(descriptors):
         found = f"{len(points)} key points and {len(descriptors)} descriptors"
-        raise ObservationError(f"{where}: {found}; valid: one descriptor per key point, and finite positions")
+        raise ObservationError(f"{where}: {found}; valid: one descriptor per key point")
+    if not _is_rows(percept.points, 3, "f8"):
+        raise ObservationError(f"{where}: points are {type_of(percept.points)}; valid: float64 (m, 3)")
+    _check_coordinates(points, f"{where}: a key point", MAX_FOCAL_PX, "px")
+    _check_coordinates(percept.points, f"{where}: a point", MAX_POSITION_M, "m")
+
+
+def _check_coordinates(points: Float[np.ndarray, "n d"], whose: str, most: float, unit: str) -> None:
+    beyond = points[~(np.abs(points) <= most)]
+    if len(beyond):
+        found = f"{whose} has the coordinate {beyond[0]:g} {unit}"
+        raise ObservationError(f"{found}; valid: finite positions up to {most:g} {unit}")
 
 
 def _is_rows(array: object, columns: int, *dtypes: str) -> bool:

@@ -41,6 +41,9 @@ def test_good_input_passes():
         ({"stamp": 0.2}, "not after 0.25 s"),
         ({"stamp": float("nan")}, "not finite"),
         ({"stamp": 0.25}, "not after 0.25 s"),
+        ({"stamp": 2e12}, r"stamp 2000000000000\.0 s is too large; valid: a time up to 1e[+]12 s"),
+        ({"stamp": 1e300}, "is too large; valid: a time up to"),
+        ({"stamp": -np.inf}, "stamp -inf s is not finite; valid: "),
         ({"T_O_B": at(1e155)}, "not a rigid motion"),
         ({"T_O_B": at(-1.1e8)}, "not a rigid motion"),
         ({"increment_covariance": 1e155 * np.eye(6)}, "not finite, symmetric and .*with values up to 1e[+]12"),
@@ -51,9 +54,17 @@ def test_a_bad_observation_is_refused_by_number(change, complaint):
         check_observation(replace(GOOD, **change), FORWARD_CAMERA, replace(GOOD, index=2, stamp=0.25))
 
 
-@pytest.mark.parametrize("index", [None, "3", 2**70])
-def test_an_index_that_a_map_cannot_hold_is_refused(index):
-    with pytest.raises(ObservationError, match="the index is no whole number"):
+@pytest.mark.parametrize(
+    ("index", "complaint"),
+    [
+        (None, "the index is no whole number; valid: "),
+        ("3", "the index is no whole number; valid: "),
+        (2**70, "the index is too large; valid: a whole number up to 4611686018427387904"),
+        (-(2**70), "the index is too large; valid: "),
+    ],
+)
+def test_an_index_that_a_map_cannot_hold_is_refused(index, complaint):
+    with pytest.raises(ObservationError, match=complaint):
         check_observation(unchecked(Observation, **vars(GOOD) | {"index": index}), FORWARD_CAMERA, None)
 
 
@@ -126,6 +137,16 @@ def percept(embedding=UNIT, keypoints=NONE.keypoints, descriptors=NONE.descripto
     return made
 
 
+BITS = np.zeros((1, 61), np.uint8)
+
+
+def with_points(points):
+    """A percept with points, without type checks."""
+    made = percept()
+    object.__setattr__(made, "points", points)
+    return made
+
+
 def test_a_percept_of_the_encoders_size_passes():
     check_observation(replace(GOOD, image=percept()), FORWARD_CAMERA, None, 2)
     rows = np.ones((3, 2), np.float32), np.zeros((3, 61), np.uint8)
@@ -147,6 +168,14 @@ def test_a_percept_of_the_encoders_size_passes():
         (percept(keypoints=[]), "key points are a list"),
         (percept(keypoints=np.ones((1, 2), np.float32)), "1 key points and 0 descriptors"),
         (percept(UNIT, np.full((1, 2), 1e30, np.float32), np.zeros((1, 61), np.uint8)), "finite positions"),
+        (percept(UNIT, np.full((1, 2), 1e30, np.float32), BITS), "a key point has the coordinate 1e[+]30 px; valid: finite"),
+        (percept(UNIT, np.float32([[3.0, np.nan]]), BITS), "a key point has the coordinate nan px; valid: finite"),
+        (
+            with_points(np.array([[0.0, 1e9, 0.0]])),
+            "a point has the coordinate 1e[+]09 m; valid: finite positions up to 1e[+]08 m",
+        ),
+        (with_points(np.array([[np.inf, 0.0, 0.0]])), "a point has the coordinate inf m; valid: finite positions"),
+        (with_points(np.zeros((1, 2))), r"points are float64 \(1, 2\); valid: float64 \(m, 3\)"),
         ("an image", "the image is a str"),
         (None, "the image is a NoneType"),
     ],
@@ -169,6 +198,7 @@ def test_a_percept_that_would_cost_the_map_is_refused(image, complaint):
         ("increment_covariance", None),
         ("stamp", "0.3"),
         ("stamp", None),
+        ("stamp", 2 + 1j),
     ],
 )
 def test_arrays_of_another_shape_are_refused(field, value):
