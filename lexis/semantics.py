@@ -113,7 +113,8 @@ def derive(
 ) -> Semantics:
     """Label, refine and cluster all keyframes at their current poses (paper, Sec. III-B and III-C).
 
-    Small rooms are absorbed by sight only if labels may be corrected: not with `given` labels or the label method "image".
+    By sight, small rooms are absorbed and alike rooms merge only if labels may be corrected: not with `given` labels or the
+    label method "image".
 
     Args:
         views: what the keyframes saw.
@@ -122,8 +123,6 @@ def derive(
         given: labels to cluster in place of the refined labels; None: the refined labels.
     """
     positions = views.T_W_B[:, :3, 3]
-    if given is not None or config.labels.method == "image":  # labels that are not to be corrected
-        config = replace(config, sight=replace(config.sight, min_keyframes=1))
     sees = sight_of_cameras(views.spaces, views.T_W_B, views.camera, config.sight.near_m) if config.by_sight else []
     refine = partial(_pooled, views.similarities, sees, config.sight) if config.labels.method == "sight" else None
     labels = label_keyframes(views.pooled, positions, room_names, config.labels, refine, views.sessions)
@@ -138,6 +137,7 @@ def derive(
             probabilities=probabilities,
             sees=largest(sees),
             config=config.sight,
+            correct=given is None and config.labels.method != "image",
         )
     stairs_name = config.labels.stairs_name
     rooms = segment(refined, positions, room_names, config.segmentation, cluster, views.sessions, stairs_name)

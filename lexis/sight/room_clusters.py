@@ -30,6 +30,7 @@ def cluster_by_sight(
     probabilities: Probabilities,
     sees: csr_array,
     config: SightConfig,
+    correct: bool = True,
 ) -> tuple[PerKeyframe, PerKeyframe]:
     """Group keyframes into rooms; return the number of the room of every keyframe, and the labels of the keyframes.
 
@@ -53,6 +54,7 @@ def cluster_by_sight(
         sees: the matrix that `lexis.sight.visible_space.sight` returns; for several cameras, the largest entries of all.
         config: the least share of a visible space that counts as seeing a place, the least size of a room, and when rooms
             are split and merge.
+        correct: whether labels may be corrected; if not, steps 3 and 4 are left out.
     """
     n = len(labels)
     pairs = np.concatenate([consecutive_pairs(sessions), _seeing(sees, config.share)])
@@ -63,6 +65,8 @@ def cluster_by_sight(
     rooms = np.asarray(connected_components(graph, directed=False)[1])
     tied = ties(sees, sessions)
     rooms = split_divided(rooms, floors != NO_FLOOR, positions, tied, config.split_m)
+    if not correct:
+        return rooms, labels
     rooms, labels = _absorbed(rooms, labels, floors, sees, config.min_keyframes)
     return merge_alike(rooms, labels, floors, probabilities, tied, config)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from helpers.box_room import FORWARD_CAMERA
 
-from lexis.config import Config, LabelConfig, SegmentationConfig
+from lexis.config import Config, LabelConfig, SegmentationConfig, SightConfig
 from lexis.maths import se3
 from lexis.room_labels import similarities
 from lexis.semantics import Views, derive
@@ -55,6 +55,18 @@ def test_labels_that_are_given_are_not_corrected_by_sight(walk):
     image = Config(segmentation=SegmentationConfig(method="sight"), labels=LabelConfig(method="image"))
     found = derive(views(*walk), NAMES, image)
     np.testing.assert_array_equal(found.labels, found.baseline_labels)
+
+
+def test_labels_that_are_given_are_not_corrected_however_easily_rooms_merge(walk):
+    """All keyframes see each other, and no odds are too large for rooms to merge."""
+    given = np.repeat([0, 1], 10)
+    config = Config(
+        segmentation=SegmentationConfig(method="sight"), sight=SightConfig(near_m=20.0, merge_cut=0.01, merge_log_odds=100.0)
+    )
+    assert len(derive(views(*walk), NAMES, config).rooms) == 1
+    found = derive(views(*walk), NAMES, config, given)
+    np.testing.assert_array_equal(found.labels, given)
+    assert [room.label for room in found.rooms] == ["kitchen", "office"]
 
 
 def test_the_meaning_does_not_depend_on_where_the_world_s_origin_lies(walk):
