@@ -85,13 +85,14 @@ def _on_ramps(positions: Float64[np.ndarray, "n 3"]) -> Bool[np.ndarray, "n"]:
     The steepest ramp is the part of the walk that rises or falls most above `RAMP_SLOPE` times its length. Further ramps are
     found in the same way before and after it.
     """
-    ramps = np.zeros(len(positions), bool)
-    path, height = arc_length(positions), positions[:, 2]
-    excess, start, stop = max(_largest_rise(sign * height - RAMP_SLOPE * path) for sign in (1.0, -1.0))
-    if excess >= RAMP_RISE_M:
-        ramps[start + 1 : stop] = True
-        ramps[: start + 1] = _on_ramps(positions[: start + 1])
-        ramps[stop:] = _on_ramps(positions[stop:])
+    ramps, waiting = np.zeros(len(positions), bool), [(0, len(positions))]
+    while waiting:
+        first, last = waiting.pop()
+        path, height = arc_length(positions[first:last]), positions[first:last, 2]
+        excess, start, stop = max(_largest_rise(sign * height - RAMP_SLOPE * path) for sign in (1.0, -1.0))
+        if excess >= RAMP_RISE_M:
+            ramps[first + start + 1 : first + stop] = True
+            waiting += [(first, first + start + 1), (first + stop, last)]
     return ramps
 
 

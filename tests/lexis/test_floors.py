@@ -106,3 +106,9 @@ def test_a_step_in_height_between_two_sessions_is_no_ramp():
     level = np.zeros(20, bool)
     assert len(set(floor_levels(level, along(height)).tolist())) == 2
     assert not floor_levels(level, along(height), np.repeat([0, 1], 10)).any()
+
+
+def test_a_walk_may_have_any_number_of_ramps():
+    """Up and down by turns, each a little lower than the one before, so that the steepest one is always the first."""
+    height = np.linspace(0.9, 0.6, 6000) * np.tile([0.0, 0.5, 1.0, 0.5], 1500)
+    assert not floor_levels(np.zeros(len(height), bool), along(height)).any()
