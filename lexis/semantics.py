@@ -123,8 +123,8 @@ def derive(
         given: labels to cluster in place of the refined labels; None: the refined labels.
     """
     positions = views.T_W_B[:, :3, 3]
-    sees = sight_of_cameras(views.spaces, views.T_W_B, views.camera, config.sight.near_m) if config.by_sight else []
-    refine = partial(_pooled, views.similarities, sees, config.sight) if config.labels.method == "sight" else None
+    seen_by = sight_of_cameras(views.spaces, views.T_W_B, views.camera, config.sight.near_m) if config.by_sight else []
+    refine = partial(_pooled, views.similarities, seen_by, config.sight) if config.labels.method == "sight" else None
     labels = label_keyframes(views.pooled, positions, room_names, config.labels, refine, views.sessions)
     refined, probabilities = labels.refined, labels.probabilities
     if given is not None:
@@ -135,7 +135,7 @@ def derive(
             cluster_by_sight,
             sessions=views.sessions,
             probabilities=probabilities,
-            sees=largest(sees),
+            seen_by=largest(seen_by),
             config=config.sight,
             correct=given is None and config.labels.method != "image",
         )
@@ -146,11 +146,11 @@ def derive(
 
 def _pooled(
     similarities: Float64[np.ndarray, "n cameras rooms"],
-    sees: Sequence[csr_array],
+    seen_by: Sequence[csr_array],
     config: SightConfig,
     scores: Similarities,
     keyframes: Int[np.ndarray, "n"],
 ) -> Refined:
     """Label some keyframes by sight. Room names that `scores` rules out are not considered."""
     allowed = np.where(np.isneginf(scores)[:, None], -np.inf, similarities[keyframes])
-    return pool_labels(allowed, [seen[keyframes][:, keyframes] for seen in sees], config)
+    return pool_labels(allowed, [seen[keyframes][:, keyframes] for seen in seen_by], config)

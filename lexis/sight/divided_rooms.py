@@ -32,13 +32,13 @@ Positions = Float64[np.ndarray, "n 3"]
 PerKeyframe = Int[np.ndarray, "n"]
 
 
-def ties(sees: csr_array, sessions: PerKeyframe) -> csr_array:
+def ties(seen_by: csr_array, sessions: PerKeyframe) -> csr_array:
     """Return how strongly each pair of keyframes is tied by sight, as a symmetric matrix with an empty diagonal.
 
-    `sees` is the matrix that `lexis.sight.visible_space.sight` returns, `sessions` the session of every keyframe.
+    `seen_by` is the matrix that `lexis.sight.visible_space.sight` returns, `sessions` the session of every keyframe.
     """
-    n, steps = sees.shape[0], consecutive_pairs(sessions)
-    both = sees + sees.T
+    n, steps = seen_by.shape[0], consecutive_pairs(sessions)
+    both = seen_by + seen_by.T
     forward = csr_array((np.full(len(steps), _STEP), (steps[:, 0], steps[:, 1])), shape=(n, n))
     return csr_array(both - diags_array(both.diagonal()) + forward + forward.T)
 

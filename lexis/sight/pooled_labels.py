@@ -18,7 +18,7 @@ _NEVER = 1e-9
 
 
 def pool_labels(
-    similarities: Float64[np.ndarray, "n cameras rooms"], sees: Sequence[csr_array], config: SightConfig
+    similarities: Float64[np.ndarray, "n cameras rooms"], seen_by: Sequence[csr_array], config: SightConfig
 ) -> Refined:
     """Label each keyframe by the images that show its place, and return the labels and how probable all labels are.
 
@@ -34,7 +34,7 @@ def pool_labels(
 
     Args:
         similarities: cosine similarities of the images of every keyframe, one for each camera, with the room names.
-        sees: for each camera, the matrix that `lexis.sight.visible_space.sight` returns.
+        seen_by: for each camera, the matrix that `lexis.sight.visible_space.sight` returns.
         config: the weights, the temperature of the probabilities, and the number of passes.
 
     Returns:
@@ -42,8 +42,8 @@ def pool_labels(
         have changed may therefore be improbable.
     """
     images = np.log(softmax(rounded(similarities) / config.temperature, axis=2) + config.least_probability)
-    evidence = mean([seen @ own + config.own_weight * own for own, seen in zip(images.swapaxes(0, 1), sees, strict=True)])
-    neighbours = _between_others(mean(sees))
+    evidence = mean([seen @ own + config.own_weight * own for own, seen in zip(images.swapaxes(0, 1), seen_by, strict=True)])
+    neighbours = _between_others(mean(seen_by))
     beliefs = softmax(evidence, axis=1)
     for _ in range(config.passes):
         agreed = neighbours @ np.log(beliefs + _BELIEF_FLOOR)
@@ -51,7 +51,7 @@ def pool_labels(
     return Refined(rounded(beliefs).argmax(axis=1), softmax(config.independence * evidence, axis=1))
 
 
-def _between_others(sees: csr_array) -> csr_array:
+def _between_others(seen_by: csr_array) -> csr_array:
     """Return the matrix without its diagonal, with rows scaled to a sum of 1; rows without entries stay empty."""
-    others = sees - diags_array(sees.diagonal())
+    others = seen_by - diags_array(seen_by.diagonal())
     return csr_array(diags_array(1.0 / np.maximum(others.sum(axis=1), _NEVER)) @ others)

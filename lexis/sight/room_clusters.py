@@ -28,7 +28,7 @@ def cluster_by_sight(
     positions: Positions,
     sessions: PerKeyframe,
     probabilities: Probabilities,
-    sees: csr_array,
+    seen_by: csr_array,
     config: SightConfig,
     correct: bool = True,
 ) -> tuple[PerKeyframe, PerKeyframe]:
@@ -51,29 +51,29 @@ def cluster_by_sight(
         positions: positions of the keyframes in W [m].
         sessions: session of every keyframe.
         probabilities: the probability of each label for every keyframe, from the images alone.
-        sees: the matrix that `lexis.sight.visible_space.sight` returns; for several cameras, the largest entries of all.
+        seen_by: the matrix that `lexis.sight.visible_space.sight` returns; for several cameras, the largest entries of all.
         config: the least share of a visible space that counts as seeing a place, the least size of a room, and when rooms
             are split and merge.
         correct: whether labels may be corrected; if not, steps 3 and 4 are left out.
     """
     n = len(labels)
-    pairs = np.concatenate([consecutive_pairs(sessions), _seeing(sees, config.share)])
+    pairs = np.concatenate([consecutive_pairs(sessions), _seeing(seen_by, config.share)])
     first, second = pairs.T
     alike = (labels[first] == labels[second]) & (floors[first] == floors[second])
     joined = np.concatenate([pairs[alike], _on_one_staircase(floors == NO_FLOOR, positions)])
     graph = coo_array((np.ones(len(joined)), (joined[:, 0], joined[:, 1])), shape=(n, n))
     rooms = np.asarray(connected_components(graph, directed=False)[1])
-    tied = ties(sees, sessions)
+    tied = ties(seen_by, sessions)
     rooms = split_divided(rooms, floors != NO_FLOOR, positions, tied, config.split_m)
     if not correct:
         return rooms, labels
-    rooms, labels = _absorbed(rooms, labels, floors, sees, config.min_keyframes)
+    rooms, labels = _absorbed(rooms, labels, floors, seen_by, config.min_keyframes)
     return merge_alike(rooms, labels, floors, probabilities, tied, config)
 
 
-def _seeing(sees: csr_array, share: float) -> Pairs:
+def _seeing(seen_by: csr_array, share: float) -> Pairs:
     """Return pairs of keyframes of which one sees the place of the other, with more than `share` of its visible space."""
-    entries = sees.tocoo()
+    entries = seen_by.tocoo()
     return np.stack(entries.coords, axis=1)[rounded(entries.data) > share]
 
 
@@ -85,10 +85,10 @@ def _on_one_staircase(stairs: Bool[np.ndarray, "n"], positions: Positions) -> Pa
 
 
 def _absorbed(
-    rooms: PerKeyframe, labels: PerKeyframe, floors: PerKeyframe, sees: csr_array, min_keyframes: int
+    rooms: PerKeyframe, labels: PerKeyframe, floors: PerKeyframe, seen_by: csr_array, min_keyframes: int
 ) -> tuple[PerKeyframe, PerKeyframe]:
     """Merge each small room into the larger room of its floor that it sees, or is seen from, most, if there is one."""
-    rooms, labels, shared = rooms.copy(), labels.copy(), sees + sees.T
+    rooms, labels, shared = rooms.copy(), labels.copy(), seen_by + seen_by.T
     size = np.bincount(rooms)
     small = (size < min_keyframes)[rooms] & (floors != NO_FLOOR)
     large = ~small & (floors != NO_FLOOR)

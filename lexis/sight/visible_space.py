@@ -104,7 +104,7 @@ def _horizontal(up: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "2 3"]:
 def sight_of_cameras(
     spaces: Sequence[tuple[VisibleSpace, ...]], T_W_B: Poses, camera: Camera, near_m: float
 ) -> list[csr_array]:
-    """Return for each camera of the rig which keyframes it sees from which other keyframes; see `sight`.
+    """Return for each camera of the rig by which keyframes the place of each keyframe is seen; see `sight`.
 
     Args:
         spaces: what `spaces_in_view` returns for each keyframe.
@@ -117,10 +117,10 @@ def sight_of_cameras(
 
 
 def sight(spaces: Sequence[VisibleSpace], T_W_B: Poses, T_B_C: Pose, near_m: float) -> csr_array:
-    """Return which keyframes see the places of which other keyframes, as a sparse matrix (n, n).
+    """Return by which keyframes the place of each keyframe is seen, as a sparse matrix (n, n).
 
-    The entry (i, j) is the share of keyframe j's visible space that lies within `near_m` [m] of the camera of keyframe i. It
-    depends only on the relative poses of the keyframes, and not on the frame W.
+    Entry (i, j): how well keyframe j sees the place of keyframe i, as the share of j's visible space within `near_m` [m] of
+    camera i. It depends only on the relative poses of the keyframes, and not on the frame W.
     """
     T_W_C = T_W_B @ T_B_C
     viewer = np.repeat(np.arange(len(spaces)), [len(space.weights) for space in spaces])

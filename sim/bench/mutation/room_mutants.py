@@ -18,7 +18,7 @@ ROOM_MUTANTS = (
     Mutant(
         "keyframes that see each other are not joined",
         "sight/room_clusters.py",
-        "pairs = np.concatenate([consecutive_pairs(sessions), _seeing(sees, config.share)])",
+        "pairs = np.concatenate([consecutive_pairs(sessions), _seeing(seen_by, config.share)])",
         "pairs = consecutive_pairs(sessions)",
     ),
     Mutant(
@@ -42,9 +42,9 @@ ROOM_MUTANTS = (
     Mutant(
         "the keyframes of absorbed and merged rooms keep their labels",
         "sight/room_clusters.py",
-        "    rooms, labels = _absorbed(rooms, labels, floors, sees, config.min_keyframes)\n"
+        "    rooms, labels = _absorbed(rooms, labels, floors, seen_by, config.min_keyframes)\n"
         "    return merge_alike(rooms, labels, floors, probabilities, tied, config)",
-        "    rooms, absorbed = _absorbed(rooms, labels, floors, sees, config.min_keyframes)\n"
+        "    rooms, absorbed = _absorbed(rooms, labels, floors, seen_by, config.min_keyframes)\n"
         "    return merge_alike(rooms, absorbed, floors, probabilities, tied, config)[0], labels",
     ),
     Mutant(
@@ -141,6 +141,6 @@ ROOM_MUTANTS = (
         "paths take shortcuts of three metres through walls",
         "planning/connections.py",
         "        _within_rooms(map, config.shortcut_m),",
-        '        close_pairs(map, np.ones(len(positions), bool), 3.0),',
+        "        close_pairs(map, np.ones(len(positions), bool), 3.0),",
     ),
 )
