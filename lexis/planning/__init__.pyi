@@ -1,4 +1,3 @@
-from .connections import adjacency as adjacency
 from .path_ends import path_end as path_end
 from .planner import PathPlanner as PathPlanner
 from .planner import Plan as Plan

@@ -5,7 +5,6 @@ from jaxtyping import Float64, Int
 from scipy.sparse import csr_array
 
 from lexis.config import PlannerConfig
-from lexis.graph.walked_steps import walked_steps
 from lexis.planning.close_pairs import close_pairs
 from lexis.planning.shortcuts import shortcuts
 from lexis.types import LexisMap, LoopArrays
@@ -19,19 +18,14 @@ lengths are exact."""
 Pairs = Int[np.ndarray, "m 2"]
 
 
-def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
-    """Return the lengths of direct connections between keyframes that a robot can travel [m], as a symmetric sparse matrix.
-
-    As in the paper, consecutive keyframes and keyframes of the same room are connected; in addition, so are the two
-    keyframes of each trusted loop edge, and two keyframes between which the images show free space
-    (`lexis.planning.shortcuts`). A connection that the robot neither travelled itself nor saw to be free is at most
-    `shortcut_m` long, because a longer one could lead through furniture or a wall.
-    """
-    return as_graph(map, np.concatenate([walked_steps(map), unwalked_steps(map, config)]))
-
-
 def unwalked_steps(map: LexisMap, config: PlannerConfig) -> Pairs:
-    """Return the pairs of keyframes that a robot can travel between although the camera need not have walked there."""
+    """Return the pairs of keyframes that a robot can travel between although the camera need not have walked there.
+
+    As in the paper, keyframes of the same room are connected; in addition, so are the two keyframes of each trusted loop
+    edge, and two keyframes between which the images show free space (`lexis.planning.shortcuts`). A connection that the
+    robot neither travelled itself nor saw to be free is at most `shortcut_m` long, because a longer one could lead through
+    furniture or a wall.
+    """
     positions = map.T_W_B[:, :3, 3]
     return np.concatenate([
         _pairs_within(_trusted_loops(map), positions, config.shortcut_m),

@@ -125,6 +125,11 @@ class PathPlanner:
         return self._inside[room.id]
 
     @cached_property
+    def graph(self) -> csr_array:
+        """Lengths of the connections between keyframes that a robot can travel [m], as a symmetric sparse matrix (n, n)."""
+        return as_graph(self._map, np.concatenate(self._steps))
+
+    @cached_property
     def _steps(self) -> tuple[Pairs, Pairs]:
         """The steps that the camera walked, and the other ones."""
         return walked_steps(self._map), unwalked_steps(self._map, self._config)
@@ -135,13 +140,9 @@ class PathPlanner:
         A step leads past a closed keyframe if this is the nearest keyframe anywhere on the step.
         """
         if not closed.any():
-            return self._open_graph
+            return self.graph
         walked, other = (steps[~closed[steps].any(axis=1)] for steps in self._steps)
         return as_graph(self._map, np.concatenate([walked, other[~self._leads_past(other, closed)]]))
-
-    @cached_property
-    def _open_graph(self) -> csr_array:
-        return as_graph(self._map, np.concatenate(self._steps))
 
     def _leads_past(self, steps: Pairs, closed: Bool[np.ndarray, "n"]) -> Bool[np.ndarray, "m"]:
         positions = self._map.T_W_B[:, :3, 3]

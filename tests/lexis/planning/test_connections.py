@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from helpers.map_builder import build_map, corridor_with_offices
 
-from lexis.config import PlannerConfig
-from lexis.planning import adjacency
+from lexis.planning import PathPlanner
 
 
 def test_rooms_are_joined_where_the_robot_walked_and_not_through_a_wall(rng):
@@ -16,14 +15,14 @@ def test_rooms_are_joined_where_the_robot_walked_and_not_through_a_wall(rng):
     positions = np.concatenate([np.stack([x, 0 * x, 0 * x], 1), np.stack([x[::-1], 0 * x + 0.4, 0 * x], 1)])
     rooms = [("office", range(10)), ("kitchen", range(10, 20))]
     lexis_map = build_map(positions, np.repeat([0, 1], 10), rooms, ("office", "kitchen"), rng)
-    assert adjacency(lexis_map, PlannerConfig())[0, 19] == 0.0
-    assert adjacency(replace(lexis_map, rooms=()), PlannerConfig())[9, 10] > 0.0
+    assert PathPlanner(lexis_map).graph[0, 19] == 0.0
+    assert PathPlanner(replace(lexis_map, rooms=())).graph[9, 10] > 0.0
 
 
 @pytest.mark.parametrize(("weight", "joined"), [(1.0, True), (0.1, False)])
 def test_only_trusted_loops_join_rooms(rng, weight, joined):
     lexis_map = corridor_with_offices(rng, loops=[(20, 10)], weights=[weight])
-    assert (adjacency(lexis_map, PlannerConfig())[20, 10] > 0) == joined
+    assert (PathPlanner(lexis_map).graph[20, 10] > 0) == joined
 
 
 @pytest.mark.parametrize(("step", "joined"), [((0.0, 0.0, 6.0), True), ((4.0, 0.0, 3.0), False), ((3.5, 0.0, 0.0), False)])
@@ -34,4 +33,4 @@ def test_a_ride_in_a_lift_joins_floors_and_a_gap_in_the_recording_does_not(rng, 
     lexis_map = build_map(
         positions, np.repeat([0, 1], 5), [("hall", range(5)), ("attic", range(5, 10))], ("hall", "attic"), rng
     )
-    assert (adjacency(lexis_map, PlannerConfig())[4, 5] > 0) == joined
+    assert (PathPlanner(lexis_map).graph[4, 5] > 0) == joined

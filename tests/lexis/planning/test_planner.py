@@ -12,9 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.sparse.csgraph import connected_components
 
-from lexis.config import PlannerConfig
 from lexis.errors import PlanError
-from lexis.planning import PathPlanner, adjacency, path_end, plan
+from lexis.planning import PathPlanner, path_end, plan
 from lexis.planning import planner as module
 from lexis.planning import shortcuts as shortcuts_module
 from lexis.planning.arrivals import surely_inside
@@ -25,7 +24,7 @@ from lexis.room_names import instance_names, numbered
 def test_a_plan_goes_from_room_to_room_along_edges_of_the_graph(rng):
     lexis_map = corridor_with_offices(rng)
     result = plan(lexis_map, "office 1", "office 2")
-    graph = adjacency(lexis_map, PlannerConfig())
+    graph = PathPlanner(lexis_map).graph
     assert lexis_map.rooms[1].keyframes.count(result.keyframes[0]) == 1
     assert lexis_map.rooms[2].keyframes.count(result.keyframes[-1]) == 1
     steps = [graph[a, b] for a, b in zip(result.keyframes, result.keyframes[1:], strict=False)]
@@ -49,7 +48,7 @@ def test_paths_are_shortest(rng):
 
 def test_a_path_between_two_keyframes_is_the_same_in_both_directions(rng):
     """A path between two rooms is not, because it begins deep in one room and ends where the other is surely reached."""
-    graph = adjacency(corridor_with_offices(rng, loops=[(12, 17), (39, 0)], weights=[1.0, 1.0]), PlannerConfig())
+    graph = PathPlanner(corridor_with_offices(rng, loops=[(12, 17), (39, 0)], weights=[1.0, 1.0])).graph
     for a, b in combinations(range(0, 40, 3), 2):
         assert shortest_path(graph, a, b) == shortest_path(graph, b, a)[::-1]
 
@@ -78,7 +77,7 @@ def test_a_path_to_a_room_in_which_nothing_is_sure_ends_at_its_innermost_keyfram
 def test_all_rooms_can_be_reached_and_left_after_keyframes_have_retired(rng, way):
     """Between the few keyframes of the second way are gaps in the recording."""
     longer = walked_again(two_rooms(rng, stairs=False), list(way))
-    assert connected_components(adjacency(longer, PlannerConfig()), directed=False)[0] == 1
+    assert connected_components(PathPlanner(longer).graph, directed=False)[0] == 1
     active = replace(longer, keyframes=tuple(replace(keyframe, anchor=None) for keyframe in longer.keyframes))
     for start, goal in (("kitchen", "office"), ("office", "kitchen")):
         assert plan(longer, start, goal).length_m == pytest.approx(plan(active, start, goal).length_m, abs=0.3)

@@ -8,7 +8,7 @@ from helpers.box_room import FORWARD_CAMERA
 from helpers.map_builder import keyframe, with_retired
 from helpers.same_map import assert_same
 
-from lexis.config import Config, LabelConfig, PlaceRecognitionConfig, PlannerConfig, SessionConfig
+from lexis.config import Config, LabelConfig, PlaceRecognitionConfig, SessionConfig
 from lexis.errors import LexisError, MapError
 from lexis.graph.components import component_of, sessions_apart, side_by_side
 from lexis.graph.pose_graph import PoseGraph
@@ -17,7 +17,7 @@ from lexis.map.interchange import read_spark_dsg, write_spark_dsg
 from lexis.map.relabelling import relabel
 from lexis.maths import se3
 from lexis.merging import merge
-from lexis.planning import adjacency
+from lexis.planning import PathPlanner
 from lexis.sessions.relocalisation import at_any_distance, with_support
 from lexis.slam import Slam
 from lexis.types import EncoderId, Features, LoopEdge, Observation, Percept, Verdict
@@ -138,7 +138,7 @@ def test_rooms_and_ways_do_not_cross_components(first):
     apart = second(first, nothing)
     components = component_of(apart)
     assert all(len(set(components[list(room.keyframes)])) == 1 for room in apart.rooms)
-    rows, columns = adjacency(apart, PlannerConfig()).nonzero()
+    rows, columns = PathPlanner(apart).graph.nonzero()
     assert (components[rows] == components[columns]).all()
     assert_same(replace(relabel(apart, ROOMS, Encoder()), stage_seconds={}), replace(apart, stage_seconds={}))
 
