@@ -36,7 +36,7 @@ class Labeller(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Semantics:
-    """Labels, rooms and floors of all keyframes. Arrays are indexed by keyframe id, as in `LexisMap`."""
+    """Labels, rooms and floors of all keyframes, in fields of the names that they have in `LexisMap`."""
 
     similarities: Float64[np.ndarray, "n rooms"]
     baseline_labels: Int[np.ndarray, "n"]

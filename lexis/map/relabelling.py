@@ -44,13 +44,4 @@ def relabel(map: LexisMap, room_names: Sequence[str], encoder: Encoder, config: 
     alike = similarities(embeddings, text)
     views = Views(alike, spaces, map.T_W_B, map.camera, sessions_of(map.keyframes))
     meaning = derive_by_component(views, component_of(map), names, config)
-    return replace(
-        map,
-        room_names=names,
-        similarities=meaning.similarities,
-        baseline_labels=meaning.baseline_labels,
-        labels=meaning.labels,
-        probabilities=meaning.probabilities,
-        floors=meaning.floors,
-        rooms=meaning.rooms,
-    )
+    return replace(map, room_names=names, **vars(meaning))
