@@ -406,7 +406,7 @@ def _map_encoder(lexis_map: LexisMap, asked: str | None) -> "OpenClipEncoder":
         if asked:
             raise
         raise MapError(
-            f"the map was made with encoder {lexis_map.encoder.name!r}, whose text tower cannot be loaded: {error}"
+            f"the map was made with encoder {lexis_map.encoder.name!r}, which cannot be loaded: {error}"
         ) from None
 
 

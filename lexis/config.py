@@ -134,8 +134,8 @@ class SightConfig(Settings, place="sight", error=ConfigError):
     """A room is split into two parts if the normalised cut of sight between them, times the length of the room, is below
     this [m]. With 0, no room is split. See `lexis.sight.divided_rooms`."""
     merge_cut: Annotated[float, Gt(0)] = 0.2
-    """Least normalised cut of sight between two rooms that merge. A cut is at most 2, so that with 3, no rooms merge. See
-    `lexis.sight.alike_rooms`."""
+    """Least normalised cut of sight between two rooms that merge. With a value above 2, no rooms merge, because a cut is at
+    most 2. See `lexis.sight.alike_rooms`."""
     merge_log_odds: Annotated[float, Ge(0)] = 3.0
     """Two rooms merge only if in both of them, the mean log odds of the room's own label over the label of the other room
     are below this."""

@@ -154,12 +154,14 @@ class Slam:
 
         Raises:
             MapError: the other map has another encoder, other room names or other cameras.
-            LexisError: observations were processed, and their last keyframes still wait for further ones.
+            LexisError: observations were processed, and their last keyframes still wait for later ones.
         """
         check_continues(map, self._camera, self._encoder, self._room_names)
         check_size(map, self._text)
         if not self._window.is_empty:
-            raise LexisError("observations wait for further ones; valid: replay() before process(), or in another Slam")
+            raise LexisError(
+                "the last keyframes still wait for later observations; valid: finish() first, or replay() in another Slam"
+            )
         self._begin_session()
         other = RenumberedMap(map, self.keyframes, self._window.session)
         for id in range(len(map.keyframes)):

@@ -113,7 +113,9 @@ def _read_odometry(folder: Path) -> tuple[OdometryTrack, Float64[np.ndarray, "n 
         return track, None
     covariances = rows[:, 8:].reshape(-1, 6, 6)
     if len(bad := np.flatnonzero(~usable_covariances(covariances))):
-        raise DatasetError(f"{path}: pose {bad[0]}: its covariance is none; valid: a positive semi-definite 6x6 matrix")
+        raise DatasetError(
+            f"{path}: pose {bad[0]}: its 36 numbers are no covariance; valid: a positive semi-definite 6x6 matrix"
+        )
     return track, covariances if is_body else _of_body(covariances, T_B_S)
 
 

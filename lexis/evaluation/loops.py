@@ -93,7 +93,7 @@ def true_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.ndar
 
 
 def opposite_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "k"]:
-    """Ids of the revisits in the opposite direction alone: places that were seen before, but only from the other side.
+    """Ids of the keyframes at places seen before, but only from the opposite direction.
 
     By their true poses, these are keyframes within 1 m of a keyframe at least 10 s earlier whose heading is opposite to
     within 0.5 rad. Revisits in the same direction (`true_revisits`) do not count.

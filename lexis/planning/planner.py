@@ -77,8 +77,10 @@ class PathPlanner:
         goals = [arrival for arrival in self._arrivals(goal) if not closed[arrival[1]]]
         for name, ends in ((start, starts), (goal, goals)):
             if not ends:
-                raise PlanError(f"the path would begin or end in {name!r}, where a room is to be avoided; "
-                                "valid: other rooms to avoid")  # fmt: skip
+                raise PlanError(
+                    f"every place where the path could begin or end in {name!r} is in a room to avoid; "
+                    "valid: other rooms to avoid"
+                )
         graph = self._graph(closed)
         lengths = dijkstra(graph, indices=[keyframe for _, keyframe in starts])[:, [keyframe for _, keyframe in goals]]
         s, g = (int(i) for i in np.unravel_index(lengths.argmin(), lengths.shape))

@@ -149,7 +149,7 @@ def test_a_note_says_which_map_will_be_replaced(mapped, capsys):
 def test_a_map_whose_encoder_is_gone_says_so(mapped, capsys):
     save_map(replace(load_map(mapped), encoder=EncoderId("gone", "1")), mapped)
     assert cli.main(["query", str(mapped), "x"]) == 2
-    assert "made with encoder 'gone', whose text tower cannot be loaded" in capsys.readouterr().err
+    assert "made with encoder 'gone', which cannot be loaded" in capsys.readouterr().err
 
 
 def test_info_prints_figures_or_json_and_draws(mapped, tmp_path, capsys):

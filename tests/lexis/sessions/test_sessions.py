@@ -324,7 +324,7 @@ def test_a_map_that_is_replayed_after_finish_is_a_session_of_its_own(first, tmp_
 
 def test_a_map_is_not_replayed_between_the_observations_of_a_session(first):
     slam = walk(range(10), verifier())
-    with pytest.raises(LexisError, match=r"valid: replay\(\) before process\(\)"):
+    with pytest.raises(LexisError, match=r"still wait for later observations; valid: finish\(\) first, or replay\(\)"):
         slam.replay(first)
 
 
