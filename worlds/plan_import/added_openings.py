@@ -215,13 +215,15 @@ def _stair_opening(
 ) -> Iterator[OpeningSpec]:
     """Yield an opening in one side of the stairs' room, to the room behind this side, from `span[0]` to `span[1]` [m].
 
-    Yield nothing unless a single room lies behind the whole interval `span`.
+    Yield nothing unless a single room, which is no stairs, lies behind the whole interval `span`.
     """
     (own,) = _cells(storey, cell)
+    stairs = {room.id for room in storey.rooms if room.label == STAIRS}
     axis, larger = side
     at = bounds(cell)[1 - axis + 2 * larger]
     for line in boundaries(storey):
-        if (line.axis, own.id in line.rooms, None in line.rooms) == (axis, True, False) and _holds(line, at, span):
+        behind = {*line.rooms} - {own.id}
+        if line.axis == axis and own.id in line.rooms and not behind & {None, *stairs} and _holds(line, at, span):
             a, b = (line.point(round(along, 3)) for along in span)
             yield OpeningSpec(rooms=(str(line.rooms[0]), str(line.rooms[1])), kind="open", start_m=a, end_m=b, leads=leads)
 

@@ -191,6 +191,17 @@ def test_lifts_and_spirals_get_one_opening_on_every_storey(tmp_path, climb):
     assert [[o.leads for o in storey.openings] for storey in spec.storeys] == [[None]] * 3
 
 
+@pytest.mark.parametrize("climb", ["lift", "spiral"])
+def test_openings_are_never_added_between_two_staircases(tmp_path, climb):
+    cells = [[-3, 0], [0, 0], [0, 3], [-3, 3]], [[-3, -3], [0, -3], [0, 0], [-3, 0]]
+    hall = [[0, -3], [3, -3], [3, 3], [0, 3]]
+    stairs = [room("stairs", cell, storey=k, climb=climb) for k in (0, 1) for cell in cells]
+    spec = import_plan(written(tmp_path, *stairs, *(room("corridor", hall, storey=k) for k in (0, 1)))).spec
+    labels = {r.id: r.label for storey in spec.storeys for r in storey.rooms}
+    beside = [sorted(labels[name] for name in opening.rooms) for storey in spec.storeys for opening in storey.openings]
+    assert beside == [["corridor", "stairs"]] * 4
+
+
 def test_rooms_that_lifts_connect_need_no_doors_between_them(tmp_path):
     shafts = [[-2, 0], [0, 0], [0, 2], [-2, 2]], [[8, 0], [10, 0], [10, 2], [8, 2]]
     lifts = [room("stairs", shaft, storey=k, climb="lift") for k in range(3) for shaft in shafts]
