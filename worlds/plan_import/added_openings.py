@@ -215,13 +215,15 @@ def _stair_opening(
 ) -> Iterator[OpeningSpec]:
     """Yield an opening in one side of the stairs' room, to the room behind this side, from `span[0]` to `span[1]` [m].
 
-    Yield nothing unless a single room, which is no stairs, lies behind the whole interval `span`.
+    Yield nothing unless a single room, which is no stairs, lies behind the whole interval `span`. Raises `HouseError` where
+    rooms of the storey overlap.
     """
+    lines = boundaries(storey)  # refuses stairs that are drawn twice, which are two cells
     (own,) = _cells(storey, cell)
     stairs = {room.id for room in storey.rooms if room.label == STAIRS}
     axis, larger = side
     at = bounds(cell)[1 - axis + 2 * larger]
-    for line in boundaries(storey):
+    for line in lines:
         behind = {*line.rooms} - {own.id}
         if line.axis == axis and own.id in line.rooms and not behind & {None, *stairs} and _holds(line, at, span):
             a, b = (line.point(round(along, 3)) for along in span)

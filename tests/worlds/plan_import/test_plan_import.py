@@ -202,6 +202,11 @@ def test_openings_are_never_added_between_two_staircases(tmp_path, climb):
     assert beside == [["corridor", "stairs"]] * 4
 
 
+def test_stairs_that_are_drawn_twice_are_refused_with_both_names(tmp_path):
+    twice = room("stairs", tower("lift")[0]["geometry"]["coordinates"][0][:-1], name="again", climb="lift")
+    assert "rooms 'stairs' and 'again' overlap near" in refusal(written(tmp_path, *tower("lift", "lift"), twice))
+
+
 def test_rooms_that_lifts_connect_need_no_doors_between_them(tmp_path):
     shafts = [[-2, 0], [0, 0], [0, 2], [-2, 2]], [[8, 0], [10, 0], [10, 2], [8, 2]]
     lifts = [room("stairs", shaft, storey=k, climb="lift") for k in range(3) for shaft in shafts]
