@@ -1,4 +1,4 @@
-"""Openings of an imported plan: each drawn stroke is moved onto the nearest wall between two rooms."""
+"""Openings of an imported plan: each drawn stroke is moved onto the nearest wall."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -23,6 +23,9 @@ def opening_on_wall(
 ) -> OpeningSpec | None:
     """Return the opening that a stroke stands for, or None if the stroke lies on an outer wall of the house.
 
+    The stroke belongs to the nearest wall along it, or if there is none, to the nearest wall across it. Of two equally near
+    walls, it belongs to the wall between two rooms.
+
     Args:
         stroke: the stroke as drawn.
         points: the points of the stroke after the plan was turned and moved [m].
@@ -34,15 +37,19 @@ def opening_on_wall(
     """
     middle = (points[0][0] + points[-1][0]) / 2, (points[0][1] + points[-1][1]) / 2
     near = [line for line in boundaries(storey) if _distance(line, middle) <= NEAR_M]
-    shared = [line for line in near if None not in line.rooms]
-    if not shared:
-        if near:
-            return None
+    if not near:
         raise SpecError(
             f"{stroke.where}: no wall between two rooms is within {NEAR_M} m of the {stroke.kind} at "
             f"({middle[0]:.2f}, {middle[1]:.2f}) m"
         )
-    line = min(shared, key=lambda line: (_span_along(line, points) < _span_across(line, points), _distance(line, middle)))
+
+    def unlikeness(line: Boundary) -> tuple[bool, float, bool]:
+        runs_across = _span_along(line, points) < _span_across(line, points)
+        return runs_across, round(_distance(line, middle), 6), None in line.rooms
+
+    line = min(near, key=unlikeness)
+    if None in line.rooms:
+        return None
     start, end = (point[line.axis] for point in (points[0], points[-1]))
     if abs(end - start) < _span_across(line, points) or start == end:
         start, end = middle[line.axis] - _DOOR_M / 2, middle[line.axis] + _DOOR_M / 2

@@ -4,7 +4,7 @@ Drawings are imprecise, so the plan is corrected in steps:
 
 1. The whole plan is turned so that its walls run along x and y, and moved to the origin if it is in map coordinates.
 2. Corners that nearly line up move to common lines.
-3. Openings move to the nearest wall between two rooms.
+3. Openings move to the nearest wall; those in outer walls are left out.
 4. Openings are added where the drawn openings do not connect all rooms.
 
 Anything that cannot be interpreted is refused with its place in the file. For the formats see

@@ -589,6 +589,22 @@ def test_a_door_far_from_any_wall_is_refused_and_one_to_the_outside_left_out(tmp
     assert plan.notes == ("features[3]: leads out of the house; ignored",) and len(plan.spec.storeys[0].openings) == 1
 
 
+@pytest.mark.parametrize(("x", "leads_out"), [(3.8, True), (4.25, True), (4.0, False)])
+def test_a_stroke_belongs_to_the_nearest_wall_even_if_that_is_an_outer_wall(tmp_path, x, leads_out):
+    """At the end of an inner wall a point is as near to the outer wall; then the inner wall counts."""
+    pair = room("gym", LEFT), room("office", RIGHT)
+    front = {**DOOR, "geometry": {"type": "Point", "coordinates": [x, 0]}}
+    plan = import_plan(written(tmp_path, *pair, DOOR, front) if leads_out else written(tmp_path, *pair, front))
+    assert (plan.notes == ("features[3]: leads out of the house; ignored",)) == leads_out
+    assert len(plan.spec.storeys[0].openings) == 1
+
+
+def test_a_front_door_near_an_inner_wall_leads_out(tmp_path):
+    front = {**DOOR, "geometry": {"type": "LineString", "coordinates": [[3.75, 0.02], [4.65, 0.02]]}}
+    plan = import_plan(written(tmp_path, room("gym", LEFT), room("office", RIGHT), DOOR, front))
+    assert plan.notes == ("features[3]: leads out of the house; ignored",)
+
+
 LAUGHS = (
     "<svg data-metres-per-unit='1'><g id='g0'><rect/></g>"
     + "".join(f"<g id='g{k + 1}'>" + f"<use href='#g{k}'/>" * 10 + "</g>" for k in range(20))
