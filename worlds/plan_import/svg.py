@@ -3,7 +3,8 @@
 - A room is a `rect`, `polygon`, `polyline` or `path` that names a room label ("kitchen", "Office_2"): in its `data-label`,
   its `class`, its Inkscape label or its `id`.
 - An opening is a `line`, `polyline` or `path` that names a kind of opening ("door"): in its `data-kind`, its `class`, its
-  Inkscape label or its `id`.
+  Inkscape label or its `id`. It runs from one end to the other; a closed one has four corners, and the opening runs along
+  the middle of this rectangle. With `data-kind`, `rect` and `polygon` are openings, too.
 - A shape that names neither a label nor a kind takes it from the innermost group around the shape that names one: every
   stroke in a layer "Doors" is a door, and the only shape in a group "kitchen" is the kitchen.
 - `data-name`, or else the Inkscape label, is the name of a room.
@@ -15,6 +16,7 @@
   have these attributes.
 """
 
+import math
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -91,8 +93,22 @@ def _room(shape: SvgShape, label: str, scale: float) -> DrawnRoom:
 
 
 def _stroke(shape: SvgShape, kind: OpeningKind, scale: float) -> Stroke:
-    points = _points(shape.where, outline_of(shape), scale)
-    return Stroke(shape.where, kind, storey_of(shape.where, shape.storey), (points[0], points[-1]))
+    drawn = outline_of(shape)
+    points = _points(shape.where, drawn, scale)
+    ends = _middle_line(shape.where, points) if drawn.closed and len(points) > 2 else (points[0], points[-1])
+    return Stroke(shape.where, kind, storey_of(shape.where, shape.storey), ends)
+
+
+def _middle_line(where: str, corners: Sequence[Point]) -> tuple[Point, Point]:
+    """Return the middles of the two shorter sides of an opening that is drawn as a rectangle with these corners."""
+    if len(corners) != 4:
+        raise SpecError(
+            f"{where}: is a closed shape with {len(corners)} corners; valid: for an opening 4, or the line along its wall"
+        )
+    a, b, c, d = corners
+    sides = ((a, b), (c, d)) if math.dist(a, b) + math.dist(c, d) < math.dist(b, c) + math.dist(d, a) else ((b, c), (d, a))
+    (start, end) = (((x0 + x1) / 2, (y0 + y1) / 2) for (x0, y0), (x1, y1) in sides)
+    return start, end
 
 
 def _scale(root: Element) -> float:

@@ -298,6 +298,28 @@ def test_svg_shapes_transforms_and_y_down(tmp_path):
     assert plan.notes == ("ignored, because they name neither a label nor a kind: <path> on line 6",)
 
 
+@pytest.mark.parametrize(
+    "shape",
+    [
+        '<path class="door" d="M395 100 h10 v90 h-10 z"/>',
+        '<path class="door" d="M395 100 v90 h10 v-90 z"/>',
+        '<polyline class="door" points="405,190 395,190 395,100 405,100 405,190"/>',
+        '<polygon data-kind="door" points="405,100 405,190 395,190 395,100"/>',
+        '<rect data-kind="door" x="395" y="100" width="10" height="90"/>',
+        '<path class="door" d="M400 100 V 190 Z"/>',
+    ],
+)
+def test_an_opening_drawn_as_a_closed_shape_runs_along_its_middle(tmp_path, shape):
+    (door,) = import_plan(svg(tmp_path, KITCHEN_SVG + GYM_SVG + shape)).spec.storeys[0].openings
+    assert {door.start_m, door.end_m} == {(4.0, -1.0), (4.0, -1.9)}
+
+
+def test_an_opening_with_another_closed_outline_is_refused(tmp_path):
+    shape = '<path class="door" d="M395 100 h10 v90 z"/>'
+    message = refusal(svg(tmp_path, KITCHEN_SVG + GYM_SVG + shape))
+    assert "<path> 'door' on line 1: is a closed shape with 3 corners; valid: " in message
+
+
 UNSUITABLE = "the label or kind that they or their group name does not suit shapes like these"
 INKSCAPE = 'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" width="210mm" height="297mm" viewBox="0 0 210 297"'
 
