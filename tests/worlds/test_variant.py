@@ -174,6 +174,16 @@ def test_a_storey_more_on_a_house_by_hand(door):
     validate(build_house(variant(taller, add_storey=True)))
 
 
+def test_a_door_to_stairs_that_is_hung_anew_leads_where_it_led():
+    """The leaf of the door down would stand in front of the opening to the flight up on the new storey."""
+    data = json.loads(two_storeys().to_json())
+    data["storeys"][1]["openings"][0] |= {"kind": "door", "leaf": {"into": "gallery", "angle_rad": 2.0}}
+    taller = variant(HouseSpec.from_json(json.dumps(data)), add_storey=True)
+    down, up = taller.storeys[1].openings
+    assert (down.leads, up.leads) == ("down", "up") and down.leaf.angle_rad != 2.0
+    validate(build_house(taller))
+
+
 def test_a_storey_more_may_be_too_much():
     squares = [[[x, y], [x + 2, y], [x + 2, y + 2], [x, y + 2]] for x in range(-16, 2, 2) for y in range(3, 27, 2)]
     rooms = [{"id": f"r{i}", "label": "office", "polygon_m": square} for i, square in enumerate(squares)]

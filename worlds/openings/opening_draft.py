@@ -7,6 +7,7 @@ A draft gives the opening by its extent along its wall, which is easier to compu
 import itertools
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Literal
 
 from worlds.spec import LeafSpec, OpeningKind, OpeningSpec, RoomSpec
 from worlds.walls import Boundary, opening_span
@@ -53,6 +54,8 @@ class OpeningDraft:
     sill: float = 1.0
     """Height of the lower end above the floor, for half walls and counters only [m]."""
     leaf: LeafDraft | None = None
+    leads: Literal["up", "down"] | None = None
+    """For an opening to stairs: whether it leads to the flight up or down; None if the spec does not say this."""
 
     @property
     def width(self) -> float:
@@ -80,6 +83,7 @@ class OpeningDraft:
             height_m=self.height,
             sill_m=self.sill,
             leaf=None if self.leaf is None else self.leaf.spec(),
+            leads=self.leads,
         )
 
     @staticmethod
@@ -95,7 +99,8 @@ class OpeningDraft:
         if opening.leaf is not None:
             at_low = (opening.leaf.hinge == "start") == (opening.start_m <= opening.end_m)
             leaf = LeafDraft(at_low, opening.leaf.into, opening.leaf.angle_rad)
-        return OpeningDraft(sides, opening.kind, axis, at, low, high, opening.height_m, opening.sill_m, leaf)
+        sizes = opening.height_m, opening.sill_m
+        return OpeningDraft(sides, opening.kind, axis, at, low, high, *sizes, leaf, opening.leads)
 
 
 def shared_walls(a: RoomSpec, b: RoomSpec) -> list[Boundary]:

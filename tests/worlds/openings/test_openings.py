@@ -16,7 +16,7 @@ from worlds.house import build_house
 from worlds.layout import Link, StoreyLayout
 from worlds.openings.opening_draft import OpeningDraft, shared_walls
 from worlds.openings.placement import APART_M, CORNER_M, place_openings
-from worlds.spec import PASSABLE, HouseSpec, RoomSpec, StoreySpec
+from worlds.spec import PASSABLE, HouseSpec, LeafSpec, OpeningSpec, RoomSpec, StoreySpec
 from worlds.walkable import Walkable
 from worlds.walls import WALL_THICKNESS_M, opening_span
 
@@ -161,3 +161,12 @@ def test_a_gap_remembers_its_opening(make_layout, seed):
     rooms = {r.id: r for r in layout.rooms}
     for opening in place_openings(layout, np.random.default_rng(seed)):
         assert OpeningDraft.of(opening, rooms).spec() == opening
+
+
+@pytest.mark.parametrize("leads", ["up", "down", None])
+@pytest.mark.parametrize("leaf", [None, LeafSpec(into="hall")])
+def test_a_gap_remembers_where_its_opening_leads(leads, leaf):
+    rooms = {r.id: r for r in (rectangle("hall", 0.0, 0.0, 2.0, 3.0), rectangle("cell", 2.0, 0.0, 6.0, 3.0, label="stairs"))}
+    ends = {"start_m": (2.0, 0.2), "end_m": (2.0, 1.3)}
+    opening = OpeningSpec(rooms=("hall", "cell"), kind="door", leads=leads, leaf=leaf, **ends)
+    assert OpeningDraft.of(opening, rooms).spec() == opening
