@@ -22,7 +22,7 @@ _LINE = " line"
 key never clashes."""
 _NAMES = ("id", "class", LABEL, "data-label", "data-kind", "data-name", "data-storey")
 _HIDDEN = ("defs", "symbol", "clipPath", "mask", "pattern", "marker")
-_STOREY = re.compile(r"(?:storey|story|floor|level)[ _-]*(\d)", re.IGNORECASE)
+_STOREY = re.compile(r"(?:storey|story|floor|level)[ _-]*(\d+)", re.IGNORECASE)
 _IS_VISIBLE = {"visible": True, "hidden": False, "collapse": False}
 _WITH_COORDINATES = ("svg", "symbol")
 """Elements that have coordinates of their own if they have one of the attributes `_PLACEMENT`."""

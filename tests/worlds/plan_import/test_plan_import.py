@@ -426,6 +426,14 @@ def test_layers_are_storeys(tmp_path):
     assert [[r.label for r in storey.rooms] for storey in spec.storeys] == [["stairs", "corridor"]] * 2
 
 
+@pytest.mark.parametrize("layer", ["storey-12", "Floor 10", "level 8"])
+def test_layers_with_the_number_of_a_storey_too_high_are_refused(tmp_path, layer):
+    body = f'{KITCHEN_SVG}<g id="{layer}">{GYM_SVG}</g>'
+    assert f"<rect> 'gym' on line 1: storey '{layer[-2:].strip()}'; valid: 0 (the lowest) to 7" in refusal(
+        svg(tmp_path, body)
+    )
+
+
 def test_what_is_drawn_once_can_be_used_often(tmp_path):
     body = """
       <defs><rect id="cell" width="300" height="400"/><g id="way"><line class="door" x1="-10" x2="80"/></g></defs>
