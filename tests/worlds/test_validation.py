@@ -219,6 +219,24 @@ def test_leaves_that_hit_each_other_or_a_wall():
     assert any(problem.startswith("the wall between") for problem in told(two_rooms(openings=[in_corner])))
 
 
+@pytest.mark.parametrize("angle", [0.0, 1.5])
+def test_a_leaf_does_not_swing_through_stairs(angle):
+    def house(into):
+        cell = {"label": "stairs", "polygon_m": [[2, 0], [6, 0], [6, 3], [2, 3]]}
+        room = {"label": "corridor", "polygon_m": [[0, 0], [2, 0], [2, 3], [0, 3]]}
+        leaf = {"into": into, "angle_rad": angle}
+        up = {"rooms": ["hall", "cell"], "kind": "door", "start_m": [2, 0.2], "end_m": [2, 1.3], "leaf": leaf}
+        down = {"rooms": ["gallery", "top"], "kind": "open", "start_m": [2, 1.7], "end_m": [2, 2.8]}
+        lower = {"rooms": [room | {"id": "hall"}, cell | {"id": "cell"}], "openings": [up]}
+        upper = {"rooms": [room | {"id": "gallery"}, cell | {"id": "top"}], "openings": [down]}
+        return HouseSpec.from_json(json.dumps({"storeys": [lower, upper], "clutter": 0}))
+
+    assert told(house("hall")) == []
+    assert told(house("cell")) == [
+        "the stairs 'cell' are in the way of the door leaf of storeys[0].openings[0] (hall - cell)"
+    ]
+
+
 def test_a_closed_door_is_passable():
     shut = DOOR | {"leaf": {"into": "b", "angle_rad": 0.0}}
     assert told(two_rooms(openings=[shut])) == []

@@ -104,9 +104,8 @@ def _on_the_stairs(house: House, boxes: Obstacles) -> Iterator[str]:
 
     A body follows the walking line of stairs and does not walk around anything, so there has to be nothing in its way.
     """
-    parts = [(flight, part) for flight in house.stairs for part in flight.parts]
-    steps = boxes_of([(*p.centre[:2], p.centre[2] - p.size[2] / 2, *p.size, p.yaw) for _, p in parts])
-    hits = {(i, parts[j][0].room): None for i, j in overlaps(boxes, steps, _TOLERANCE_M).tolist()}
+    rooms, steps = _stairs(house)
+    hits = {(i, rooms[j]): None for i, j in overlaps(boxes, steps, _TOLERANCE_M).tolist()}
     for i, stairs in hits:
         piece = house.furniture[i]
         yield f"{piece_name(piece)} in {piece.room!r} stands on the stairs {stairs!r}"
@@ -116,10 +115,17 @@ def _on_the_stairs(house: House, boxes: Obstacles) -> Iterator[str]:
             yield f"{piece_name(piece)} stands in the stairs {piece.room!r}; stairs hold no furniture that blocks a body"
 
 
+def _stairs(house: House) -> tuple[list[str], Obstacles]:
+    """Return all parts of all stairs as boxes, and for each part the room of its stairs."""
+    parts = [(flight.room, part) for flight in house.stairs for part in flight.parts]
+    boxes = boxes_of([(*p.centre[:2], p.centre[2] - p.size[2] / 2, *p.size, p.yaw) for _, p in parts])
+    return [room for room, _ in parts], boxes
+
+
 def _swings(house: House, boxes: Obstacles, hung: Obstacles, walls: Obstacles) -> Iterator[str]:
     """Yield a message for each thing that is in the way of a swinging door leaf.
 
-    The thing is a piece of furniture, another leaf, or a wall other than the wall in which the door is.
+    The thing is a piece of furniture, another leaf, stairs, or a wall other than the wall in which the door is.
     """
     leaves = house.leaves
     if not leaves:
@@ -132,6 +138,10 @@ def _swings(house: House, boxes: Obstacles, hung: Obstacles, walls: Obstacles) -
     for i, j in outlines_over(sectors, hung.span, hung, _TOLERANCE_M).tolist():
         if i != j:
             yield f"{_leaf_name(house, leaves[j])} as it stands is in the way of {_leaf_name(house, leaves[i])}"
+    rooms, steps = _stairs(house)
+    met = outlines_over(sectors, hung.span, steps, _TOLERANCE_M).tolist()
+    for i, room in dict.fromkeys((i, rooms[j]) for i, j in met):
+        yield f"the stairs {room!r} are in the way of {_leaf_name(house, leaves[i])}"
     for i, j in outlines_over(sectors, hung.span, walls, _TOLERANCE_M).tolist():
         axis, at, *_ = opening_span(house.spec.storeys[leaves[i].storey].openings[leaves[i].opening])
         boundary = house.walls[j].boundary
