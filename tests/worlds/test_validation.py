@@ -208,6 +208,17 @@ def test_furniture_in_the_swing_area_of_a_leaf_is_refused(angle, told_of):
     assert told(furnished(piece("p", 4.6, 1.5, size=[0.5, 0.5, 0.5]), openings=[DOOR | {"leaf": other_side}])) == []
 
 
+@pytest.mark.parametrize(
+    ("kind", "z", "height", "is_in_the_way"),
+    [("wall shelf", 1.4, 0.3, True), ("rug", 0.0, 0.02, False), ("shoes", 0.0, 0.12, False)],
+)
+def test_furniture_that_hangs_in_the_swing_area_is_refused(kind, z, height, is_in_the_way):
+    """Shoes and rugs on the floor do not stop a leaf."""
+    shut = DOOR | {"leaf": {"hinge": "start", "into": "b", "angle_rad": 0.0}}
+    found = told(furnished(piece("p", 4.6, 1.24, kind, z=z, size=[0.5, 0.25, height]), openings=[shut]))
+    assert ["is in the way of the door leaf" in problem for problem in found] == [True] * is_in_the_way
+
+
 def test_leaves_that_hit_each_other_or_a_wall():
     second = {"rooms": ["a", "b"], "kind": "door", "start_m": [4, 2.0], "end_m": [4, 2.8]}
     facing = [

@@ -125,7 +125,8 @@ def _stairs(house: House) -> tuple[list[str], Obstacles]:
 def _swings(house: House, boxes: Obstacles, hung: Obstacles, walls: Obstacles) -> Iterator[str]:
     """Yield a message for each thing that is in the way of a swinging door leaf.
 
-    The thing is a piece of furniture, another leaf, stairs, or a wall other than the wall in which the door is.
+    The thing is a piece of furniture, another leaf, stairs, or a wall other than the wall in which the door is. Pieces that
+    lie on the floor and do not block a body, such as shoes, do not block a leaf either.
     """
     leaves = house.leaves
     if not leaves:
@@ -133,7 +134,8 @@ def _swings(house: House, boxes: Obstacles, hung: Obstacles, walls: Obstacles) -
     sectors = np.array([leaf.swing.exterior.coords[:-1] for leaf in leaves])
     for i, j in outlines_over(sectors, hung.span, boxes, _TOLERANCE_M).tolist():
         piece = house.furniture[j]
-        if piece.solid and piece.size[2] > FLAT_M:
+        hangs = piece.position[2] > house.storeys[piece.storey].floor_m + FLAT_M
+        if (piece.solid or hangs) and piece.size[2] > FLAT_M:
             yield f"{piece_name(piece)} in {piece.room!r} is in the way of {_leaf_name(house, leaves[i])}"
     for i, j in outlines_over(sectors, hung.span, hung, _TOLERANCE_M).tolist():
         if i != j:
