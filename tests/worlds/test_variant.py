@@ -184,6 +184,15 @@ def test_a_door_to_stairs_that_is_hung_anew_leads_where_it_led():
     validate(build_house(taller))
 
 
+@pytest.mark.parametrize("field", ["furniture", "windows"])
+def test_a_storey_more_on_a_bare_one_is_bare_and_else_filled_in(field):
+    spec = sample_house("home", 6)
+    bare_top = spec.storeys[-1].model_copy(update={field: ()})
+    bare = spec.model_copy(update={"storeys": (*spec.storeys[:-1], bare_top)})
+    for below, above in ((bare, ()), (spec, None), (explicit(spec), None)):
+        assert getattr(variant(below, add_storey=True).storeys[-1], field) == above
+
+
 def test_a_storey_more_may_be_too_much():
     squares = [[[x, y], [x + 2, y], [x + 2, y + 2], [x, y + 2]] for x in range(-16, 2, 2) for y in range(3, 27, 2)]
     rooms = [{"id": f"r{i}", "label": "office", "polygon_m": square} for i, square in enumerate(squares)]

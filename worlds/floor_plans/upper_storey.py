@@ -43,7 +43,8 @@ def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
     1. Each staircase of flights gets an opening on the old top storey to the new flight, straight above the opening to the
        flight below, since all flights of a staircase have the same shape.
     2. Door leaves that would stand in front of these openings are hung differently, or removed.
-    3. The copy gets new room ids, and with them furniture and finishes of its own. Twin rooms (with equal seeds) stay twins.
+    3. The copy gets new room ids, and with them furniture and finishes of its own; on a bare storey it is bare, too. Twin
+       rooms (with equal seeds) stay twins.
 
     Raises `WorldsError` if no stairs reach the top storey, if no room lies at the foot of a new flight, if the house has
     `MAX_STOREYS` storeys already, or if the new house has more than `MAX_ROOMS` rooms.
@@ -112,7 +113,10 @@ def _with_feet(top: StoreySpec, ups: list[OpeningSpec]) -> StoreySpec:
 
 
 def _copy(spec: HouseSpec, top: StoreySpec) -> StoreySpec:
-    """Return the new storey: rooms and openings of the top storey with new ids, without windows and furniture."""
+    """Return the new storey: rooms and openings of the top storey with new ids.
+
+    Windows and furniture are filled in when the house is built, or left out if the top storey has none.
+    """
     level = len(spec.storeys)
     rooms = [room for room in top.rooms if room.label not in _GROUND_ONLY]
     taken = {room.id for storey in spec.storeys for room in storey.rooms}
@@ -124,6 +128,8 @@ def _copy(spec: HouseSpec, top: StoreySpec) -> StoreySpec:
         height_m=top.height_m,
         rooms=tuple(r.model_copy(update={"id": names[r.id], "seed": _new_seed(r.seed, level)}) for r in rooms),
         openings=tuple(_renamed(opening, names) for opening in top.openings if set(opening.rooms) <= set(names)),
+        windows=() if top.windows == () else None,
+        furniture=() if top.furniture == () else None,
     )
 
 
