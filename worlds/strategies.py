@@ -89,13 +89,13 @@ def open_plans(
     """Draw unfurnished one-storey houses whose openness is at least `min_openness`; the simplest have no inner walls.
 
     Openness is the share of the area of all boundaries between indoor rooms that is permanently open; doors count as closed.
-    See `houses` for the other arguments.
+    At least 2 rooms are drawn, and none is outdoors. See `houses` for the other arguments.
     """
-    _check_rooms(min_rooms, max_rooms)
+    _check_rooms(min_rooms, max_rooms, least=2)
     if isinstance(min_openness, bool) or not isinstance(min_openness, int | float) or not 0.0 <= min_openness <= 1.0:
         raise InvalidArgument(f"min_openness={min_openness!r} is not in 0 ... 1")
     kinds = ("open", "cased", "half wall", "counter", "arch", "door")
-    room = _rooms(_choices("labels", labels, DRAWABLE), _ways(kinds, ("no leaf",)), ("beside", "row"))
+    room = _rooms(_choices("labels", labels, INDOOR), _ways(kinds, ("no leaf",)), ("beside", "row"))
     rooms = st.lists(room, min_size=min_rooms, max_size=max_rooms)
     return st.builds(grow, rooms, min_openness=st.just(min_openness))
 
@@ -172,9 +172,9 @@ def _choices(name: str, given: Sequence[str], valid: Sequence[_T]) -> SearchStra
     return st.sampled_from([by_name[value] for value in given])
 
 
-def _check_rooms(min_rooms: int, max_rooms: int) -> None:
-    _check_int("min_rooms", min_rooms, 1, MAX_DRAWN_ROOMS)
-    _check_int("max_rooms", max_rooms, 1, MAX_DRAWN_ROOMS)
+def _check_rooms(min_rooms: int, max_rooms: int, least: int = 1) -> None:
+    _check_int("min_rooms", min_rooms, least, MAX_DRAWN_ROOMS)
+    _check_int("max_rooms", max_rooms, least, MAX_DRAWN_ROOMS)
     if min_rooms > max_rooms:
         raise InvalidArgument(f"min_rooms={min_rooms} exceeds max_rooms={max_rooms}")
 

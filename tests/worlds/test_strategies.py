@@ -158,6 +158,8 @@ def test_the_number_of_rooms_shrinks_to_exactly_what_fails():
         (houses, {"openness": (0.6, 0.2)}, "openness=(0.6, 0.2) is not a range within 0 ... 1"),
         (open_plans, {"min_openness": 1.5}, "min_openness=1.5 is not in 0 ... 1"),
         (open_plans, {"min_openness": math.nan}, "min_openness=nan"),
+        (open_plans, {"min_rooms": 1}, "min_rooms=1 is not a whole number in 2 ... 40"),
+        (open_plans, {"labels": ["kitchen", "garden"]}, "labels has 'garden'; valid: kitchen, "),
     ],
 )
 def test_bad_arguments_are_refused_at_once(strategy, arguments, message):
