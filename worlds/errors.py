@@ -1,4 +1,6 @@
-"""The exceptions of the package `worlds`; `WorldsError` is the base class of all."""
+"""The exceptions of the package `worlds`, of which `WorldsError` is the base class, and a check of arguments."""
+
+from numbers import Integral
 
 
 class WorldsError(ValueError):
@@ -19,3 +21,10 @@ def reworded(error: WorldsError, message: str) -> WorldsError:
     for note in getattr(error, "__notes__", ()):
         other.add_note(note)
     return other
+
+
+def check_whole(**numbers: object) -> None:
+    """Raise `WorldsError`, which names the argument, for a number that is given (not None) and not whole."""
+    for name, value in numbers.items():
+        if value is not None and (isinstance(value, bool) or not isinstance(value, Integral)):
+            raise WorldsError(f"{name} is {value!r}; valid: a whole number")

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from worlds.errors import WorldsError
+from worlds.errors import WorldsError, check_whole
 from worlds.floor_plans.building_kinds import BUILDING_KINDS, BuildingKind
 from worlds.floor_plans.floor_plan import SLAB_M, PlanStyle, lay_out
 from worlds.floor_plans.programmes import LayoutShares, StoreyProgramme
@@ -47,7 +47,7 @@ def sample_house(
     """
     if preset not in PRESETS:
         raise WorldsError(f"unknown preset {preset!r}{did_you_mean(preset, PRESETS)}; valid: {', '.join(PRESETS)}")
-    _check_whole(seed=seed, rooms=rooms, storeys=storeys)
+    check_whole(seed=seed, rooms=rooms, storeys=storeys)
     rngs = _generators(seed)
     kind = _random_kind(rngs[0]) if preset == "random" else BUILDING_KINDS[preset]
     programmes, style = draw_programmes(kind, *_counts(kind, rooms, storeys, rngs[0]), rngs[0])
@@ -68,7 +68,7 @@ def sample_from_rooms(
     is added. Stairs are added if there are several storeys. Raises `WorldsError` for labels or numbers that are not valid.
     See `sample_house` for the other arguments.
     """
-    _check_whole(seed=seed, storeys=storeys)
+    check_whole(seed=seed, storeys=storeys)
     possible = [label for label in ROOM_LABELS if label != STAIRS]
     if unknown := [label for label in labels if label not in possible]:
         raise WorldsError(
@@ -90,13 +90,6 @@ def sample_from_rooms(
     programmes = programmes_of(by_storey(others, storeys, ("bedroom", "children's room"), rngs[0]), habits, None, rngs[0])
     programmes = tuple(replace(p, spine=spine or "corridor") for p in programmes)
     return _finished(f"rooms-{seed}", seed, programmes, PlanStyle(), rngs, openness, clutter)
-
-
-def _check_whole(**numbers: object) -> None:
-    """Raise `WorldsError` for a number that is given and not whole."""
-    for name, value in numbers.items():
-        if value is not None and (isinstance(value, bool) or not isinstance(value, int | np.integer)):
-            raise WorldsError(f"{name} is {value!r}; valid: a whole number")
 
 
 def _generators(seed: int) -> tuple[np.random.Generator, ...]:

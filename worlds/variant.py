@@ -1,8 +1,8 @@
 """`variant`: the same house with chosen properties changed, so that runs in both houses can be compared."""
 
-from typing import Literal
+from typing import Literal, get_args
 
-from worlds.errors import WorldsError
+from worlds.errors import WorldsError, check_whole
 from worlds.floor_plans.symmetry import in_place
 from worlds.floor_plans.upper_storey import with_storey_on_top
 from worlds.house import House, build_house
@@ -46,8 +46,9 @@ def variant(
     are neither mirrored nor rotated.
 
     Raises:
-        WorldsError: a value is out of its range, or no storey can be added.
+        WorldsError: a value is of the wrong type or out of its range, or no storey can be added.
     """
+    check_whole(rotate=rotate, repaint=repaint)
     if clutter is not None:
         if not 0.0 <= clutter <= 4.0:
             raise WorldsError(f"clutter is {clutter}; valid: 0 (empty) to 4 (a hoarder's)")
@@ -55,6 +56,8 @@ def variant(
     if add_storey:
         spec = with_storey_on_top(spec)
     if climb is not None:
+        if climb not in get_args(Replacement):
+            raise WorldsError(f"climb is {climb!r}; valid: {', '.join(get_args(Replacement))}")
         spec = spec.model_copy(update={"storeys": tuple(_with_climb(storey, climb) for storey in spec.storeys)})
     if openness is not None:
         spec = with_openness(spec, openness)

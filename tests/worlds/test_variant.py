@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from helpers.unchecked import untyped
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -215,6 +216,22 @@ def test_what_cannot_be_varied_is_refused():
     for change in ({"clutter": -1.0}, {"repaint": -1}, {"openness": 2.0}):
         with pytest.raises(WorldsError, match="valid: 0 "):
             variant(spec, **change)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"climb": "ladder"}, "climb is 'ladder'; valid: lift, spiral"),
+        ({"climb": 3}, "climb is 3; valid: lift, spiral"),
+        ({"repaint": 2.5}, "repaint is 2.5; valid: a whole number"),
+        ({"rotate": 1.5}, "rotate is 1.5; valid: a whole number"),
+        ({"rotate": True}, "rotate is True; valid: a whole number"),
+    ],
+)
+def test_values_of_the_wrong_type_are_refused(change, message):
+    with pytest.raises(WorldsError) as error:
+        untyped(variant)(sample_house("home", 1), **change)
+    assert str(error.value) == message
 
 
 def test_a_variant_without_changes_is_the_same_house():
