@@ -61,7 +61,7 @@ def _drawing(data: object, metres_per_unit: float) -> DrawnPlan:
     ignored: list[str] = []
     for i, feature in enumerate(data["features"]):
         properties, geometry = _parts(feature)
-        where = f"features[{i}]" + (f" ({name[:60]!r})" if (name := _text(properties, "name")) else "")
+        where = f"features[{i}]" + (f" ({name[:60]!r})" if (name := _name(properties.get("name"))) else "")
         spoken += [(where, key) for key in properties if key not in _PROPERTIES]
         storey = storey_of(where, properties.get("storey", 0))
         if "label" in properties:
@@ -138,9 +138,9 @@ def _shown(value: object) -> str:
     return json.dumps(value)[:40]
 
 
-def _text(properties: dict[str, Any], key: str) -> str:
-    value = properties.get(key)
-    return value if isinstance(value, str) else ""
+def _name(value: object) -> str:
+    """Return a name as text; many plans number their rooms. The name is empty if `value` is neither text nor a number."""
+    return str(value) if isinstance(value, str | int | float) and not isinstance(value, bool) else ""
 
 
 def _heights(beside: dict[str, Any]) -> tuple[tuple[int, object], ...]:

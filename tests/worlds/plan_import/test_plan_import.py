@@ -261,6 +261,14 @@ def test_names_keep_their_letters(tmp_path):
     assert [r.id for r in spec.storeys[0].rooms] == ["Buro Muller", "gym"]
 
 
+@pytest.mark.parametrize(("name", "kept"), [(214, "214"), (2.14, "2.14"), ("214", "214"), (True, "gym"), ([3], "gym")])
+def test_rooms_may_have_numbers_for_names(tmp_path, name, kept):
+    leaf = {"kind": "door", "leaf": {"into": kept if kept == "gym" else name}}
+    path = written(tmp_path, room("office", LEFT), room("gym", RIGHT, name=name), DOOR | {"properties": leaf})
+    (storey,) = import_plan(path).spec.storeys
+    assert [r.id for r in storey.rooms] == ["office", kept] and storey.openings[0].leaf.into == kept
+
+
 @pytest.mark.parametrize(
     ("names", "into", "meant"),
     [
