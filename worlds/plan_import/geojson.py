@@ -1,6 +1,7 @@
 """Reads and writes floor plans as GeoJSON in metres.
 
-Rooms are Polygons with a `label`. Openings are LineStrings (both ends) or Points (the middle) with a `kind`.
+Rooms are Polygons, or MultiPolygons of a single polygon, with a `label`. Openings are LineStrings (both ends) or Points (the
+middle) with a `kind`.
 
     {"type": "FeatureCollection", "features": [
       {"type": "Feature", "properties": {"label": "kitchen", "name": "my kitchen", "storey": 0},
@@ -151,8 +152,12 @@ def _heights(beside: dict[str, Any]) -> tuple[tuple[int, object], ...]:
 
 
 def _ring(where: str, geometry: dict[str, Any], scale: float) -> tuple[Point, ...]:
-    rings = geometry.get("coordinates")
-    if geometry.get("type") != "Polygon" or not isinstance(rings, list) or not rings:
+    kind, rings = geometry.get("type"), geometry.get("coordinates")
+    if kind == "MultiPolygon" and isinstance(rings, list):
+        if len(rings) != 1:
+            raise SpecError(f"{where}: a room has a MultiPolygon of {len(rings)} polygons; valid: one polygon for each room")
+        kind, rings = "Polygon", rings[0]
+    if kind != "Polygon" or not isinstance(rings, list) or not rings:
         raise SpecError(f"{where}: a room has a geometry of type {_shown(geometry.get('type'))}; valid: Polygon")
     if len(rings) > 1:
         raise SpecError(f"{where}: a room has a hole; valid: an outline without holes (split the room)")

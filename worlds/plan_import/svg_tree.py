@@ -1,7 +1,7 @@
 """Reads the element tree of an SVG, and lists its visible shapes with their groups, transforms and storeys.
 
-Copies of shapes by `<use>` are listed, too. Document types and entities are refused, because with them a small file could
-expand without bound or read other files.
+Copies of shapes by `<use>` are listed, too. Document types are refused unless they only refer to SVG itself, because with
+entities of its own a small file could expand without bound or read other files.
 """
 
 import re
@@ -78,7 +78,7 @@ def outline_of(shape: SvgShape) -> Outline:
 
 
 def read_tree(text: str) -> Element:
-    """Return the root element of an SVG. Raises `SpecError` if `text` is not SVG, is too large or has a document type."""
+    """Return the root element of an SVG. Raises `SpecError` if `text` is not SVG, is too large or defines entities."""
     builder, parser, depth, elements = TreeBuilder(), expat.ParserCreate(), 0, 0
 
     def start(name: str, attributes: dict[str, str]) -> None:
@@ -96,8 +96,8 @@ def read_tree(text: str) -> Element:
         builder.end(name.rpartition(":")[2])
 
     parser.StartElementHandler, parser.EndElementHandler = start, end
-    # Without a document type only the five entities of XML itself exist, so nothing can expand or read other files.
-    parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = _refuse
+    # Without declarations only the five entities of XML itself exist, so nothing can expand. No other file is ever read.
+    parser.StartDoctypeDeclHandler, parser.EntityDeclHandler = _check_doctype, _refuse
     try:
         parser.Parse(text, True)
     except expat.ExpatError as error:
@@ -105,8 +105,17 @@ def read_tree(text: str) -> Element:
     return builder.close()
 
 
+def _check_doctype(_: str, system: str | None, public: str | None, has_internal_subset: int) -> None:
+    """Raise `SpecError` for a document type with declarations, or of another file than the W3C's definition of SVG."""
+    if has_internal_subset or not (public or "").startswith("-//W3C//DTD SVG"):
+        _refuse()
+
+
 def _refuse(*_: object) -> None:
-    raise SpecError("has a document type definition (<!DOCTYPE ...>), which could expand without bound; remove it")
+    raise SpecError(
+        "has a document type definition (<!DOCTYPE ...>), which could expand without bound; valid: none, or that of SVG by the "
+        "W3C without further declarations"
+    )
 
 
 def shown_shapes(root: Element) -> Iterator[SvgShape]:

@@ -686,6 +686,28 @@ def test_hostile_and_broken_svg_is_refused(tmp_path, text, message):
     assert message in refusal(path)
 
 
+W3C = '<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd"'
+
+
+def test_the_document_type_that_drawing_programs_write_is_accepted_without_declarations(tmp_path):
+    plain = svg(tmp_path, KITCHEN_SVG + GYM_SVG)
+    body, plan = plain.read_text(), import_plan(plain)
+    plain.write_text(f'<?xml version="1.0"?>\n{W3C}>{body}')
+    assert import_plan(plain) == plan
+    plain.write_text(f'{W3C} [<!ENTITY a "kitchen">]>{body}')
+    assert "document type definition" in refusal(plain)
+
+
+def test_a_room_may_be_a_multipolygon_of_one_polygon(tmp_path):
+    plain, one, two = room("gym", LEFT), room("gym", LEFT), room("gym", LEFT)
+    ring = plain["geometry"]["coordinates"]
+    one["geometry"] = {"type": "MultiPolygon", "coordinates": [ring]}
+    two["geometry"] = {"type": "MultiPolygon", "coordinates": [ring, ring]}
+    assert import_plan(written(tmp_path, one)) == import_plan(written(tmp_path, plain))
+    message = refusal(written(tmp_path, two))
+    assert "features[0]: a room has a MultiPolygon of 2 polygons; valid: one polygon for each room" in message
+
+
 SINGULAR = ["scale(0)", "scale(0 1)", "scale(1e-9)", "skewX(90)", "matrix(0 0 0 0 0 0)", "matrix(1 1 1 1 0 0)"]
 
 
