@@ -20,7 +20,9 @@ LABEL = "inkscape:label"
 _LINE = " line"
 """Key of an element's line number, which is stored among its attributes. No XML attribute has a space in its name, so this
 key never clashes."""
-_NAMES = ("id", "class", LABEL, "data-label", "data-kind", "data-name", "data-storey")
+_SHOWN_BY = " use"
+"""Key of the id of the `<use>` that shows an element. It names the element in messages, and may give its storey."""
+_NAMES = ("class", LABEL, "data-label", "data-kind", "data-name", "data-storey")
 _HIDDEN = ("defs", "symbol", "clipPath", "mask", "pattern", "marker")
 _STOREY = re.compile(r"(?:storey|story|floor|level)[ _-]*(\d+)", re.IGNORECASE)
 _IS_VISIBLE = {"visible": True, "hidden": False, "collapse": False}
@@ -41,7 +43,8 @@ class Named:
     @property
     def where(self) -> str:
         """Place of the element in the file, for messages."""
-        name = self.attributes.get(LABEL) or self.attributes.get("id") or self.attributes.get("class", "")
+        names = (self.attributes.get(key) for key in (LABEL, _SHOWN_BY, "id", "class"))
+        name = next(filter(None, names), "")
         return f"<{self.tag}>" + (f" {name[:60]!r}" if name else "") + f" on line {self.attributes[_LINE]}"
 
     @property
@@ -113,8 +116,8 @@ def _check_doctype(_: str, system: str | None, public: str | None, has_internal_
 
 def _refuse(*_: object) -> None:
     raise SpecError(
-        "has a document type definition (<!DOCTYPE ...>), which could expand without bound; valid: none, or that of SVG by the "
-        "W3C without further declarations"
+        "has a document type definition (<!DOCTYPE ...>), which could expand without bound; valid: none, or that of SVG by "
+        "the W3C without further declarations"
     )
 
 
@@ -149,7 +152,7 @@ class _Walk:
         """Yield the visible shapes inside an element; if the element is a shape itself, yield only this shape.
 
         `attributes` are the attributes of the element. If a `<use>` shows the element, names given on the `<use>` replace
-        the names of the element.
+        the names of the element, except for the id, because drawing programs give every `<use>` an id.
         """
         self.visited += 1
         if len(around.groups) > _MAX_DEPTH or self.visited > _MAX_ELEMENTS:
@@ -173,7 +176,8 @@ class _Walk:
             x, y = (length_px(this.where, name, attributes.get(name, "0")) for name in ("x", "y"))
             moved = replace(inside, T_svg_here=matrix @ np.array([[1, 0, x], [0, 1, y], [0, 0, 1]]))
             names = {key: value for key, value in attributes.items() if key in (*_NAMES, _LINE)}
-            yield from self.at(used, {**used.attrib, **names}, moved)
+            shown_by = attributes.get(_SHOWN_BY) or attributes.get("id", "")
+            yield from self.at(used, {**used.attrib, **names, _SHOWN_BY: shown_by}, moved)
 
 
 def _property(attributes: Mapping[str, str], name: str) -> str:
@@ -199,6 +203,6 @@ def _storey_of_group(element: Named) -> str | None:
 
     The result is None if the name contains no storey number, or if the element is not a group.
     """
-    names = (element.attributes.get(LABEL, ""), element.attributes.get("id", ""))
+    names = (element.attributes.get(key, "") for key in (LABEL, _SHOWN_BY, "id"))
     numbers = (match[1] for name in names if (match := _STOREY.fullmatch(name.strip())))
     return next(numbers, None) if element.tag == "g" else None

@@ -454,6 +454,24 @@ def test_what_is_drawn_once_can_be_used_often(tmp_path):
     assert plan.notes == ()
 
 
+@pytest.mark.parametrize("use", ["", ' id="use12"', ' id="office"'])
+def test_a_use_with_an_id_shows_what_the_symbol_is(tmp_path, use):
+    """Drawing programs give an id to every <use>; it counts only if what is shown has no name of its own."""
+    symbol = '<symbol id="door"><line x1="400" y1="100" x2="400" y2="190"/></symbol>'
+    shown = import_plan(svg(tmp_path, f'{symbol}{KITCHEN_SVG}{GYM_SVG}<use href="#door"{use}/>'))
+    assert [opening.kind for opening in shown.spec.storeys[0].openings] == ["door"] and shown.notes == ()
+    cell = f'<defs><rect id="cell" x="400" width="400" height="300"/></defs>{KITCHEN_SVG}<use href="#cell"{use}/>'
+    labels = [r.label for r in import_plan(svg(tmp_path, cell)).spec.storeys[0].rooms]
+    assert labels == ["kitchen", "office"][: 1 + ("office" in use)]
+
+
+def test_a_use_says_on_which_storey_it_shows_a_plan_again(tmp_path):
+    floor = """<g id="storey-0"><rect class="stairs" x="-340" width="340" height="200"/>
+        <rect class="corridor" width="400" height="300"/></g>"""
+    spec = import_plan(svg(tmp_path, floor + '<use id="storey-1" href="#storey-0"/>')).spec
+    assert [[r.label for r in storey.rooms] for storey in spec.storeys] == [["stairs", "corridor"]] * 2
+
+
 @pytest.mark.parametrize(
     ("head", "unit"),
     [
