@@ -102,16 +102,20 @@ def _details(stroke: Stroke, rooms: tuple[str, str], names: Mapping[str, str]) -
     return details
 
 
-def without_overlaps(openings: Sequence[OpeningSpec]) -> tuple[OpeningSpec, ...]:
-    """Return the openings, with small overlaps removed.
+def without_overlaps(openings: Mapping[OpeningSpec, str]) -> tuple[OpeningSpec, ...]:
+    """Return the openings, with small overlaps removed. `openings` maps each opening to its place in the file, for messages.
 
     If two openings in one line overlap by at most 0.1 m, both are cut, so that they meet in the middle of the overlap.
+    Raises `SpecError` if they overlap by more.
     """
-    placed = list(openings)
+    placed, where = list(openings), list(openings.values())
     for i, j in combinations(range(len(placed)), 2):
         (axis, at, low, high), (*line, start, stop) = opening_span(placed[i]), opening_span(placed[j])
-        if [axis, at] != line or not 0.0 < min(high, stop) - max(low, start) <= _OVERLAP_M:
+        overlap = min(high, stop) - max(low, start)
+        if [axis, at] != line or overlap <= 0.0:
             continue
+        if overlap > _OVERLAP_M:
+            raise SpecError(f"{where[i]} and {where[j]} overlap by {overlap:.2f} m; valid: openings that at most touch")
         first, second = (i, j) if low + high < start + stop else (j, i)
         meet = round((min(high, stop) + max(low, start)) / 2, 6)
         placed[first], placed[second] = (

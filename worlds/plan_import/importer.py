@@ -194,21 +194,24 @@ def _with_added_openings(spec: HouseSpec, notes: list[str]) -> HouseSpec:
 def _drawn_openings(
     strokes: Sequence[tuple[Stroke, Sequence[Point]]], storeys: Sequence[StoreySpec], names: Mapping[str, str]
 ) -> tuple[dict[int, tuple[OpeningSpec, ...]], list[str]]:
-    """Return the openings of each storey, and notes on strokes that lead out of the house and are left out.
+    """Return the openings of each storey, and notes on the strokes left out: those out of the house, and repeated ones.
 
     `strokes` holds each stroke with its points after the plan was turned and moved [m]; `names` gives the name of each room
-    in the drawing, by the room's id. Raises `SpecError` for a stroke that fits no wall.
+    in the drawing, by the room's id. Raises `SpecError` for a stroke that fits no wall or overlaps another one.
     """
-    openings: dict[int, tuple[OpeningSpec, ...]] = {}
+    openings: dict[int, dict[OpeningSpec, str]] = {}
     notes = []
     for stroke, points in strokes:
         if stroke.storey >= len(storeys):
             raise SpecError(f"{stroke.where}: is on storey {stroke.storey}, which has no rooms")
         opening = opening_on_wall(stroke, points, storeys[stroke.storey], names)
+        here = openings.setdefault(stroke.storey, {})
         if opening is None:
             notes.append(f"{stroke.where}: leads out of the house; ignored")
+        elif opening in here:
+            notes.append(f"{stroke.where}: is the same opening as {here[opening]}; ignored")
         else:
-            openings[stroke.storey] = (*openings.get(stroke.storey, ()), opening)
+            here[opening] = stroke.where
     return {level: without_overlaps(placed) for level, placed in openings.items()}, notes
 
 

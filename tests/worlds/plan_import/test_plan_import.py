@@ -645,6 +645,22 @@ def test_a_door_far_from_any_wall_is_refused_and_one_to_the_outside_left_out(tmp
     assert plan.notes == ("features[3]: leads out of the house; ignored",) and len(plan.spec.storeys[0].openings) == 1
 
 
+STROKE = '<line id="{}" class="door" x1="400" y1="{}" x2="400" y2="{}"/>'
+
+
+def test_openings_that_overlap_are_both_named_as_drawn(tmp_path):
+    doors = STROKE.format("one", 50, 140) + "\n" + STROKE.format("two", 100, 190)
+    message = refusal(svg(tmp_path, KITCHEN_SVG + GYM_SVG + doors))
+    assert "<line> 'one' on line 1 and <line> 'two' on line 2 overlap by 0.40 m; valid: " in message
+
+
+def test_an_opening_that_is_drawn_twice_counts_once(tmp_path):
+    doors = STROKE.format("one", 50, 140), STROKE.format("two", 50, 140)
+    once, twice = (import_plan(svg(tmp_path, KITCHEN_SVG + GYM_SVG + "".join(doors[:n]))) for n in (1, 2))
+    assert twice.spec == once.spec
+    assert twice.notes == ("<line> 'two' on line 1: is the same opening as <line> 'one' on line 1; ignored",)
+
+
 @pytest.mark.parametrize(("x", "leads_out"), [(3.8, True), (4.25, True), (4.0, False)])
 def test_a_stroke_belongs_to_the_nearest_wall_even_if_that_is_an_outer_wall(tmp_path, x, leads_out):
     """At the end of an inner wall a point is as near to the outer wall; then the inner wall counts."""
