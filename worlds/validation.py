@@ -38,7 +38,7 @@ def problems(house: House) -> Iterator[str]:
 
     The next rule is checked only when the caller asks for the next message. The rules:
 
-    - Rooms of a storey do not overlap or nearly touch, and rooms of upper storeys stand on indoor rooms.
+    - Rooms of a storey do not overlap or nearly touch, and indoor rooms of upper storeys stand on indoor rooms.
     - Stairs join storeys. (`worlds.stairs.build` has further rules for stairs: a house that breaks them cannot be built.)
     - Openings and windows lie in the walls of their rooms and do not overlap. Doors and other passages let a body through.
     - Furniture stays in its room, collides with nothing, and does not stand in the swing area of a door leaf.

@@ -14,7 +14,7 @@ MIN_OPENING_WIDTH_M = 0.6
 """Least width of an opening that a body with a radius of 0.25 m can walk through [m]."""
 MIN_OPENING_HEIGHT_M = 1.9
 MIN_SILL_M = 0.3
-"""Least sill of a half wall or counter [m]. Nobody can step over it, so that it is not a way between two rooms."""
+"""Least sill of a half wall or counter [m]. A lower one could be stepped over."""
 _TOLERANCE_M = 1e-3
 
 Span = tuple[int, float, float, float]

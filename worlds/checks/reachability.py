@@ -18,8 +18,8 @@ joined to the end [m]."""
 def unreachable_rooms(house: House, grid: PlanGrid, radius_m: float, resolution_m: float = 0.1) -> tuple[str, ...]:
     """Return the ids of the rooms that an upright cylindrical body cannot reach from the largest connected free area.
 
-    Doors count as open: their leaves are no obstacles. The result is all rooms except those in `Walkable.reachable_rooms`,
-    but it is computed faster here, without a graph:
+    Doors count as open: their leaves are no obstacles. In a house without leaves, the result is all rooms except those in
+    `Walkable.reachable_rooms`, but it is computed faster here, without a graph:
 
     1. On a grid of points, find the points at which a body of `radius_m` [m] has space. They are inside a room, and so far
        from obstacles and stairs that the step to a diagonal neighbour is free, too.

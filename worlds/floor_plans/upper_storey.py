@@ -40,8 +40,8 @@ def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
 
     The new storey is a copy of the top storey without gardens and garages.
 
-    1. Each staircase of flights gets an opening on the old top storey to the new flight, straight above the opening to the
-       flight below, since all flights of a staircase have the same shape.
+    1. Each staircase of flights gets an opening on the old top storey to the new flight, straight above the opening at the
+       foot of the flight below, so that the new flight has the shape of that flight.
     2. Door leaves that would stand in front of these openings are hung differently, or removed.
     3. The copy gets new room ids, and with them furniture and finishes of its own; on a bare storey it is bare, too. Twin
        rooms (with equal seeds) stay twins.
@@ -67,10 +67,10 @@ def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
 
 
 def _foot(spec: HouseSpec, cell: RoomSpec) -> OpeningSpec:
-    """Return the opening on the top storey to the new flight of stairs, straight above the opening to the flight below.
+    """Return the opening on the top storey to the new flight of stairs, straight above the foot of the flight below.
 
-    `cell` is the stairs' room on the top storey. Raises `WorldsError` if there is no opening to the flight below, or no room
-    in front of the new opening.
+    `cell` is the stairs' room on the top storey. Raises `WorldsError` if there is no flight below, or no room in front of
+    the new opening.
     """
     level, top = len(spec.storeys) - 1, spec.storeys[-1]
     if (lower := cell_on(spec, level - 1, cell)) is None:
