@@ -89,7 +89,9 @@ class DrawnPlan:
 @lru_cache(maxsize=256)
 def normalised_name(text: str) -> str:
     """Return a name in lower case, with spaces for underscores and without a number at its end: "office" for "Office_2"."""
-    return re.sub(r"\s+", " ", re.sub(r"[ _.#-]*\d+$", "", text.strip().lower().replace("_", " "))).strip()
+    words = " ".join(text.lower().replace("_", " ").split())
+    without_number = words.rstrip("0123456789")
+    return words if without_number == words else without_number.rstrip(" .#-")
 
 
 def find_label(text: str) -> str | None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from worlds.errors import SpecError, WorldsError
+from worlds.plan_import.drawn_plan import normalised_name
 from worlds.plan_import.importer import import_plan, to_geojson
 from worlds.presets import sample_from_rooms, sample_house
 from worlds.variant import variant
@@ -588,6 +589,24 @@ def test_ignored_shapes_are_named_where_the_plan_is_invalid(tmp_path):
 def test_guesses_are_few_however_many_words_are_wrong(tmp_path):
     shapes = "".join(f'<line class="kitche{a}{b}"/>' for a in "abcdefg" for b in "abcdefg")
     assert len(import_plan(svg(tmp_path, '<rect id="gym" width="400" height="300"/>' + shapes)).notes) == 20 + 1
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("Office_2", "office"), ("WC #12", "wc"), ("living  room-1", "living room"), ("Room 7B", "room 7b"),
+        ("hall-", "hall-"), ("1.20", "1"), ("12", ""), (" Gym. 3 ", "gym"),
+    ],
+)  # fmt: skip
+def test_names_count_without_case_and_number(text, name):
+    assert normalised_name(text) == name
+
+
+@pytest.mark.parametrize("character", "-1 ")
+def test_a_name_may_be_as_long_as_a_file(character):
+    """In quadratic time, this would take minutes."""
+    word = "x" + character * 1_000_000 + "x"
+    assert normalised_name(word).replace(" ", "") == word.replace(" ", "")
 
 
 @pytest.mark.parametrize(
