@@ -14,7 +14,7 @@ from shapely.geometry import Polygon, box
 
 from worlds.arches import arch_drop
 from worlds.errors import HouseError
-from worlds.spec import OpeningSpec, StoreySpec
+from worlds.spec import OpeningSpec, RoomSpec, StoreySpec
 
 WALL_THICKNESS_M = 0.1
 FENCE_HEIGHT_M = 1.5
@@ -101,13 +101,22 @@ def boundaries(storey: StoreySpec) -> list[Boundary]:
     """
     lines: dict[tuple[int, float], list[tuple[float, float, int, str]]] = defaultdict(list)
     for room in storey.rooms:
-        corners = room.polygon_m
-        for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1], strict=True):
-            if y0 == y1:
-                lines[0, round(y0, 6)].append((min(x0, x1), max(x0, x1), int(x1 > x0), room.id))
-            else:
-                lines[1, round(x0, 6)].append((min(y0, y1), max(y0, y1), int(y1 < y0), room.id))
+        for axis, at, low, high, side in room_edges(room):
+            lines[axis, at].append((low, high, side, room.id))
     return [stretch for (axis, at), edges in sorted(lines.items()) for stretch in _stretches(axis, at, edges)]
+
+
+def room_edges(room: RoomSpec) -> Iterator[tuple[int, float, float, float, int]]:
+    """Yield the fields (axis, at, low, high) of `Boundary` for every edge of a room, and the side on which the room lies.
+
+    The side is 1 if the room is on the side of larger coordinates across the axis, else 0.
+    """
+    corners = room.polygon_m
+    for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1], strict=True):
+        if y0 == y1:
+            yield 0, round(y0, 6), min(x0, x1), max(x0, x1), int(x1 > x0)
+        else:
+            yield 1, round(x0, 6), min(y0, y1), max(y0, y1), int(y1 < y0)
 
 
 def _stretches(axis: int, at: float, edges: Sequence[tuple[float, float, int, str]]) -> Iterator[Boundary]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from worlds.spec import LeafSpec, OpeningKind, OpeningSpec, RoomSpec
-from worlds.walls import Boundary, opening_span
+from worlds.walls import Boundary, opening_span, room_edges
 
 Rectangle = tuple[float, float, float, float]
 """A rectangle of the plan, as x0, y0, x1, y1 [m]."""
@@ -123,20 +123,9 @@ def join_stretches(pieces: Iterable[Boundary]) -> list[Boundary]:
 
 def _facing(a: RoomSpec, b: RoomSpec) -> Iterator[Boundary]:
     """Yield every stretch where an edge of one room lies on an edge of the other room, with the rooms on opposite sides."""
-    for (axis, at, low, high, side), (axis_b, at_b, low_b, high_b, side_b) in itertools.product(_edges(a), _edges(b)):
+    for (axis, at, low, high, side), (axis_b, at_b, low_b, high_b, side_b) in itertools.product(
+        room_edges(a), room_edges(b)
+    ):
         start, stop = max(low, low_b), min(high, high_b)
         if axis == axis_b and side != side_b and abs(at - at_b) < _TOLERANCE_M and stop - start > _TOLERANCE_M:
             yield Boundary(axis, at, start, stop, (a.id, b.id) if side == 0 else (b.id, a.id))
-
-
-def _edges(room: RoomSpec) -> Iterator[tuple[int, float, float, float, int]]:
-    """Yield every edge of a room as (axis, coordinate across the axis, low, high, side) [m].
-
-    `side` is 1 if the room is on the side of larger coordinates across the axis, else 0.
-    """
-    corners = room.polygon_m
-    for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1], strict=True):
-        if y0 == y1:
-            yield 0, round(y0, 6), min(x0, x1), max(x0, x1), int(x1 > x0)
-        else:
-            yield 1, round(x0, 6), min(y0, y1), max(y0, y1), int(y1 < y0)
