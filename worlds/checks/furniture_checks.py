@@ -9,13 +9,12 @@ from jaxtyping import Int
 from worlds.checks.collisions import outlines_over, overlaps
 from worlds.checks.plan_grid import PlanGrid
 from worlds.free_space import Obstacles
+from worlds.furniture.placing.room_plan import FLAT_M
 from worlds.house import Furniture, House
 from worlds.labels import STAIRS
 from worlds.openings.doors import DoorLeaf
 from worlds.walls import Wall, opening_span
 
-FLAT_M = 0.03
-"""Greatest height of a flat piece, such as a rug [m]; flat pieces may lie under other furniture."""
 _TOLERANCE_M = 2e-3
 _HEIGHT_TOLERANCE_M = 1e-3
 _AT_ONCE = 64

@@ -13,9 +13,11 @@ from worlds.house import House
 STAIRS_LINK_M = 0.5
 """Greatest distance between the end of a walking line (the path along a flight of stairs) and the free grid points that are
 joined to the end [m]."""
+_RESOLUTION_M = 0.1
+"""Spacing of the grid points [m]."""
 
 
-def unreachable_rooms(house: House, grid: PlanGrid, radius_m: float, resolution_m: float = 0.1) -> tuple[str, ...]:
+def unreachable_rooms(house: House, grid: PlanGrid, radius_m: float) -> tuple[str, ...]:
     """Return the ids of the rooms that an upright cylindrical body cannot reach from the largest connected free area.
 
     Doors count as open: their leaves are no obstacles. In a house without leaves, the result is all rooms except those in
@@ -28,9 +30,9 @@ def unreachable_rooms(house: House, grid: PlanGrid, radius_m: float, resolution_
     4. A room is reachable if the part with most points has a point in the room. The room of a staircase is reachable if the
        staircase leads to or from this part.
     """
-    x, y = lattice(house, resolution_m)
+    x, y = lattice(house, _RESOLUTION_M)
     solids, wells = solid_obstacles(house, leaves=False), stair_wells(house)
-    margin = math.hypot(radius_m, resolution_m / math.sqrt(2.0))
+    margin = math.hypot(radius_m, _RESOLUTION_M / math.sqrt(2.0))
     rooms = grid.lattice(x, y)
     obstacles = [(solids.at_height(s.floor_m), wells.at_height(s.floor_m)) for s in house.storeys]
     clear = np.stack([clearance_on(x, y, groups, margin) >= margin for groups in obstacles])

@@ -9,7 +9,7 @@ from jaxtyping import UInt8
 
 from worlds.furniture.placing.room_shape import Point, Rectangle, RoomShape, grown
 
-BODY_RADIUS_M = 0.32
+PLACING_RADIUS_M = 0.32
 """Radius of the body that has to pass [m].
 
 The radius is larger than the 0.25 m of the body in `worlds.walkable`. The grid of `worlds.walkable` has 10 cm cells, too,
@@ -18,7 +18,7 @@ exists on the other grid.
 """
 CELL_M = 0.1
 HALF_WALL_M = 0.05
-_REACH = int(BODY_RADIUS_M / CELL_M)
+_REACH = int(PLACING_RADIUS_M / CELL_M)
 _RIM = 2 * _REACH
 """Number of blocked cells around the bounding box, so that a block of cells around any place stays inside the grid."""
 _BODY = np.ones((2 * _REACH + 1,) * 2, np.uint8)
@@ -38,9 +38,9 @@ class FreeFloor:
         self._area = shape.area_m2 / CELL_M**2
         self._box = width, depth = (math.ceil(shape.size[0] / CELL_M - 1e-6), math.ceil(shape.size[1] / CELL_M - 1e-6))
         bare = np.zeros((depth + 2 * _RIM, width + 2 * _RIM), np.uint8)
-        bare[self._cells(grown((0.0, 0.0, *shape.size), -HALF_WALL_M - BODY_RADIUS_M))] = 1
+        bare[self._cells(grown((0.0, 0.0, *shape.size), -HALF_WALL_M - PLACING_RADIUS_M))] = 1
         for notch in shape.notches:
-            bare[self._cells(grown(notch, HALF_WALL_M + BODY_RADIUS_M))] = 0
+            bare[self._cells(grown(notch, HALF_WALL_M + PLACING_RADIUS_M))] = 0
         self._doors = _nearest_free(bare, entries)
         self._free, self._covered = _reached(bare, self._doors)
         for leaf in leaves:
@@ -51,7 +51,7 @@ class FreeFloor:
 
         Return True if both conditions hold. Otherwise, return False and leave the floor unchanged.
         """
-        rows, columns = window = self._cells(grown(place, BODY_RADIUS_M))
+        rows, columns = window = self._cells(grown(place, PLACING_RADIUS_M))
         if not self._free[window].any():
             return self._covered >= share * self._area
         if any(rows.start <= i < rows.stop and columns.start <= j < columns.stop for i, j in self._doors):
