@@ -126,17 +126,19 @@ def build_house(spec: HouseSpec) -> House:
     storeys = _storeys(spec)
     rooms = _rooms(spec, storeys)
     plans = [StoreyPlan.of(spec, level, storey.floor_m, storey.ceiling_m) for level, storey in enumerate(storeys)]
-    return House(
+    house = House(
         spec,
         storeys,
         rooms,
         boundaries=tuple(plan.pieces for plan in plans),
         walls=tuple(wall for plan in plans for wall in plan.standing_walls()),
         stairs=build_stairs(spec, [storey.floor_m for storey in storeys]),
-        furniture=_with_unique_ids([piece for plan in plans for piece in _furniture(plan)]),
+        furniture=tuple(piece for plan in plans for piece in _furniture(plan)),
         leaves=tuple(leaf for plan in plans for leaf in plan.hung_leaves()),
         windows=tuple(window for plan in plans for window in plan.hung_windows()),
     )
+    _check_unique_ids(house.furniture)
+    return house
 
 
 def _storeys(spec: HouseSpec) -> tuple[Storey, ...]:
@@ -177,12 +179,11 @@ def _is_solid(piece: FurnitureSpec) -> bool:
         raise HouseError(f"furniture {piece.id!r} in {piece.room!r}: {error}") from None
 
 
-def _with_unique_ids(pieces: Sequence[Furniture]) -> tuple[Furniture, ...]:
-    """Return the pieces unchanged. Raises `HouseError` if a piece of the spec and a filled-in piece have the same id."""
+def _check_unique_ids(pieces: Sequence[Furniture]) -> None:
+    """Raise `HouseError` if a piece of the spec and a filled-in piece have the same id."""
     repeated = [name for name, times in Counter(piece.id for piece in pieces).items() if times > 1]
     if repeated:
         raise HouseError(
             f"furniture: the spec uses ids of pieces that are filled in on other storeys: {', '.join(repeated)}; "
             "valid: ids that are unique in the house"
         )
-    return tuple(pieces)

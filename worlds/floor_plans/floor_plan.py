@@ -110,7 +110,7 @@ def _topology(
 
     bays = [bay for programme in programmes for run in programme.runs for bay in run.bays]
     # A band must be deep enough for the largest bay: at this depth the bay is about 1.6 times as wide as deep.
-    deep = round(100 * min(8.0, max(0.62 * max((sum(bay.areas) for bay in bays), default=0.0), 0.0) ** 0.5))
+    deep = round(100 * min(8.0, (0.62 * max((sum(bay.areas) for bay in bays), default=0.0)) ** 0.5))
     south, north, spine = max(draw(style.depth_m), deep), draw(style.depth_m), draw(style.spine_m)
     total = max(sum(bay_width(bay, (south + north) // 2) for run in p.runs for bay in run.bays) for p in programmes)
     if total < 100 * rng.uniform(*style.one_sided_m):

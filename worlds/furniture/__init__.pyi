@@ -50,5 +50,6 @@ from .shapes import inset as inset
 from .shapes import legs as legs
 from .shapes import moved as moved
 from .shapes import shelf_unit as shelf_unit
+from .shapes import spaced as spaced
 from .shapes import split as split
 from .shapes import stocked as stocked

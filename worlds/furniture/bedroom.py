@@ -5,7 +5,7 @@ from numpy.random import Generator
 from worlds.furniture.kinds import AgainstWall, Around, OnFloor, OnTop, OnWall, Parts, Size
 from worlds.furniture.palette import BLACK, BRIGHT, FRONTS, GLASS, LINEN, STEEL, UPHOLSTERY, WHITE, WOODS, pick
 from worlds.furniture.registry import furniture
-from worlds.furniture.shapes import about, ball, box, cone, cylinder, fronts, inset, legs, shelf_unit, split, stocked
+from worlds.furniture.shapes import about, ball, box, cone, cylinder, fronts, inset, legs, shelf_unit, spaced, split, stocked
 from worlds.parts import Colour, Part
 
 
@@ -206,7 +206,7 @@ def cot(s: Size, rng: Generator) -> Parts:
     bars = [
         box(x, about(y, 0.025), (0.35, s.height - 0.04), frame, "wood")
         for x in ((s.left, s.left + 0.03), (s.right - 0.03, s.right))
-        for y in _steps(s.back + 0.1, s.front - 0.1, 7)
+        for y in spaced(s.back + 0.1, s.front - 0.1, 7)
     ]
     return (
         *legs(s, s.height, 0.05, frame, margin=0.0),
@@ -219,10 +219,6 @@ def cot(s: Size, rng: Generator) -> Parts:
         box(inset(s.x, 0.12), (s.back + 0.06, s.back + 0.3), (0.47, 0.54), WHITE, "fabric"),
         *bars,
     )
-
-
-def _steps(low: float, high: float, count: int) -> list[float]:
-    return [low + i * (high - low) / (count - 1) for i in range(count)]
 
 
 @furniture(

@@ -19,7 +19,7 @@ from worlds.furniture.palette import (
     pick,
 )
 from worlds.furniture.registry import furniture
-from worlds.furniture.shapes import about, ball, box, cylinder, fronts, inset, legs, shelf_unit, split, stocked
+from worlds.furniture.shapes import about, ball, box, cylinder, fronts, inset, legs, shelf_unit, spaced, split, stocked
 from worlds.parts import Part
 
 _ROW = ("kitchen sink", "kitchen counter", "stove", "dishwasher", "fridge")
@@ -292,14 +292,9 @@ def dish_rack(s: Size, rng: Generator) -> Parts:
             pick(rng, (WHITE, *BRIGHT[:3])),
             "ceramic",
         )
-        for x in _spaced(s.left + 0.06, s.right - 0.06, 6)
+        for x in spaced(s.left + 0.06, s.right - 0.06, 6)
     ]
     return (box(s.x, s.y, (0.0, 0.04), STEEL, "metal"), *plates)
-
-
-def _spaced(low: float, high: float, count: int) -> list[float]:
-    """Return `count` evenly spaced numbers from `low` to `high`."""
-    return [low + i * (high - low) / (count - 1) for i in range(count)]
 
 
 @furniture("pot", width=(0.24, 0.34), depth=(0.2, 0.24), height=(0.14, 0.2), rooms={"kitchen": 1.2}, place=OnTop(("stove",)))

@@ -49,6 +49,11 @@ def split(interval: Range, count: int, gap: float = 0.0) -> list[Range]:
     return [(interval[0] + i * step, interval[0] + (i + 1) * step - gap) for i in range(count)]
 
 
+def spaced(low: float, high: float, count: int) -> list[float]:
+    """Return `count` evenly spaced numbers from `low` to `high`; at least 2."""
+    return [low + i * (high - low) / (count - 1) for i in range(count)]
+
+
 def legs(s: Size, top: float, thickness: float, colour: Colour, material: str = "wood", margin: float = 0.02) -> Parts:
     """Return four legs near the corners, from the floor up to the height `top`."""
     x, y = inset(s.x, margin), inset(s.y, margin)

@@ -7,7 +7,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -27,8 +27,6 @@ _ROUNDING_M = 1e-6
 """Tolerance for rounding [m]: lines 0.1 m apart in a file may be slightly more than 0.1 m apart in floating point."""
 _TURN_RAD = 1e-3
 """Least angle between a plan's main direction and the axes at which the plan is turned to the axes [rad]."""
-Lines = Callable[[float], float]
-"""A function from the coordinate of a wall to the coordinate of the common line that the wall belongs to [m]."""
 
 
 def main_direction(rooms: Sequence[DrawnRoom]) -> float:
@@ -70,7 +68,7 @@ def straighten(outlines: Sequence[tuple[DrawnRoom, tuple[Point, ...]]], snap_m: 
     x, y = (_common_lines([at for room in walls for axis, at in room if axis == across], snap_m) for across in (1, 0))
     polygons = []
     for (room, _), around in zip(outlines, walls, strict=True):
-        lines = [(axis, (y if axis == 0 else x)(at)) for axis, at in around]
+        lines = [(axis, (y if axis == 0 else x)[at]) for axis, at in around]
         polygon = _corners(lines)
         if len(polygon) < 4 or abs(_area(polygon)) < _LEAST_AREA_M2:
             raise SpecError(
@@ -107,8 +105,8 @@ def _walls(room: DrawnRoom, corners: Sequence[Point], snap_m: float) -> Iterator
         yield (0, (y0 + y1) / 2) if dx > dy else (1, (x0 + x1) / 2)
 
 
-def _common_lines(values: list[float], snap_m: float) -> Lines:
-    """Group the coordinates of walls, and return the function from the coordinate of a wall to the common line of its group.
+def _common_lines(values: list[float], snap_m: float) -> dict[float, float]:
+    """Group the coordinates of walls, and return the common line of its group for the coordinate of every wall [m].
 
     Neighbouring coordinates in a group differ by at most `snap_m`, and the whole group spans at most 2 `snap_m`.
     """
@@ -118,8 +116,7 @@ def _common_lines(values: list[float], snap_m: float) -> Lines:
             groups[-1].append(value)
         else:
             groups.append([value])
-    lines = {value: _line(group) for group in groups for value in group}
-    return lambda value: lines[value] if value in lines else min(lines.values(), key=lambda line: abs(line - value))
+    return {value: _line(group) for group in groups for value in group}
 
 
 def _line(group: Sequence[float]) -> float:
