@@ -135,8 +135,8 @@ def _explained(problem: ErrorDetails, data: object, schema: dict[str, Any]) -> l
 
 def mistakes_error(source: str, mistakes: Sequence[str]) -> SpecError:
     """Return an error whose message is the first mistake in a file and whose notes are the others; long lines are cut."""
-    room = max(_MAX_LINE - len(source), _MAX_LINE // 2)
-    first, *others = (f"{source}: {textwrap.shorten(mistake, room, placeholder=' ...')}" for mistake in mistakes)
+    length = max(_MAX_LINE - len(source), _MAX_LINE // 2)
+    first, *others = (f"{source}: {textwrap.shorten(mistake, length, placeholder=' ...')}" for mistake in mistakes)
     error = SpecError(first)
     for other in others:
         error.add_note(other)

@@ -89,8 +89,8 @@ def _looking(spec: HouseSpec, **appearance: str | int) -> HouseSpec:
 def _with_climb(storey: StoreySpec, climb: Replacement) -> StoreySpec:
     """Return the storey with another way to climb in its rooms of stairs, of which each keeps its first opening."""
     rooms = [room.model_copy(update={"climb": climb}) if room.label == STAIRS else room for room in storey.rooms]
-    surplus = {place for room in rooms if room.label == STAIRS for place, _ in list(openings_of(storey, room))[1:]}
-    openings = [opening for place, opening in enumerate(storey.openings) if place not in surplus]
+    surplus = {index for room in rooms if room.label == STAIRS for index, _ in list(openings_of(storey, room))[1:]}
+    openings = [opening for index, opening in enumerate(storey.openings) if index not in surplus]
     return storey.model_copy(update={"rooms": tuple(rooms), "openings": tuple(openings)})
 
 

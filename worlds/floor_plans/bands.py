@@ -56,7 +56,7 @@ class BandedStorey:
 
 
 def assign(
-    programmes: Sequence[StoreyProgramme], shell: Shell, room: dict[Band, int], rng: np.random.Generator
+    programmes: Sequence[StoreyProgramme], shell: Shell, lengths: dict[Band, int], rng: np.random.Generator
 ) -> list[BandedStorey]:
     """Choose a band for every run of every storey, and the order of the runs in each band.
 
@@ -67,8 +67,8 @@ def assign(
        that both stay equal. The other steps are skipped.
     2. A single room may go behind the stairs, where no band reaches; on an upper storey only if the storey below has a room
        there, too.
-    3. `distribute` shares the other runs among the bands. On the ground storey the bands have the lengths planned in `room`
-       [cm]; on an upper storey they have the lengths of the storey below, on which they stand.
+    3. `distribute` shares the other runs among the bands. On the ground storey the bands have the planned `lengths` [cm]; on
+       an upper storey they have the lengths of the storey below, on which they stand.
     4. The runs of each band are put in order; the comments in the code give the reason for each step.
     """
     storeys: list[BandedStorey] = []
@@ -78,7 +78,7 @@ def assign(
             continue
         runs = list(programme.runs)
         slot = _take_slot(runs, shell) if k == 0 or storeys[-1].slot else None
-        allowed = dict(room) if k == 0 else _room_above(storeys[-1], shell)
+        allowed = dict(lengths) if k == 0 else _lengths_above(storeys[-1], shell)
         bands = distribute(runs, allowed, shell.depths, _reserved_bands(runs))
         for inside in bands.values():
             # The order along a band is random, except for the rules below. The sorts are stable: they keep the random order
@@ -93,11 +93,11 @@ def assign(
             if shell.at_end and inside:
                 # The last bay touches the spine with a part of its front only; that part must be the host's, for its door.
                 inside[-1] = replace(inside[-1], bays=(*inside[-1].bays[:-1], inside[-1].bays[-1].with_front()))
-        storeys.append(BandedStorey({band: bands.get(band, []) for band in room}, slot))
+        storeys.append(BandedStorey({band: bands.get(band, []) for band in lengths}, slot))
     return storeys
 
 
-def _room_above(storey: BandedStorey, shell: Shell) -> dict[Band, int]:
+def _lengths_above(storey: BandedStorey, shell: Shell) -> dict[Band, int]:
     """Return the bands (rows of rooms) that the storey above this one may have, with their lengths on this storey [cm].
 
     Short bands are left out: `measured` makes a band at least as long as the band above, so the small rooms of a short band

@@ -73,11 +73,11 @@ def lay_out(programmes: Sequence[StoreyProgramme], style: PlanStyle, rng: np.ran
     5. Each storey is drafted in whole centimetres: spine, stairs, rooms (`storey_draft`), then gardens and balconies
        (`outdoors`). The drafts of all storeys are mirrored and rotated in the same random way, and become layouts.
     """
-    depths, room = _topology(programmes, style, rng)
+    depths, lengths = _topology(programmes, style, rng)
     height = float(rng.choice(style.heights_m))
-    stairs, at_end, depths = _stairs(depths, room, style, len(programmes), height, rng)
+    stairs, at_end, depths = _stairs(depths, lengths, style, len(programmes), height, rng)
     shell = Shell(depths, dict.fromkeys(BANDS, 0), stairs, at_end)
-    storeys = assign(programmes, shell, room, rng)
+    storeys = assign(programmes, shell, lengths, rng)
     if not at_end and rng.random() < style.wrapped:
         wrap_round(storeys, shell, rng)
     shell = measured(shell, storeys)
@@ -118,30 +118,30 @@ def _topology(
     if total < 100 * style.winged_m or (total < 4000 and rng.random() > style.wings):
         share = float(rng.choice([0.0, 0.3, 0.5]))
         half = total // 2
-        rooms: dict[Band, int] = {"south": half, "north 0": round(half * share), "north 2": half - round(half * share)}
-        return Depths(spine, south, north), _worth_while(rooms)
+        lengths: dict[Band, int] = {"south": half, "north 0": round(half * share), "north 2": half - round(half * share)}
+        return Depths(spine, south, north), _worth_while(lengths)
     share = float(rng.choice([0.0, 0.5, 0.5, 1.0]))
     main, wing = round(0.33 * total), round(0.17 * total)
-    rooms = {
+    lengths = {
         "south": main, "north 0": round(main * share), "north 2": main - round(main * share), "west": wing, "east": wing,
     }  # fmt: skip
     west, east = draw(style.depth_m), max(draw(style.depth_m), deep if rng.random() < 0.5 else 0)
-    return Depths(spine, south, north, max(150, spine - 10), west, east), _worth_while(rooms)
+    return Depths(spine, south, north, max(150, spine - 10), west, east), _worth_while(lengths)
 
 
-def _worth_while(room: dict[Band, int]) -> dict[Band, int]:
+def _worth_while(lengths: dict[Band, int]) -> dict[Band, int]:
     """Return the planned length of each band (row of rooms) that is long enough for a room, and of the south band."""
-    return {band: length for band, length in room.items() if length > _SHORTEST_BAND or band == "south"}
+    return {band: length for band, length in lengths.items() if length > _SHORTEST_BAND or band == "south"}
 
 
 def _stairs(
-    depths: Depths, room: dict[Band, int], style: PlanStyle, storeys: int, height_m: float, rng: np.random.Generator
+    depths: Depths, lengths: dict[Band, int], style: PlanStyle, storeys: int, height_m: float, rng: np.random.Generator
 ) -> tuple[StairsBay | None, bool, Depths]:
     """Choose the stairs. Return them, whether they stand at the end of the spine (the corridor), and the changed depths.
 
-    The stairs are None in a building of one storey. `depths` are changed to suit the stairs. `room`, the planned length of
-    each band (row of rooms) [cm], is changed in place: stairs in the north push some of the rooms to the south, and with
-    stairs at the end, two north bands may become one.
+    The stairs are None in a building of one storey. `depths` are changed to suit the stairs. `lengths`, the planned lengths
+    of the bands (rows of rooms) [cm], are changed in place: stairs in the north push some of the rooms to the south, and
+    with stairs at the end, two north bands may become one.
     """
     if storeys == 1:
         return None, False, depths
@@ -151,8 +151,8 @@ def _stairs(
         # The cell of these stairs is as wide as the spine, which is therefore wide enough for two flights side by side.
         depths = replace(depths, spine=min(max(depths.spine, 200), 240))
         # Without stairs or a second wing in between, the two north bands would be one.
-        if not depths.cross and "north 0" in room:
-            room["north 2"] = room.get("north 2", 0) + room.pop("north 0")
+        if not depths.cross and "north 0" in lengths:
+            lengths["north 2"] = lengths.get("north 2", 0) + lengths.pop("north 0")
         return stairs_bay("U", rise, depths.spine / 100, flipped), True, depths
     stairs = stairs_bay(kind, rise, flipped=flipped)
     # U-shaped stairs that are almost as deep as the band fill it: the rest would be too shallow to use.
@@ -160,8 +160,8 @@ def _stairs(
         stairs = replace(stairs, length=depths.north)
     if depths.north:
         depths = replace(depths, north=max(depths.north, stairs.depth))
-        room["south"] += stairs.front // 2
+        lengths["south"] += stairs.front // 2
         for band in ("north 0", "north 2"):
-            if band in room:
-                room[band] = max(1, room[band] - stairs.front // 4)
+            if band in lengths:
+                lengths[band] = max(1, lengths[band] - stairs.front // 4)
     return stairs, False, depths

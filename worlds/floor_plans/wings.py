@@ -240,19 +240,19 @@ class Shell:
 
 
 def distribute(
-    runs: Sequence[BayRun], room: dict[Band, int], depths: Depths, kept: dict[int, Band]
+    runs: Sequence[BayRun], lengths: dict[Band, int], depths: Depths, kept: dict[int, Band]
 ) -> dict[Band, list[BayRun]]:
     """Choose a band (a row of rooms along a corridor) for every run (a group of bays that stay side by side).
 
-    `room` has the planned length of every band [cm]. `kept` has the runs whose band is already decided: it maps the index
+    `lengths` has the planned length of every band [cm]. `kept` has the runs whose band is already decided: it maps the index
     of such a run to its band.
 
     The longest runs come first, because they are the hardest to fit. Each run goes to the band with most length left
     after two deductions: twice the length that is missing if the run is too long for the band, and twice the run's
     `_misfit`, which is large if the band is too deep or too shallow for the run's rooms.
     """
-    left = dict(room)
-    bands: dict[Band, list[BayRun]] = {band: [] for band in room}
+    left = dict(lengths)
+    bands: dict[Band, list[BayRun]] = {band: [] for band in lengths}
     order = sorted(range(len(runs)), key=lambda i: -run_width(runs[i], 450))
     for i in order:
         run = runs[i]

@@ -129,17 +129,17 @@ def _spot(
     windows in `placed`.
     """
     for width in widths:
-        rooms = [max(0.0, wall.length - 2 * _CORNER_M - width) for wall in outer]
-        left = t * sum(rooms)
-        for wall, room in zip(outer, rooms, strict=True):
-            if room > 0.0 and left <= room:
+        slacks = [max(0.0, wall.length - 2 * _CORNER_M - width) for wall in outer]
+        left = t * sum(slacks)
+        for wall, slack in zip(outer, slacks, strict=True):
+            if slack > 0.0 and left <= slack:
                 start = wall.low + _CORNER_M + left
                 clear = all(
                     other is not wall or start >= stop + _APART_M or start + width <= begin - _APART_M
                     for other, begin, stop in placed
                 )
                 return (wall, start, start + width) if clear else None
-            left -= room
+            left -= slack
     return None
 
 

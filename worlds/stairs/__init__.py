@@ -1,8 +1,8 @@
 """Stairs: the flights of steps in a house, which are built only where a person can walk them, spiral stairs, and lifts.
 
 `cells` finds the rooms that stairs stand in and the openings that lead to them, `flights` fits straight, L- and U-shaped
-flights into such a room, `spirals` makes spiral stairs, `shafts` finds the doors of spirals and lifts and the way through a
-lift, `geometry` turns the flights into boxes, and `build` combines these for a whole house.
+flights into such a room, `spirals` makes spiral stairs, `shafts` finds the entrances of spirals and lifts and the way
+through a lift, `geometry` turns the flights into boxes, and `build` combines these for a whole house.
 """
 
 import lazy_loader

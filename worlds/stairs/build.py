@@ -42,7 +42,7 @@ from worlds.stairs.cells import (
 )
 from worlds.stairs.flights import INSET_M, MIN_FLIGHT_WIDTH_M, Point, StairsKind, StairsLayout, cell_needed, fit_stairs
 from worlds.stairs.geometry import SLAB_THICKNESS_M, floor_beside_flight, rail_parts, slab_parts
-from worlds.stairs.shafts import check_shafts, door, lift_line
+from worlds.stairs.shafts import check_shafts, entrance, lift_line
 from worlds.stairs.spirals import MIN_FRONT_M, MIN_RADIUS_M, Spiral
 
 APPROACH_M = 0.4
@@ -85,17 +85,17 @@ def build_stairs(spec: HouseSpec, floors_m: Sequence[float]) -> tuple[Stairs, ..
     they need.
     """
     check_shafts(spec)
-    stairs = tuple(_stairs(spec, floors_m, level, place) for level, place in flight_places(spec))
+    stairs = tuple(_stairs(spec, floors_m, level, index) for level, index in flight_places(spec))
     _check_head_room([flight for flight in stairs if flight.kind not in ("spiral", "lift")])
     return stairs
 
 
-def _stairs(spec: HouseSpec, floors_m: Sequence[float], level: int, place: int) -> Stairs:
-    """Build the flight, spiral or lift up from storeys[`level`], in the room with the index `place` on that storey."""
-    room = spec.storeys[level].rooms[place]
+def _stairs(spec: HouseSpec, floors_m: Sequence[float], level: int, index: int) -> Stairs:
+    """Build the flight, spiral or lift up from storeys[`level`], in the room with the given `index` on that storey."""
+    room = spec.storeys[level].rooms[index]
     match room.climb:
         case "flights":
-            return _Site.of(spec, floors_m, level, place).stairs()
+            return _Site.of(spec, floors_m, level, index).stairs()
         case "spiral":
             return _spiral(spec, floors_m, level, room)
         case "lift":
@@ -105,10 +105,10 @@ def _stairs(spec: HouseSpec, floors_m: Sequence[float], level: int, place: int) 
 
 
 def _spiral(spec: HouseSpec, floors_m: Sequence[float], level: int, room: RoomSpec) -> Stairs:
-    """Build the spiral up from storeys[`level`] in `room`. Raises `HouseError` if the room or its doors are unsuitable."""
+    """Build the spiral up from storeys[`level`] in `room`. Raises `HouseError` if the room or an entrance is unsuitable."""
     foot, head = (
-        door(spec, level, room, floors_m[level]),
-        door(spec, level + 1, _above(spec, level, room), floors_m[level + 1]),
+        entrance(spec, level, room, floors_m[level]),
+        entrance(spec, level + 1, _above(spec, level, room), floors_m[level + 1]),
     )
     if (foot.inward != head.inward).any():
         raise HouseError(f"spiral {room.id!r}: its openings are in different sides; valid: all in one side of its room")
@@ -163,9 +163,9 @@ class _Site:
     frame: CellFrame
 
     @staticmethod
-    def of(spec: HouseSpec, floors_m: Sequence[float], level: int, place: int) -> "_Site":
-        """Return the place for the flight up from storeys[`level`], in the room with the index `place` on that storey."""
-        lower, upper, room = spec.storeys[level], spec.storeys[level + 1], spec.storeys[level].rooms[place]
+    def of(spec: HouseSpec, floors_m: Sequence[float], level: int, index: int) -> "_Site":
+        """Return the place for the flight up from storeys[`level`], in the room with the given `index` on that storey."""
+        lower, upper, room = spec.storeys[level], spec.storeys[level + 1], spec.storeys[level].rooms[index]
         above = _above(spec, level, room)
         foot, head = opening_that_leads(spec, level, room, "up"), opening_that_leads(spec, level + 1, above, "down")
         return _Site(

@@ -78,9 +78,9 @@ def _check_skips_no_storey(spec: HouseSpec, level: int, cell: RoomSpec) -> None:
 def flight_places(spec: HouseSpec) -> Iterator[tuple[int, int]]:
     """Yield, for each flight of a house, the index of its lower storey and the index of its room on that storey."""
     for level, lower in enumerate(spec.storeys):
-        for place, room in enumerate(lower.rooms):
+        for index, room in enumerate(lower.rooms):
             if cell_on(spec, level + 1, room) is not None:
-                yield level, place
+                yield level, index
 
 
 def opening_that_leads(spec: HouseSpec, level: int, room: RoomSpec, leads: Leads) -> OpeningSpec:
@@ -90,7 +90,7 @@ def opening_that_leads(spec: HouseSpec, level: int, room: RoomSpec, leads: Leads
     opening does not say to which flight it leads; and if an opening leads in a direction in which no flight goes.
     """
     openings = openings_of(spec.storeys[level], room)
-    found = [opening for place, opening in openings if _leads(spec, level, room, place) == leads]
+    found = [opening for index, opening in openings if _leads(spec, level, room, index) == leads]
     if len(found) == 1:
         return found[0]
     flight = "up from" if leads == "up" else "down from"
@@ -107,18 +107,18 @@ def openings_of(storey: StoreySpec, room: RoomSpec) -> Iterator[tuple[int, Openi
             yield i, opening
 
 
-def _leads(spec: HouseSpec, level: int, room: RoomSpec, place: int) -> Leads:
-    """Return the direction of the flight to which the opening with the index `place` leads.
+def _leads(spec: HouseSpec, level: int, room: RoomSpec, index: int) -> Leads:
+    """Return the direction of the flight to which the opening with the given `index` leads.
 
     Raises `HouseError` if flights go up and down and the spec does not state the direction, or if no flight goes in the
     stated direction.
     """
-    opening = spec.storeys[level].openings[place]
+    opening = spec.storeys[level].openings[index]
     goes = {
         "up": cell_on(spec, level + 1, room) is not None,
         "down": cell_on(spec, level - 1, room) is not None,
     }
-    where = f"storeys[{level}].openings[{place}] ({opening.rooms[0]} - {opening.rooms[1]})"
+    where = f"storeys[{level}].openings[{index}] ({opening.rooms[0]} - {opening.rooms[1]})"
     if opening.leads is None:
         if goes["up"] and goes["down"]:
             raise HouseError(f'{where}: stairs go up and down from here; valid: "leads": "up" or "leads": "down"')

@@ -1,6 +1,6 @@
-"""Shafts, which are cells (rooms of stairs) with a lift or with spiral stairs: their doors, and the way through a lift.
+"""Shafts, which are cells (rooms of stairs) with a lift or with spiral stairs: their entrances, and the way through a lift.
 
-A shaft has one door on each storey, for the way up and for the way down. The platform of a lift fills the cell. It is
+A shaft has one entrance on each storey, for the way up and for the way down. The platform of a lift fills the cell. It is
 wherever the walker is, and is not rendered: on images, a lift is an empty shaft.
 """
 
@@ -17,29 +17,29 @@ from worlds.stairs.cells import BODY_HALF_M, MIN_HEAD_ROOM_M, bounds, cell_on, i
 
 MIN_SHAFT_M = 1.0
 """Least length and width of the shaft of a lift, between the centre lines of its walls [m]."""
-MIN_SHAFT_DOOR_M = 2 * BODY_HALF_M
-"""Least width of the door of a shaft [m]."""
+MIN_SHAFT_ENTRANCE_M = 2 * BODY_HALF_M
+"""Least width of the entrance of a shaft [m]."""
 _INSIDE_M = 0.8
-"""Distance from the lower door at which the walker stands during the ride, if the shaft is deep enough [m]."""
+"""Distance from the lower entrance at which the walker stands during the ride, if the shaft is deep enough [m]."""
 
 
-class Door(NamedTuple):
-    """The door of a shaft on one storey, on the floor."""
+class Entrance(NamedTuple):
+    """The entrance of a shaft on one storey: an opening of any kind that one can walk through, on the floor."""
 
     middle: Float64[np.ndarray, "3"]
-    """Middle of the door in W [m]."""
+    """Middle of the entrance in W [m]."""
     inward: Float64[np.ndarray, "3"]
-    """Unit vector from the door into the cell."""
+    """Unit vector from the entrance into the cell."""
 
     def at(self, depth_m: float) -> Float64[np.ndarray, "3"]:
-        """Return the point in W straight behind the door, `depth_m` inside the cell [m]."""
+        """Return the point in W straight behind the entrance, `depth_m` inside the cell [m]."""
         return self.middle + depth_m * self.inward
 
 
 def lift_line(
     spec: HouseSpec, level: int, cells: tuple[RoomSpec, RoomSpec], floors_m: tuple[float, float], approach_m: float
 ) -> Float64[np.ndarray, "k 3"]:
-    """Return the walking line of a lift in W [m], from outside of the lower door to outside of the upper door.
+    """Return the walking line of a lift in W [m], from outside of the lower entrance to outside of the upper entrance.
 
     Args:
         spec: the house.
@@ -49,7 +49,7 @@ def lift_line(
         approach_m: distance from the cell at which the line begins and ends [m].
 
     Raises:
-        HouseError: the shaft is too small, or a cell has no suitable door.
+        HouseError: the shaft is too small, or a cell has no suitable entrance.
     """
     x0, y0, x1, y1 = bounds(cells[0])
     if min(x1 - x0, y1 - y0) < MIN_SHAFT_M - 1e-6:
@@ -57,7 +57,7 @@ def lift_line(
             f"lift {cells[0].id!r}: its shaft is {x1 - x0:.2f} x {y1 - y0:.2f} m; valid: at least {MIN_SHAFT_M} x "
             f"{MIN_SHAFT_M} m, between the walls' centre lines"
         )
-    foot, head = (door(spec, level + k, cells[k], floors_m[k]) for k in (0, 1))
+    foot, head = (entrance(spec, level + k, cells[k], floors_m[k]) for k in (0, 1))
     stand = foot.at(min(_INSIDE_M, abs(float(foot.inward @ [x1 - x0, y1 - y0, 0.0])) / 2))
     below_exit = head.at(float((stand - head.middle) @ head.inward))
     ride = [stand, stand + [0.0, 0.0, floors_m[1] - floors_m[0]]]
@@ -78,17 +78,17 @@ def check_shafts(spec: HouseSpec) -> None:
                 )
 
 
-def door(spec: HouseSpec, level: int, cell: RoomSpec, floor_m: float) -> Door:
-    """Return the door of a shaft on `storeys[level]`. Raises `HouseError` unless there is one, and it is walkable."""
-    doors = [opening for _, opening in openings_of(spec.storeys[level], cell)]
-    if len(doors) != 1:
+def entrance(spec: HouseSpec, level: int, cell: RoomSpec, floor_m: float) -> Entrance:
+    """Return the entrance of a shaft on `storeys[level]`. Raises `HouseError` unless there is one, and it is walkable."""
+    entrances = [opening for _, opening in openings_of(spec.storeys[level], cell)]
+    if len(entrances) != 1:
         raise HouseError(
-            f"{cell.climb} {cell.id!r} has {len(doors)} openings on storeys[{level}]; valid: one on every storey"
+            f"{cell.climb} {cell.id!r} has {len(entrances)} openings on storeys[{level}]; valid: one on every storey"
         )
-    height = doors[0].gap_m(spec.storeys[level].height_m)[1]
-    if doors[0].width_m < MIN_SHAFT_DOOR_M - 1e-6 or height < MIN_HEAD_ROOM_M - 1e-6:
+    height = entrances[0].gap_m(spec.storeys[level].height_m)[1]
+    if entrances[0].width_m < MIN_SHAFT_ENTRANCE_M - 1e-6 or height < MIN_HEAD_ROOM_M - 1e-6:
         raise HouseError(
-            f"{cell.climb} {cell.id!r}: its opening on storeys[{level}] is {doors[0].width_m:.2f} x {height:.2f} m; "
-            f"valid: at least {MIN_SHAFT_DOOR_M} x {MIN_HEAD_ROOM_M} m"
+            f"{cell.climb} {cell.id!r}: its opening on storeys[{level}] is {entrances[0].width_m:.2f} x {height:.2f} m; "
+            f"valid: at least {MIN_SHAFT_ENTRANCE_M} x {MIN_HEAD_ROOM_M} m"
         )
-    return Door(np.array([*middle(doors[0]), floor_m]), np.array([*inward(level, cell, doors[0]), 0.0]))
+    return Entrance(np.array([*middle(entrances[0]), floor_m]), np.array([*inward(level, cell, entrances[0]), 0.0]))

@@ -1,7 +1,7 @@
-r"""Spiral stairs: a full turn of steps around a pole, from the landing in front of the doors to the landing above it.
+r"""Spiral stairs: a full turn of steps around a pole, from the landing in front of the entrances to the landing above it.
 
-The circle of the steps stands at the far end of the cell. In front of it, a floor across the whole cell leads to the doors,
-which are all in the same side. u and v are the coordinates of `CellFrame`; the arrows point up the stairs.
+The circle of the steps stands at the far end of the cell. In front of it, a floor across the whole cell leads to the
+entrances, which are all in the same side. u and v are the coordinates of `CellFrame`; the arrows point up the stairs.
 
     +------------------+
     |    . - <- - .    |      u
@@ -11,7 +11,7 @@ which are all in the same side. u and v are the coordinates of `CellFrame`; the 
     |    ' |land.| '   |
     +------+-----+-----+
     |      floor       |
-    +--- door ---------+
+    +--- entrance -----+
 """
 
 import math
@@ -27,7 +27,7 @@ MAX_RISER_M = 0.21
 MIN_RADIUS_M = 0.95
 """Least radius of spiral stairs [m]."""
 MIN_FRONT_M = 0.6
-"""Least depth of the floor between the doors and the circle of the steps [m]."""
+"""Least depth of the floor between the entrances and the circle of the steps [m]."""
 _POLE_M = 0.08
 """Radius of the pole [m]."""
 _OUTER_M = 0.35
@@ -45,15 +45,15 @@ class Spiral:
     """Spiral stairs in the coordinates of their cell (the room of the stairs) [m]."""
 
     length: float
-    """Extent of the cell from the doors inwards, between the walls' centre lines [m]."""
+    """Extent of the cell from the entrances inwards, between the walls' centre lines [m]."""
     width: float
-    """Extent of the cell along the side with the doors, between the walls' centre lines [m]."""
+    """Extent of the cell along the side with the entrances, between the walls' centre lines [m]."""
     rise: float
     """Height from floor to floor [m]."""
 
     @property
     def radius(self) -> float:
-        """Radius of the outer edge of the steps [m]: the largest that leaves the floor in front of the doors."""
+        """Radius of the outer edge of the steps [m]: the largest that leaves the floor in front of the entrances."""
         return min(self.width / 2 - INSET_M, (self.length - INSET_M - MIN_FRONT_M) / 2)
 
     @property
@@ -68,7 +68,7 @@ class Spiral:
 
     @property
     def front_m(self) -> float:
-        """Depth of the floor between the side with the doors and the circle of the steps [m]."""
+        """Depth of the floor between the side with the entrances and the circle of the steps [m]."""
         return self.centre[0] - self.radius
 
     @property
@@ -106,7 +106,7 @@ class Spiral:
         return u - radius * math.cos(angle), v + radius * math.sin(angle)
 
     def line(self, foot_v: float, head_v: float) -> list[Point]:
-        """Return the walking line between the doors, whose middles are at `foot_v` and `head_v` along their side [m]."""
+        """Return the walking line between the entrances, whose middles are at `foot_v` and `head_v` along their side [m]."""
         front, middle = self.front_m / 2, self.centre[1]
         below = [(0.0, foot_v), (front, foot_v), (front, middle), self.at(self.walking_radius, 0.0)]
         above = [self.at(self.walking_radius, 0.0), (front, middle), (front, head_v), (0.0, head_v)]
@@ -120,7 +120,7 @@ class Spiral:
         return [line[0], *(b for a, b in pairwise(line) if math.dist(a, b) > 1e-6)]
 
     def floors(self) -> list[Slab]:
-        """Return the floor in front of the doors on the upper storey, and the landing between it and the pole."""
+        """Return the floor in front of the entrances on the upper storey, and the landing between it and the pole."""
         (u, v), half = self.centre, _LANDING_M / 2
         across = (INSET_M, self.width - INSET_M)
         return [

@@ -66,10 +66,10 @@ class Atlas:
         large as the quad; where the quad is larger than the patch, the quad is scaled down to it. `cut`, in [0, 1], is the
         relative position (u, v) of the cut-out within the patch.
         """
-        room = 1.0 - 2 * _MARGIN
+        length = 1.0 - 2 * _MARGIN
         extent = np.maximum(uv_m.max(axis=1, keepdims=True), 1e-9)
-        scale = np.where(whole[:, None, None], room / extent, np.minimum(1.0, room / extent))
-        offset = _MARGIN + cut[:, None] * (room - extent * scale)
+        scale = np.where(whole[:, None, None], length / extent, np.minimum(1.0, length / extent))
+        offset = _MARGIN + cut[:, None] * (length - extent * scale)
         rows = len(self.image) // _PATCH_PX
         row, column = np.divmod(patches, _COLUMNS)
         corner = np.stack([column, rows - 1 - row], axis=-1)[:, None]
