@@ -40,10 +40,10 @@ from worlds.stairs.cells import (
     is_same_cell,
     opening_that_leads,
 )
-from worlds.stairs.flights import INSET_M, MIN_FLIGHT_WIDTH_M, Point, StairsKind, StairsLayout, cell_needed, fit_stairs
+from worlds.stairs.flights import MIN_FLIGHT_WIDTH_M, Point, StairsKind, StairsLayout, cell_needed, fit_stairs
 from worlds.stairs.geometry import SLAB_THICKNESS_M, floor_beside_flight, rail_parts, slab_parts
 from worlds.stairs.shafts import check_shafts, entrance, lift_line
-from worlds.stairs.spirals import MIN_FRONT_M, MIN_RADIUS_M, Spiral
+from worlds.stairs.spirals import Spiral, least_cell
 
 APPROACH_M = 0.4
 """Distance from the room of the stairs at which the walking line begins and ends, outside of the room [m]."""
@@ -116,10 +116,10 @@ def _spiral(spec: HouseSpec, floors_m: Sequence[float], level: int, room: RoomSp
     frame = frame_along("U", room, (x, y), (-y, x))
     spiral = Spiral(frame.length, frame.width, floors_m[level + 1] - floors_m[level])
     if not spiral.is_walkable:
+        length, width = least_cell(spiral.rise)
         raise HouseError(
             f"spiral {room.id!r}: {frame.length:.2f} x {frame.width:.2f} m is too small to rise {spiral.rise:.2f} m; "
-            f"valid: at least {2 * MIN_RADIUS_M + INSET_M + MIN_FRONT_M:.2f} m away from its openings and "
-            f"{2 * MIN_RADIUS_M + 2 * INSET_M:.2f} m across, and more for a greater rise"
+            f"valid: at least {length:.2f} m away from its openings and {width:.2f} m across"
         )
     if (head_room := spiral.rise - SLAB_THICKNESS_M) < MIN_HEAD_ROOM_M:
         valid = f"a rise of at least {MIN_HEAD_ROOM_M + SLAB_THICKNESS_M:.2f} m"

@@ -16,7 +16,7 @@ entrances, which are all in the same side. u and v are the coordinates of `CellF
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import count, pairwise
 
 from worlds.parts import Colour, Part
 from worlds.stairs.cells import CellFrame
@@ -149,3 +149,13 @@ class Spiral:
             parts.append(Part("box", (a, b, top - _THICKNESS_M / 2), size, _WOOD, "wood", math.atan2(b - y, a - x)))
         pole = Part("cylinder", (x, y, floor_m + self.rise / 2), (2 * _POLE_M, 2 * _POLE_M, self.rise), _STEEL)
         return (*parts, pole)
+
+
+def least_cell(rise_m: float) -> tuple[float, float]:
+    """Return the least length and width of a cell in which a spiral can rise `rise_m`, in whole centimetres [m].
+
+    The length is measured from the entrances inwards, the width along their side.
+    """
+    diameters = (2 * MIN_RADIUS_M + k / 100 for k in count())
+    cells = ((round(d + INSET_M + MIN_FRONT_M, 2), round(d + 2 * INSET_M, 2)) for d in diameters)
+    return next(cell for cell in cells if Spiral(*cell, rise_m).is_walkable)

@@ -19,7 +19,7 @@ from worlds.presets import sample_house
 from worlds.stairs.build import build_stairs
 from worlds.stairs.cells import MIN_HEAD_ROOM_M
 from worlds.stairs.flights import INSET_M, MIN_TREAD_M
-from worlds.stairs.spirals import MAX_RISER_M, MIN_FRONT_M, Spiral
+from worlds.stairs.spirals import MAX_RISER_M, MIN_FRONT_M, MIN_RADIUS_M, Spiral, least_cell
 from worlds.validation import problems, validate
 from worlds.variant import variant
 from worlds.walkable import Walkable
@@ -117,8 +117,17 @@ def test_a_spiral_is_refused_with_what_is_wrong():
     spec = variant(sample_house("home", 100, clutter=0.0), climb="spiral")
     with pytest.raises(HouseError, match=r"leaves 1.90 m of head room; valid: a rise of at least 2.25 m"):
         build_stairs(spec, [0.0, 2.2])
-    with pytest.raises(HouseError, match=r"too small to rise 4.50 m; valid: at least 2.55 m away") as refused:
-        build_stairs(spec, [0.0, 4.5])
+
+
+@pytest.mark.parametrize("rise", [4.2, 4.5, 6.3])
+def test_a_spiral_in_a_small_cell_is_refused_with_the_least_cell_for_its_rise(rise):
+    spec = variant(sample_house("home", 100, clutter=0.0), climb="spiral")
+    with pytest.raises(HouseError, match=rf"too small to rise {rise:.2f} m; valid: at least ") as refused:
+        build_stairs(spec, [0.0, rise])
     length, width = map(float, re.findall(r"(\d\.\d\d) m (?:away|across)", str(refused.value)))
-    assert Spiral(length, width, 2.4).is_walkable
-    assert not Spiral(length - 0.01, width, 2.4).is_walkable and not Spiral(length, width - 0.01, 2.4).is_walkable
+    assert Spiral(length, width, rise).is_walkable
+    assert not Spiral(length - 0.01, width, rise).is_walkable and not Spiral(length, width - 0.01, rise).is_walkable
+
+
+def test_the_least_cell_of_a_low_spiral_is_as_large_as_its_least_radius():
+    assert least_cell(2.4) == (2 * MIN_RADIUS_M + INSET_M + MIN_FRONT_M, 2 * MIN_RADIUS_M + 2 * INSET_M)
