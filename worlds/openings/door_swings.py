@@ -149,7 +149,6 @@ def _swings_freely(
     In a corridor, people must also be able to pass the tip of the leaf when it stands at a right angle.
     """
     room, swing, standing = rooms[leaf.into], swing_box(door, leaf), resting_box(door, leaf)
-    # In a corridor, people have to pass a leaf that stands square to the wall.
     passing = _PASSING_M if room.label in CIRCULATION_LABELS else 0.0
     needed = _box(door, leaf, -LEAF_THICKNESS_M / 2, door.width, door.width + passing) if passing else swing
     if any(_overlap(needed, wall) or _overlap(swing, wall) for wall in _walls(room)):

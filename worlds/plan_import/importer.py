@@ -225,8 +225,9 @@ def _storeys(drawing: DrawnPlan, rooms: Sequence[RoomSpec]) -> list[StoreySpec]:
     for level in range(count):
         here = tuple(room for room, drawn in zip(rooms, drawing.rooms, strict=True) if drawn.storey == level)
         if not here:
+            above = min(drawn.storey for drawn in drawing.rooms if drawn.storey > level)
             raise SpecError(
-                f"has no rooms on storey {level}, but on one above; valid: storeys numbered from 0 without a gap"
+                f"storey {level} has no rooms, but storey {above} has; valid: storeys numbered from 0 without a gap"
             )
         height_m = heights.get(level, 2.6)
         storeys.append(validated(f"storey_heights_m[{level}]", StoreySpec, rooms=here, height_m=height_m))

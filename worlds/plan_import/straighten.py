@@ -62,7 +62,7 @@ def straighten(outlines: Sequence[tuple[DrawnRoom, tuple[Point, ...]]], snap_m: 
     """Return rectilinear, counter-clockwise polygons for outlines that have been turned to the axes.
 
     Raises `SpecError`, which names the room, if a wall runs along neither x nor y, if a room has too few corners, and if
-    nothing is left of a room once its corners have moved to common lines.
+    nothing, or too small an area, is left of a room once its corners have moved to common lines.
     """
     walls = [list(_walls(room, corners, snap_m)) for room, corners in outlines]
     x, y = (_common_lines([at for room in walls for axis, at in room if axis == across], snap_m) for across in (1, 0))
@@ -70,11 +70,13 @@ def straighten(outlines: Sequence[tuple[DrawnRoom, tuple[Point, ...]]], snap_m: 
     for (room, _), around in zip(outlines, walls, strict=True):
         lines = [(axis, (y if axis == 0 else x)[at]) for axis, at in around]
         polygon = _corners(lines)
-        if len(polygon) < 4 or abs(_area(polygon)) < _LEAST_AREA_M2:
+        if len(polygon) < 4:
             raise SpecError(
                 f"{room.where}: nothing is left of the room once its corners have snapped to common lines; "
-                f"valid: at least {_LEAST_AREA_M2} m² that are wider than {snap_m} m"
+                f"valid: a room wider than {snap_m} m"
             )
+        if (area := abs(_area(polygon))) < _LEAST_AREA_M2:
+            raise SpecError(f"{room.where}: has an area of {area:.3g} m²; valid: at least {_LEAST_AREA_M2} m²")
         polygons.append(polygon if _area(polygon) > 0 else polygon[::-1])
     return polygons
 

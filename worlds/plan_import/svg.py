@@ -54,7 +54,7 @@ _MAX_CHARACTERS = 1_000_000
 _Meaning: TypeAlias = tuple[SvgShape, str | None, OpeningKind | None]
 """A shape, its label if it is a room, and its kind if it is an opening. Either the label or the kind is None."""
 _NAMELESS = "they name neither a label nor a kind"
-_UNSUITABLE = "the label or kind that they or their group name does not suit shapes like these"
+_UNSUITABLE = "such shapes cannot be what their name, or their group's name, says"
 _UNCLEAR = "several shapes could be the room that their group names"
 _PAGE = re.compile(r"\s*[\d.]+\s*(?:mm|cm|in|pt|pc)\s*")
 

@@ -70,7 +70,10 @@ def check_shafts(spec: HouseSpec) -> None:
     for level, storey in enumerate(spec.storeys):
         for room in storey.rooms:
             if room.climb != "flights" and room.label != STAIRS:
-                raise HouseError(f"room {room.id!r} ({room.label}) has a {room.climb}; valid: in rooms of {STAIRS}")
+                raise HouseError(
+                    f"room {room.id!r} is labelled {room.label!r} but has climb {room.climb!r}; "
+                    f"valid: climb only in rooms labelled {STAIRS!r}"
+                )
             above = cell_on(spec, level + 1, room)
             if above is not None and above.climb != room.climb:
                 raise HouseError(

@@ -329,7 +329,7 @@ def test_an_opening_with_another_closed_outline_is_refused(tmp_path):
     assert "<path> 'door' on line 1: is a closed shape with 3 corners; valid: " in message
 
 
-UNSUITABLE = "the label or kind that they or their group name does not suit shapes like these"
+UNSUITABLE = "such shapes cannot be what their name, or their group's name, says"
 INKSCAPE = 'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" width="210mm" height="297mm" viewBox="0 0 210 297"'
 
 
@@ -625,7 +625,18 @@ def test_a_name_may_be_as_long_as_a_file(character):
         ([room("gym", LEFT), room("office", [[3, 0], [8, 0], [8, 3], [3, 3]]), DOOR], "overlap"),
         ([room("gym", LEFT), room("office", [[9, 0], [12, 0], [12, 3], [9, 3]])], "not reachable"),
         ([room("gym", LEFT, storey=9)], "features[0]: storey '9'; valid: 0 (the lowest) to 7"),
-        ([room("gym", LEFT, storey=1)], "no rooms on storey 0"),
+        (
+            [room("gym", LEFT, storey=1)],
+            "storey 0 has no rooms, but storey 1 has; valid: storeys numbered from 0 without a gap",
+        ),
+        (
+            [room("pantry", [[0, 0], [0.5, 0], [0.5, 0.45], [0, 0.45]]), room("gym", LEFT)],
+            "features[0]: has an area of 0.225 m²; valid: at least 0.25 m²",
+        ),
+        (
+            [room("pantry", [[0, 0], [9, 0], [9, 0.051], [0, 0.051]]), room("gym", [[0, 0.05], [9, 0.05], [9, 3], [0, 3]])],
+            "features[0]: nothing is left of the room",
+        ),
         ([{**room("gym", LEFT), "geometry": None}], "features[0]: a room has a geometry of type null; valid: Polygon"),
         ([{**DOOR, "geometry": None}], "features[0]: an opening has a geometry of type null; valid: LineString, Point"),
         (

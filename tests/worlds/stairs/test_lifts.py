@@ -89,7 +89,10 @@ def test_a_lift_is_refused_with_what_is_wrong():
     small = {"polygon_m": ((0.0, 0.0), (0.9, 0.0), (0.9, 2.0), (0.0, 2.0))}
     for wrong, message in [
         (changed(spec, 1, {"climb": "spiral"}), "has the climb 'lift'"),
-        (changed(spec, 1, {"label": "storage room"}), "has a lift; valid: in rooms of stairs"),
+        (
+            changed(spec, 1, {"label": "storage room"}),
+            "is labelled 'storage room' but has climb 'lift'; valid: climb only in rooms labelled 'stairs'",
+        ),
         (changed(spec, 1, None), r"has 0 openings on storeys\[1\]; valid: one"),
         (changed(changed(spec, 0, small), 1, small), rf"is 0.90 x 2.00 m; valid: at least {MIN_SHAFT_M}"),
     ]:
