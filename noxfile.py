@@ -23,6 +23,9 @@ RUNNING = f"{sys.version_info.major}.{sys.version_info.minor}"
 PYTHON = None if RUNNING in SUPPORTED else SUPPORTED[-1]  # None: the interpreter that runs nox
 
 CONSTRAINTS = Path("tests", "constraints.txt")
+TWO_PROCESSES = ("-n", "2", "--dist", "loadfile", "--no-loadscope-reorder")
+"""Options of pytest. Files run in their own order, because xdist would run those with few tests last; some of them are the
+longest, and one process would wait for the other."""
 
 GL_PACKAGES = {"egl": ("libegl1", "libgl1-mesa-dri"), "osmesa": ("libosmesa6",)}
 ENVIRONMENT = {
@@ -53,14 +56,14 @@ def demo(session: nox.Session) -> None:
 @nox.session(venv_backend="none", requires=["env"])
 def tests(session: nox.Session) -> None:
     """All tests but the slow ones."""
-    run(session, "pytest", "-n", "2", "--dist", "loadfile", *session.posargs)
+    run(session, "pytest", *TWO_PROCESSES, *session.posargs)
 
 
 @nox.session(venv_backend="none", requires=["env"])
 def nightly(session: nox.Session) -> None:
     """All tests, the slow ones too, with new random examples, and with the lengths of all axes checked."""
-    options = ["-n", "2", "--dist", "loadfile", "-m", "", "--hypothesis-profile=nightly"]
-    run(session, "pytest", *options, *session.posargs, env={"CHECK_AXES": "1"})
+    options = ["-m", "", "--hypothesis-profile=nightly"]
+    run(session, "pytest", *TWO_PROCESSES, *options, *session.posargs, env={"CHECK_AXES": "1"})
 
 
 @nox.session(venv_backend="none", requires=["env"])

@@ -211,7 +211,10 @@ def test_a_suite_that_cannot_run_is_no_grade_of_a_mutant(errors, monkeypatch):
         (["--only", "no such bug"], "no mutant has this text in its name; valid: part of a name"),
         (["-o", "missing/grades.jsonl"], "missing/grades.jsonl: its folder does not exist; valid: a file in a folder"),
         (["--suite", "prr"], "unknown suite 'prr' (did you mean 'pr'?)"),
-        (["--against", "other.json"], "has no results of the suite pr with seed 0; valid: a file of lexis-sim check"),
+        (
+            ["--suite", "homes", "--against", "other.json"],
+            "has no results of the suite homes with seed 0; valid: a file of lexis-sim check",
+        ),
     ],
     ids=["no mutant", "no folder", "no suite", "other scenarios"],
 )

@@ -21,6 +21,7 @@ from sim.harness.failures.error_kinds import (
     most_frequent,
 )
 from sim.harness.failures.first_wrong import first_wrong
+from sim.harness.reductions import STEPS
 from worlds.presets import sample_from_rooms
 
 BEDROOMS = Scenario(
@@ -133,8 +134,9 @@ def wrong_bedrooms(run):
 
 def test_the_reference_tells_apart_what_has_no_kinds():
     claim = Claim.parse("labels.accuracy < 0.9")
-    slipped = reduce(BEDROOMS, FailureTest(claim, planted(wrong_bedrooms)), deadline_s=1e9)
-    kept = reduce(BEDROOMS, FailureTest(claim, planted(wrong_bedrooms), planted(wrong_labels)), deadline_s=1e9)
+    steps = {name: STEPS[name] for name in ("drop rooms", "shorten the tour")}
+    slipped = reduce(BEDROOMS, FailureTest(claim, planted(wrong_bedrooms)), deadline_s=1e9, steps=steps)
+    kept = reduce(BEDROOMS, FailureTest(claim, planted(wrong_bedrooms), planted(wrong_labels)), deadline_s=1e9, steps=steps)
     mended = FailureTest(claim, planted(wrong_labels))
     assert mended(slipped.scenario) is not None and mended(kept.scenario) is None
     assert kept.of_reference > 0 and "because the reference fails there, too" in kept.note
