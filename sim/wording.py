@@ -1,4 +1,4 @@
-"""Words for messages: lists in sentences (`joined`), counts (`counted`), shares (`percent`), kinds of values (`kind_of`)."""
+"""Words for messages: lists in sentences (`joined`), counts (`counted`), shares (`percent`), names and kinds of values."""
 
 from collections.abc import Sequence
 
@@ -16,6 +16,11 @@ def counted(n: int, noun: str) -> str:
 def percent(share: float) -> str:
     """Return a share in per cent with all its digits: "95%", but "99.5%", which is not 100%."""
     return f"{100 * share:g}%"
+
+
+def qualified_name(value: object) -> str:
+    """Return module and class of an object as options name them: "my_slam:MySlam"."""
+    return f"{type(value).__module__}:{type(value).__qualname__}"
 
 
 def kind_of(value: object) -> str:

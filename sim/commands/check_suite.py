@@ -117,6 +117,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
     if worse:
         print(f"failed: {', '.join(worse)} worse than in {arguments.against}", file=sys.stderr)
     if report.interrupted:
+        print("interrupted: the results are those of the scenarios before Ctrl-C", file=sys.stderr)
         raise KeyboardInterrupt
     if arguments.picture is not None:
         _draw(report, workers, arguments.picture)

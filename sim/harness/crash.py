@@ -18,6 +18,7 @@ from sim.harness.last_run import noted
 from sim.harness.planning import Trial, try_plans
 from sim.harness.runner import Progress, Run
 from sim.harness.scenario import Scenario
+from sim.wording import qualified_name
 
 Runner = Callable[[Scenario, Progress | None], Run]
 """A function that runs the SLAM under test on a scenario. Every call has to create a new SLAM object, because a finished run
@@ -43,7 +44,7 @@ class Crash:
     done: float | None
     """Share of the frames that the SLAM had processed, in [0, 1]; None if the frame is unknown, as with programs."""
     slam: str = ""
-    """Name of the class of the SLAM; "" for programs."""
+    """Module and class of the SLAM; "" for programs."""
 
     @property
     def what(self) -> str:
@@ -129,4 +130,4 @@ def _attempted(finished: Run, act: Callable[[], _Result], *passed_on: type[Excep
         except USER_ERRORS as error:
             if not last.in_slam:
                 raise
-            return Crash(finished.scenario, error, None, type(finished.slam).__name__)
+            return Crash(finished.scenario, error, None, qualified_name(finished.slam))

@@ -9,6 +9,8 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from sim.wording import qualified_name
+
 if TYPE_CHECKING:
     from sim.harness.planning import Trial
     from sim.harness.results import RunResult
@@ -54,8 +56,8 @@ class LastRun:
 
     @property
     def slam_name(self) -> str:
-        """Name of the class of the SLAM; "" without a SLAM."""
-        return "" if self.slam is None else type(self.slam).__name__
+        """Module and class of the SLAM; "" without a SLAM."""
+        return "" if self.slam is None else qualified_name(self.slam)
 
     def evaluated(self, run: "Run", result: "RunResult", trials: "Sequence[Trial]") -> None:
         """Record the figures of a run, unless another run has begun since."""

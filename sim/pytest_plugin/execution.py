@@ -21,6 +21,7 @@ from sim.pytest_plugin.drawn_tests import replay_of_draws
 from sim.pytest_plugin.options import replayed_file
 
 if TYPE_CHECKING:
+    from sim.harness.failures.search import Reference
     from sim.harness.results import RunResult
     from sim.harness.runner import Run
     from sim.harness.scenario import Scenario
@@ -89,8 +90,8 @@ class Execution:
     """What the fixture `run` returns without running the SLAM; None: the result of the SLAM."""
     by_reference: bool = False
     """Whether the fixture `run` runs the SLAM of the fixture `reference_slam` in place of `slam`."""
-    reference: "Run | None" = None
-    """The run of the reference in the same scenario, with which the test passes; None if it was not run."""
+    reference: "Reference | None" = None
+    """The SLAM of the fixture `reference_slam`, in the same scenario; None if it was not run."""
     last: LastRun = field(default_factory=LastRun)
     raised: Raised | None = None
     failure: Reason | None = None
@@ -125,7 +126,8 @@ class Execution:
         from sim.harness.runner import scene_of
 
         if self.run is not None:
-            return str(first_wrong(self.run, self.failure.figure if self.failure else None, self.reference) or "")
+            reference = None if self.reference is None else self.reference.run
+            return str(first_wrong(self.run, self.failure.figure if self.failure else None, reference) or "")
         if self.tested is None or self.crashed_at is None:
             return ""
         return str(crash_frame(scene_of(self.tested), self.crashed_at))

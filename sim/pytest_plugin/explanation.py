@@ -13,6 +13,7 @@ from sim.harness.world_tests import SCENARIO, TEST_REPLAY, StoredWorld
 from sim.pytest_plugin.collection import family_of, name_of, parameters_of, replayed_name
 from sim.pytest_plugin.execution import Execution, Reason
 from sim.pytest_plugin.options import loading_options, out_folder, replayed_file
+from sim.wording import qualified_name
 
 if TYPE_CHECKING:
     from sim.harness.crash import Crash
@@ -28,17 +29,20 @@ def add_text(
     report: pytest.TestReport,
     search: "Search | None" = None,
     problem: Exception | None = None,
+    further: str = "",
 ) -> None:
     """Write the folder of a failure, and add to the report what failed, where, in which folder, and how to replay it.
 
     For a decorated test this text replaces the traceback, unless the user has chosen a style with `--tb`. A test that is not
     decorated keeps its traceback. `search` is the search that found the scenario, if there was one. `problem` is the
-    exception that ended the search without a result.
+    exception that ended the search without a result. `further` is the name of the house in which the test failed, if it is a
+    further one within `--lexis-budget` and not that in the test's id.
     """
     failure, scenario = execution.failure, execution.tested
     assert failure is not None and scenario is not None
     lines = [failure.message, f"    {failure.where}: {failure.statement}"]
-    rest = [] if problem is None else [f"not shrunk: {one_line(f'{type(problem).__name__}: {problem}', 160)}"]
+    rest = [f"house: {further}, a further one within --lexis-budget"] if further else []
+    rest += [] if problem is None else [f"not shrunk: {one_line(f'{type(problem).__name__}: {problem}', 160)}"]
     rest += _lines(item, execution, scenario, search)
     before = search.found if search is not None and search.found != failure.text else ""
     if family_of(item) is not None and item.config.option.tbstyle == "auto":
@@ -75,7 +79,7 @@ def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search
     try:
         place = execution.first_wrong
         lines += [f"first wrong: {place}"] if place else []
-        lines += _about_reference(search)
+        lines += _about_reference(execution) + _about_search(search)
         folder = _folder(item, execution, _outcome(execution, scenario), search)
     except Exception as problem:  # whatever it is, the failure of the test must not be lost
         return [*lines, f"folder: cannot be written: {one_line(f'{type(problem).__name__}: {problem}', 160)}"]
@@ -86,13 +90,22 @@ def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search
     return [*lines, f"folder: {shown}", f"replay: {command}"]
 
 
-def _about_reference(search: "Search | None") -> list[str]:
+def _about_reference(execution: Execution) -> list[str]:
     """Return a line on the SLAM of the fixture `reference_slam`; none without one."""
-    if search is None:
+    reference = execution.reference
+    if reference is None or (reference.run is None and not reference.left_out):
         return []
-    if search.left_out:
-        return [f"note: {search.left_out}"]
-    return [] if search.reference is None else [f"reference: {type(search.reference.slam).__name__} passes in this scenario"]
+    if reference.run is None:
+        return [f"note: {reference.left_out}"]
+    return [f"reference: {qualified_name(reference.run.slam)} passes in this scenario"]
+
+
+def _about_search(search: "Search | None") -> list[str]:
+    """Return a line on how much smaller the scenario has become; none if it has not."""
+    if search is None or not search.reduction.accepted:
+        return []
+    old, new = search.reduction.sizes
+    return [f"shrunk: {old} -> {new}"]
 
 
 def _folder(item: pytest.Item, execution: Execution, outcome: "EvaluatedRun | Crash", search: "Search | None") -> Path:
@@ -101,6 +114,7 @@ def _folder(item: pytest.Item, execution: Execution, outcome: "EvaluatedRun | Cr
     Nothing is written if this folder is being replayed, or if the test itself is in it.
     """
     from sim.harness.failures.failed_test import folder_of, holds_failure, write_failed_test
+    from sim.harness.failures.search import NO_REFERENCE
 
     if _is_in_its_folder(item, outcome.scenario):
         return item.path.parent
@@ -108,7 +122,7 @@ def _folder(item: pytest.Item, execution: Execution, outcome: "EvaluatedRun | Cr
     if replayed is not None and holds_failure(replayed.parent, test, outcome.scenario):
         return replayed.parent
     folder = folder_of(out_folder(item.config), name_of(item), outcome.scenario, parameters_of(item))
-    write_failed_test(folder, test, outcome, search)
+    write_failed_test(folder, test, outcome, search, execution.reference or NO_REFERENCE)
     return folder
 
 

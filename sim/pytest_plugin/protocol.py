@@ -15,7 +15,7 @@ from sim.pytest_plugin.collection import SHARE_S, family_of, is_without_worlds, 
 from sim.pytest_plugin.execution import EXECUTION, Execution, execute, reason_of
 from sim.pytest_plugin.explanation import add_text
 from sim.pytest_plugin.options import SEED, wants_to_shrink
-from sim.pytest_plugin.shrinking import shrunk
+from sim.pytest_plugin.shrinking import reference_of, shrunk
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -29,12 +29,15 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
     original, failed = execution.scenario, next((report for report in reports if report.failed), None)
     if execution.failure is not None and original is not None and failed is not None:  # None: only subtests have failed
         search, problem = None, None
-        if wants_to_shrink(item.config) and not execution.failure.unknown_figure:
-            try:
+        further = execution.world.name if execution.world not in (None, world_of(item)) else ""
+        try:
+            if wants_to_shrink(item.config) and not execution.failure.unknown_figure:
                 execution, search = shrunk(item, nextitem, execution, original)
-            except Exception as error:  # whatever it is, the failure of the test must not be lost
-                problem = error
-        add_text(item, execution, failed, search, problem)
+            if execution.reference is None:
+                execution.reference = reference_of(item, nextitem, original)
+        except Exception as error:  # whatever it is, the failure of the test must not be lost
+            problem = error
+        add_text(item, execution, failed, search, problem, further)
     for report in reports:
         item.ihook.pytest_runtest_logreport(report=report)
     item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)

@@ -28,6 +28,8 @@ def replay(folder: Path, test: str, options: Sequence[str] = ()) -> None:
     with TemporaryDirectory(prefix="lexis-replay-") as work:
         report = Path(work) / "report.xml"
         done = subprocess.run([*command, f"--junitxml={report}"], cwd=top, capture_output=True, text=True, errors="replace")
+        if done.returncode == pytest.ExitCode.USAGE_ERROR and f"not found: {top / test}" in done.stderr:
+            pytest.fail(f"{test} does not exist any more; if it was renamed, delete the folder {folder}", pytrace=False)
         if done.returncode != 0:
             pytest.fail(_failures(report) or done.stdout + done.stderr, pytrace=False)
 

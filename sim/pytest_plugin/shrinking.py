@@ -14,7 +14,7 @@ from sim.pytest_plugin.execution import Execution, execute
 
 if TYPE_CHECKING:
     from sim.harness.failure_signature import Signature
-    from sim.harness.failures.search import Search
+    from sim.harness.failures.search import Reference, Search
     from sim.harness.results import RunResult
     from sim.harness.runner import Run
     from sim.harness.scenario import Scenario
@@ -32,17 +32,21 @@ class _Chosen:
         return self.chosen
 
 
-class _Reference:
+class ReferenceSlam:
     """The SLAM of the fixture `reference_slam`: a smaller scenario counts only if the test passes with it."""
 
     def __init__(self, item: pytest.Item, nextitem: pytest.Item | None) -> None:
         """Leave the reference out if the user has none."""
         self._item, self._nextitem = item, nextitem
         self._is_used, self._is_first = has_own_fixture(item, REFERENCE), True
-        self.left_out = ""
-        """Why the reference is not used, as a sentence; "" if it is used, and without a reference."""
-        self.run: Run | None = None
-        """The last run with which the test passed; None without a reference."""
+        self._left_out = ""
+        self._run: Run | None = None
+
+    def outcome(self) -> "Reference":
+        """Return the last run with which the test passed, or why the reference is left out."""
+        from sim.harness.failures.search import Reference
+
+        return Reference(self._run, self._left_out)
 
     def passes(self, scenario: "Scenario") -> bool:
         """Return whether the test passes with the reference in a scenario; True without a reference.
@@ -54,9 +58,9 @@ class _Reference:
         reports, tried = execute(self._item, self._nextitem, _Chosen(scenario), by_reference=True)
         passed = all(report.passed for report in reports)
         if passed:
-            self.run = tried.run
+            self._run = tried.run
         elif self._is_first:
-            self._is_used, self.left_out = False, self._why_left_out(tried)
+            self._is_used, self._left_out = False, self._why_left_out(tried)
         self._is_first = False
         return passed or not self._is_used
 
@@ -65,6 +69,13 @@ class _Reference:
             return f"{REFERENCE} is not used, because the test does not take run."
         how = "" if tried.failure is None else f": {tried.failure.message.splitlines()[0]}"
         return f"{REFERENCE} is not used, because the test fails with it, too{how}."
+
+
+def reference_of(item: pytest.Item, nextitem: pytest.Item | None, scenario: "Scenario") -> "Reference":
+    """Execute a failing test with the reference in its scenario, if the user has one; see `ReferenceSlam`."""
+    slam = ReferenceSlam(item, nextitem)
+    slam.passes(scenario)
+    return slam.outcome()
 
 
 class _Failure:
@@ -80,7 +91,7 @@ class _Failure:
         self._item, self._nextitem = item, nextitem
         self._signature = _signature(found)
         self.figure = found.failure.figure if found.failure else None
-        self.original, self.reference = OriginalFailure(), _Reference(item, nextitem)
+        self.original, self.reference = OriginalFailure(), ReferenceSlam(item, nextitem)
         self.last = found
 
     def __call__(self, scenario: "Scenario") -> "Signature | None":
@@ -112,7 +123,7 @@ class _Failure:
             return signature.with_other_errors
         if not self.reference.passes(scenario):
             return signature.of_reference
-        tried.reference, self.last = self.reference.run, tried
+        tried.reference, self.last = self.reference.outcome(), tried
         return signature
 
 
@@ -146,8 +157,7 @@ def shrunk(
         _stop(item)
     said = found.failure.text if found.failure else ""
     kinds = "" if smallest.run is None else failure.original.compared(smallest.run, failure.figure)
-    left_out = failure.reference.left_out
-    return smallest, Search(scenario, said, _place(found), kinds, reduction, blamed, smallest.reference, left_out)
+    return smallest, Search(scenario, said, _place(found), kinds, reduction, blamed)
 
 
 def _place(found: Execution) -> str:

@@ -196,7 +196,7 @@ def floors_are_level(run: Run) -> CheckFinding:
     heights = [height[floors == floor] for floor in np.unique(floors[floors >= 0])]
     span = max(float(np.ptp(own)) for own in heights)
     ascend = bool((np.diff([own.mean() for own in heights]) > 0.0).all())
-    text = f"heights on one floor differ by {span:.2g} m; floors with higher numbers are {'' if ascend else 'not '}higher"
+    text = f"heights on one floor differ by {span:.2g} m" + ("" if ascend else "; floors with higher numbers are not higher")
     return CheckFinding(span <= _FLOOR_M and ascend, text)
 
 

@@ -116,7 +116,9 @@ def slam_checks(
     expected = [_Expected.of(pattern, reason, items) for pattern, reason in expected_failures.items()]
 
     @pytest.mark.parametrize("item", parameters)
-    def test(item: Item) -> None:
+    def test(item: object) -> None:
+        if not isinstance(item, Item):
+            raise SimError("slam_checks returns a test and is no decorator; valid: test_slam = slam_checks(MySlam, ...)")
         _report(reports.verdict(item), next((entry for entry in expected if item.name in entry.named), None))
 
     return test

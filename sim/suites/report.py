@@ -222,6 +222,7 @@ class SuiteReport:
             "suite": self.suite.name,
             "seed": self.seed,
             "ok": self.ok,
+            "interrupted": self.interrupted,
             "examined": [each.scenario.content_hash for each in self.examined],
             "checks": [_check_data(each) for each in self.verdicts],
             "means": [_mean_data(each) for each in self.means],

@@ -14,6 +14,7 @@ from sim.harness.crash import Runner
 from sim.harness.failure_signature import FailureTest, Signature
 from sim.harness.failures.failure_folder import LEXIS_REPLAY, Replay, not_reproduced, write_failure
 from sim.harness.failures.why_page import WHY
+from sim.harness.last_run import LastRun, watched
 from sim.harness.outputs import MARKERS
 from sim.harness.reducer import DEADLINE_S, Reduction, reduce
 from sim.harness.reductions import with_listed_house
@@ -56,7 +57,8 @@ def finding_of(part: str, check: str, scenario: Scenario, new_slam: NewSlam | No
     known: dict[str, Check | None] = {COMPLETES: None} | {each.name: each for found in parts for each in found.checks}
     if not parts or check not in known:
         raise SimError(f"no suite has the check {part}: {check}; valid: a check that lexis-sim check --suite prints")
-    return finding(known[check], scenario, new_slam or Lexis)
+    with watched(LastRun()):  # otherwise the pytest plugin would say where the last of several runs first went wrong
+        return finding(known[check], scenario, new_slam or Lexis)
 
 
 def smallest_failure(

@@ -162,7 +162,7 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
         [
             "RuntimeError: lost",
             '    test_slam.py:*: raise RuntimeError("lost")',
-            "SLAM under test: Lost",
+            "SLAM under test: test_slam:Lost",
             "first wrong: in * at 10.0 s: the SLAM raised in process()",
             "folder: kept/test_slam-TestLost-test_lost-*",
             "replay: pytest -p sim.pytest_plugin test_slam.py::TestLost::test_lost --lexis-replay kept/test_slam-*",
@@ -173,7 +173,7 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
         [
             "AssertionError: assert 0.* > 0.99",
             "    test_slam.py:*: assert run.labels.accuracy > float(*",
-            "SLAM under test: Stub",
+            "SLAM under test: test_slam:Stub",
             "first wrong: in * at * s: labelled kitchen, is *",
             "folder: kept/test_slam-test_labels-*",
             "replay: pytest -p sim.pytest_plugin test_slam.py::test_labels --lexis-replay kept/test_slam-test_labels-*",
@@ -189,7 +189,7 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
     assert "RuntimeError: lost" in (lost / "failure-traceback.txt").read_text()
     assert "the SLAM raised in process()" in (lost / "why.md").read_text()
     for page, slam in ((folder, "Stub"), (lost, "Lost")):
-        assert (page / "why.md").read_text().splitlines()[2] == f"SLAM under test: `{slam}`"
+        assert (page / "why.md").read_text().splitlines()[2] == f"SLAM under test: `test_slam:{slam}`"
     claimed = json.loads((folder / "result.json").read_text())
     assert claimed["labels"]["accuracy"] < 0.99 and claimed["scenario"] == folder.name[-16:]
 
@@ -199,7 +199,7 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
             "*_ test_replay _*",
             f"AssertionError: assert {claimed['labels']['accuracy']} > 0.99",
             "    test_slam.py:*: assert run.labels.accuracy > float(*",
-            "SLAM under test: Stub",
+            "SLAM under test: test_slam:Stub",
             "first wrong: in * at * s: labelled kitchen, is *",
             f"folder: *kept/{folder.name}",
             "replay: pytest -p sim.pytest_plugin test_slam.py::test_labels --lexis-replay *",
@@ -212,6 +212,10 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
     shutil.copytree(folder, moved)
     inner("test_slam.py::test_labels", "--lexis-replay", str(moved)).assert_outcomes(passed=1)
     assert len(list(pytester.path.glob("kept/*"))) == 2 and not (pytester.path / ".lexis-failures").exists()
+
+    pytester.makepyfile(test_slam=(SLAM + FAILS).replace("test_labels", "test_names"))
+    told = f"test_slam.py::test_labels does not exist any more; if it was renamed, delete the folder *{folder.name}"
+    inner(str(folder / "test_replay.py")).stdout.fnmatch_lines([told])
 
 
 @pytest.mark.parametrize(
@@ -334,7 +338,7 @@ def test_claims_that_the_harness_refuses_are_shown_at_the_method_that_returned_t
         [
             "sim.errors.ClaimError: estimate: frames has 1000000 in row 0; valid: 0 to *",
             "    test_slam.py:*: def finish(self):",
-            "SLAM under test: Beyond",
+            "SLAM under test: test_slam:Beyond",
         ],
         consecutive=True,
     )
@@ -459,18 +463,27 @@ def test_the_test_passes_with_the_reference_in_the_smallest_scenario(pytester, i
     steps = {name: sim.harness.reductions.STEPS[name] for name in ("drop rooms", "shorten the tour")}
     monkeypatch.setattr(sim.harness.reducer, "reduce", partial(sim.harness.reducer.reduce, steps=steps))
     pytester.makepyfile(test_slam=SLAM + REFERENCE)
-    told, left_out = "reference: Silent passes in this scenario", "note: reference_slam is not used, because the test "
+    told, left_out = (
+        "reference: test_slam:Silent passes in this scenario",
+        "note: reference_slam is not used, because the test ",
+    )
 
     def path_m():
         (folder,) = (pytester.path / ".lexis-failures").iterdir()
         return json.loads((folder / "result.json").read_text())["run"]["path_m"], (folder / "why.md").read_text()
 
     result = inner("-k", "walk")
-    result.stdout.fnmatch_lines(["SLAM under test: Stub", told])
+    result.stdout.fnmatch_lines(["SLAM under test: test_slam:Stub", told])
     walked_m, why = path_m()
     assert walked_m > 10.0
-    assert "The test passes with the reference, `Silent`." in why and "and the reference did not" in why
+    result.stdout.fnmatch_lines(["shrunk: * rooms, * -> * room, *"])
+    assert "The test passes with the reference, `test_slam:Silent`." in why and "and the reference did not" in why
     assert "did not count, because the reference fails there, too." in why
+    place = re.findall("first wrong: .*", result.stdout.str())
+    (folder,) = (pytester.path / ".lexis-failures").iterdir()
+    replayed = inner("-k", "walk", "--lexis-replay", str(folder))
+    replayed.stdout.fnmatch_lines([told])
+    assert re.findall("first wrong: .*", replayed.stdout.str()) == place
 
     shutil.rmtree(pytester.path / ".lexis-failures")
     monkeypatch.setenv("LABELS", "1")
@@ -803,6 +816,7 @@ def test_a_budget_is_spent_on_further_houses_until_one_fails(pytester, inner, li
     result.assert_outcomes(passed=1, failed=1)
     assert result.stdout.str().count("ran\n") == 1
     assert f"assert {seeds[2]} != {seeds[2]}" in result.stdout.str()
+    result.stdout.fnmatch_lines([f"house: *-{seeds[2]}, a further one within --lexis-budget"])
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from pathlib import Path
 from lexis.files.replace import replaced_folder
 from sim.harness.crash import Crash
 from sim.harness.failures.first_wrong import shown_failure
-from sim.harness.failures.search import Search
+from sim.harness.failures.search import NO_REFERENCE, Reference, Search
 from sim.harness.failures.why_page import Page, crash_page, failed_test_page
 from sim.harness.figures import EvaluatedRun
 from sim.harness.outputs import fill_crash_folder, fill_run_folder
@@ -67,7 +67,13 @@ def holds_failure(folder: Path, test: FailedPytest, scenario: Scenario) -> bool:
     )
 
 
-def write_failed_test(folder: Path, test: FailedPytest, outcome: EvaluatedRun | Crash, search: Search | None = None) -> None:
+def write_failed_test(
+    folder: Path,
+    test: FailedPytest,
+    outcome: EvaluatedRun | Crash,
+    search: Search | None = None,
+    reference: Reference = NO_REFERENCE,
+) -> None:
     """Write scenario.json, why.md and test_replay.py, and either the files of `write_run` or the traceback of a crash.
 
     `search` is the search that found the scenario, if there was one. An earlier folder of the same failure is replaced.
@@ -75,8 +81,7 @@ def write_failed_test(folder: Path, test: FailedPytest, outcome: EvaluatedRun | 
     Raises `LexisError` where `folder` holds anything else or cannot be written.
     """
     with replaced_folder(folder, SCENARIO) as new:
-        reference = None if search is None else search.reference
-        for each, content in _page(test, outcome, search).files.items():
+        for each, content in _page(test, outcome, search, reference).files.items():
             (new / each).write_bytes(content)
         if search is not None:
             search.original.save(new / "original.json")
@@ -84,12 +89,12 @@ def write_failed_test(folder: Path, test: FailedPytest, outcome: EvaluatedRun | 
         if isinstance(outcome, Crash):
             fill_crash_folder(outcome, new)
         else:
-            failure = shown_failure(outcome.run, f"{test.name} fails\n{test.message}", test.figure, reference)
+            failure = shown_failure(outcome.run, f"{test.name} fails\n{test.message}", test.figure, reference.run)
             fill_run_folder(outcome.run, outcome.result, outcome.trials, new, failure)
 
 
-def _page(test: FailedPytest, outcome: EvaluatedRun | Crash, search: Search | None) -> Page:
+def _page(test: FailedPytest, outcome: EvaluatedRun | Crash, search: Search | None, reference: Reference) -> Page:
     if isinstance(outcome, Crash):
         reduction, blamed = (None, None) if search is None else (search.reduction, search.blamed)
         return crash_page(f"{test.name} fails", outcome, reduction, blamed)
-    return failed_test_page(test.name, outcome.run, test.figure, test.message, search)
+    return failed_test_page(test.name, outcome.run, test.figure, test.message, search, reference)

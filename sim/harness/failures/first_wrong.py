@@ -77,7 +77,7 @@ def first_wrong(run: Run, figure: str | None = None, reference: Run | None = Non
     kind = "" if figure is None else figure.partition(".")[0]
     found = _found(_SEARCHES[kind], run, reference) if kind in _SEARCHES else None
     if found is None and figure is None and (found := next(_position(run), None)) is not None:
-        found = found._replace(what=f"no label is wrong, {found.what}" if run.estimate.labels is not None else found.what)
+        found = found._replace(what=f"no label is wrong; {found.what}" if run.estimate.labels is not None else found.what)
     if found is None:
         return None
     row, what, since = found

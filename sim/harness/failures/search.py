@@ -1,4 +1,4 @@
-"""The search for the smallest scenario in which a pytest test of the user fails, with all that its page tells."""
+"""What the page of a failed pytest test tells besides its run: the search for the smallest scenario, and the reference."""
 
 from dataclasses import dataclass
 
@@ -6,6 +6,19 @@ from sim.harness.blame_table import BlameTable
 from sim.harness.reducer import Reduction
 from sim.harness.runner import Run
 from sim.harness.scenario import Scenario
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """The SLAM that the user named as one with which the test passes."""
+
+    run: Run | None = None
+    """Its run in the scenario of the failure; None if no such SLAM was named, or if it is not used."""
+    left_out: str = ""
+    """Why it is not used, as a sentence; else empty."""
+
+
+NO_REFERENCE = Reference()
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +36,3 @@ class Search:
     reduction: Reduction
     blamed: BlameTable
     """The changes that mend the failure in the smallest scenario, and the changes that do not."""
-    reference: Run | None = None
-    """The run of a SLAM with which the test passes in the smallest scenario; None if no such SLAM was named or used."""
-    left_out: str = ""
-    """Why the reference that the user named was not used, as a sentence; else empty."""

@@ -11,7 +11,7 @@ from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.failure_signature import FailureTest, Observed
 from sim.harness.failures.claimed_frames import claimed_frames
 from sim.harness.failures.first_wrong import WrongFrame, crash_frame, first_wrong
-from sim.harness.failures.search import Search
+from sim.harness.failures.search import Reference, Search
 from sim.harness.nearest_changes import nearest
 from sim.harness.reducer import Reduction
 from sim.harness.reductions import ScenarioSize, difference, relabelled_rooms
@@ -20,7 +20,7 @@ from sim.harness.slam_under_test import CommandSlam
 from sim.render.image_files import encoded
 from sim.report.frame_picture import FrameClaims, place_image
 from sim.session import Session
-from sim.wording import joined
+from sim.wording import joined, qualified_name
 
 WHY = "why.md"
 _LISTED = 8
@@ -84,6 +84,7 @@ def failed_test_page(
     figure: str | None,
     message: str,
     search: Search | None,
+    reference: Reference,
 ) -> Page:
     """Make the page about a test that fails.
 
@@ -91,31 +92,30 @@ def failed_test_page(
     is what pytest says about the failure, "" if it is not known. `search` is None if no smaller scenario was searched for.
     """
     head = [f"# {name} fails", *_under_test(_name_of(run)), *_quoted(message)]
+    if reference.run is not None:
+        head += ["", f"The test passes with the reference, `{_name_of(reference.run)}`."]
+    head += ["", reference.left_out] if reference.left_out else []
+    place = wrong_frame_page(run, figure, reference.run)
     if search is None:
-        return _page(head, wrong_frame_page(run, figure), (), _WHOLE_RUN)
-    head += _compared_with_original(search, message)
-    sections = _search_sections(search.reduction, search.blamed)
-    return _page(head, wrong_frame_page(run, figure, search.reference), sections, _WHOLE_RUN)
+        return _page(head, place, (), _WHOLE_RUN)
+    head += _compared_with_original(search, message, reference.run is None)
+    return _page(head, place, _search_sections(search.reduction, search.blamed), _WHOLE_RUN)
 
 
-def _compared_with_original(search: Search, message: str) -> Iterator[str]:
-    """Yield lines on the failure in the original scenario, and on the reference."""
+def _compared_with_original(search: Search, message: str, may_be_another: bool) -> Iterator[str]:
+    """Yield lines on the failure in the original scenario. If the smallest one may fail for another reason, they say so."""
     if search.kinds:
         yield from ("", search.kinds)
-    if search.reference is not None:
-        yield from ("", f"The test passes with the reference, `{_name_of(search.reference)}`.")
-    if search.left_out:
-        yield from ("", search.left_out)
     if search.found and search.found != message:
         yield from ("", "In the scenario in which the failure was found, pytest said:", *_quoted(search.found))
-        if search.found_place and not search.kinds and search.reference is None:
+        if search.found_place and not search.kinds and may_be_another:
             yield ""
             yield from _first_place(search.found_place, "`pytest --no-lexis-shrink` shows the failure as it was found.")
 
 
 def _name_of(run: Run) -> str:
-    """Return the name of the class of the SLAM, or the command of a program."""
-    return run.slam.command if isinstance(run.slam, CommandSlam) else type(run.slam).__name__
+    """Return module and class of the SLAM, or the command of a program."""
+    return run.slam.command if isinstance(run.slam, CommandSlam) else qualified_name(run.slam)
 
 
 def _under_test(slam: str) -> list[str]:

@@ -122,7 +122,7 @@ def test_a_slam_that_raises_fails_the_check_and_leaves_a_folder(folder, capsys):
     for _ in range(2):  # the second folder replaces the first
         assert status_of([*words, "--out", "out"]) == 1
     assert "why: out/why.md" in capsys.readouterr().out
-    assert "SLAM under test: `Lost`" in (folder / "out" / "why.md").read_text()
+    assert "SLAM under test: `own_slam_here:Lost`" in (folder / "out" / "why.md").read_text()
     assert Scenario.load(folder / "out" / "scenario.json") == SCENARIO
     with pytest.raises(ZeroDivisionError):
         runpy.run_path(str(folder / "out" / "test_replay.py"))["test_replay"]()

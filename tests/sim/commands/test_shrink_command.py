@@ -104,7 +104,7 @@ def test_a_class_is_shrunk_and_replayed(project, capsys):
     assert shrink("scenario.json", "--slam", "own_slam_to_shrink:Mine", *FAILS, *DROP_ROOMS) == 0
     assert " -> 1 room, " in capsys.readouterr().out
     why = (project / "failure" / "why.md").read_text()
-    assert why.splitlines()[2] == "SLAM under test: `Mine`"
+    assert why.splitlines()[2] == "SLAM under test: `own_slam_to_shrink:Mine`"
     assert "| perfect odometry |" in why and "oracle encoder" not in why
     check_the_replay(project)
 

@@ -121,6 +121,7 @@ def test_results_before_ctrl_c_are_written_and_told(tmp_path, capsys, monkeypatc
     assert main(["check", "--suite", "flat", "--workers", "1", *ODOMETRY, "--json", str(tmp_path / "all.json")]) == 130
     assert "1 of 2 scenarios were examined" in capsys.readouterr().out
     assert len(load_results(tmp_path / "all.json")) == 1
+    assert json.loads((tmp_path / "all.json").read_text())["interrupted"] is True
 
 
 def broken_pipe(*_, **__):

@@ -28,6 +28,14 @@ def test_slam_checks_makes_an_item_for_every_check():
         slam_checks(OdometryOnly, suite=FLAT, expected_failures={"flat: orign": "a typing error"})
 
 
+def test_slam_checks_is_no_decorator():
+    with pytest.raises(SimError, match=r"is no decorator; valid: test_slam = slam_checks\(MySlam"):
+
+        @slam_checks(OdometryOnly, suite=FLAT)
+        def test_slam():
+            """Never called."""
+
+
 def outcome_of(test, name):
     """What pytest reports for one item of `slam_checks`, with its text."""
     item = next(parameter.values[0] for parameter in test.pytestmark[0].args[1] if parameter.id == name)

@@ -27,6 +27,7 @@ from sim.harness import Scenario, reduce, run
 from sim.harness.adapters import OdometryOnly
 from sim.harness.crash import TRACEBACK
 from sim.harness.failures.failure_folder import Replay
+from sim.harness.last_run import noted
 from sim.harness.reductions import STEPS, size
 from sim.suites.checks import CheckFinding
 from sim.suites.examination import COMPLETES, finding
@@ -173,6 +174,14 @@ def test_a_failure_of_a_law_that_does_not_come_back_is_told_and_not_written(tmp_
         "valid: a SLAM that does the same in the same scenario"
     )
     assert not list(tmp_path.iterdir())
+
+
+def test_the_runs_of_a_replayed_check_are_no_run_of_the_test(monkeypatch):
+    """The plugin would otherwise say where the last of them first went wrong, which has nothing to do with the law."""
+    monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": FLAT})
+    with noted() as last:
+        assert finding_of("flat", "origin", OPEN_FLAT, OdometryOnly).holds
+        assert last.run is None and last.scenario is None
 
 
 def test_a_replayed_check_that_no_suite_has_is_refused():

@@ -208,7 +208,7 @@ def test_poses_without_any_error_are_not_said_to_be_wrong(true):
 
 def test_without_a_figure_the_trajectory_counts_once_no_label_is_wrong(true):
     poses = spliced(true.true_poses, 20, step_of(x=-2.0))
-    assert first_wrong(claiming(true, poses)).what.startswith("no label is wrong, from 4.5 s to 5.0 s the estimate moves ")
+    assert first_wrong(claiming(true, poses)).what.startswith("no label is wrong; from 4.5 s to 5.0 s the estimate moves ")
     silent = replace(claiming(true, poses), estimate=Estimate(true.estimate.frames, T_W_B=poses))
     assert first_wrong(silent).what.startswith("from 4.5 s to 5.0 s the estimate moves ")
 
