@@ -9,6 +9,7 @@ from worlds.errors import WorldsError
 from worlds.labels import STAIRS
 from worlds.openings.openness import openness_of
 from worlds.presets import PRESETS, sample_from_rooms, sample_house
+from worlds.validation import built_and_checked
 
 CIRCULATION = ("corridor", "entrance hall", STAIRS)
 
@@ -28,6 +29,13 @@ def test_many_seeds_all_lay_out_and_differ(preset):
     specs = [sample_house(preset, seed) for seed in range(40)]
     assert len({spec.to_json() for spec in specs}) == 40
     assert sample_house(preset, 17).to_json() == specs[17].to_json()
+
+
+@pytest.mark.parametrize("seed", [74840, 156264, 352065, 690126, 795664])
+def test_a_living_room_alone_takes_no_corridor_s_place(seed):
+    spec = sample_house("random", seed)
+    built_and_checked(spec)
+    assert any(label in CIRCULATION for label in labels(spec)) and labels(spec)["living room"] == 1
 
 
 def test_a_home_has_two_storeys_stairs_a_garden_and_open_living():

@@ -31,7 +31,7 @@ def draw_programmes(
 
     1. Draw the labels of the rooms.
     2. A building of several storeys may repeat its upper storeys (`BuildingKind.repeats`).
-    3. A home of one storey with few rooms may have a living room in place of the corridor.
+    3. A home of one storey with few rooms, but not with a living room alone, may have it in place of the corridor.
     4. In all other cases `by_storey` shares the rooms among the storeys, and `programmes_of` groups them on each storey.
     """
     labels = _labels(kind, rooms, storeys, rng)
@@ -40,7 +40,9 @@ def draw_programmes(
         same = _repeating(labels, storeys, hall, kind, rng)
         if same is not None:
             return same, kind.style
-    if storeys == 1 and "living room" in labels and rooms <= 6 and rng.random() < (0.5 if rooms > 3 else 1.0):
+    indoors = [label for label in labels if label not in OUTDOOR_LABELS]
+    small = storeys == 1 and rooms <= 6 and "living room" in labels and len(indoors) > 1
+    if small and rng.random() < (0.5 if rooms > 3 else 1.0):
         return _around_a_living_room(labels, kind, rng)
     return programmes_of(by_storey(labels, storeys, kind.upstairs, rng), kind.habits, hall, rng), kind.style
 

@@ -24,7 +24,8 @@ _SHOWN_BY = " use"
 """Key of the id of the `<use>` that shows an element. It names the element in messages, and may give its storey."""
 _NAMES = ("class", LABEL, "data-label", "data-kind", "data-name", "data-storey")
 _HIDDEN = ("defs", "symbol", "clipPath", "mask", "pattern", "marker")
-_STOREY = re.compile(r"(?:storey|story|floor|level)[ _-]*(\d+)", re.IGNORECASE)
+_STOREY = re.compile(r"(?:storey|story|floor|level)(?:[ _]+(?=-?\d)|[ _-]*(?=\d))(-?\d+)", re.IGNORECASE)
+"""Matches the name of a layer, such as "Floor 1" or "floor-1", which are storey 1, and "Floor -1", which is below."""
 _IS_VISIBLE = {"visible": True, "hidden": False, "collapse": False}
 _WITH_COORDINATES = ("svg", "symbol")
 """Elements that have coordinates of their own if they have one of the attributes `_PLACEMENT`."""

@@ -443,6 +443,15 @@ def test_layers_with_the_number_of_a_storey_too_high_are_refused(tmp_path, layer
     )
 
 
+@pytest.mark.parametrize(
+    ("layer", "storey"),
+    [("level-8", "8"), ("Floor - 8", "8"), ("Floor_8", "8"), ("Floor -1", "-1"), ("storey -2", "-2")],
+)
+def test_a_dash_before_the_number_of_a_layer_separates_it_or_is_a_sign(tmp_path, layer, storey):
+    body = f'{KITCHEN_SVG}<g id="{layer}">{GYM_SVG}</g>'
+    assert f"storey '{storey}'; valid: 0 (the lowest) to 7" in refusal(svg(tmp_path, body))
+
+
 def test_what_is_drawn_once_can_be_used_often(tmp_path):
     body = """
       <defs><rect id="cell" width="300" height="400"/><g id="way"><line class="door" x1="-10" x2="80"/></g></defs>
