@@ -69,16 +69,18 @@ _TRAILING = re.compile(
     r"|in (?:a|this|the|my|our) (?:house|home|flat|building)))+$"
 )
 _NEGATION = _lead_in(
-    rf"not(?: in)?(?= {_THE} )|not(?= \w+$)|no(?= [a-z])",
+    rf"not(?: in)?(?= {_THE} )|not(?= [\w'-]+(?: [\w'-]+)?$)|no(?= [a-z])",
     r"(?:any|every)(?:thing|where) (?:but|except|other than)",
     r"(?:all|any|every)(?: rooms?)? (?:but|except|other than)",
     rf"{_PLACE} (?:without|with no|other than|(?:that|which) (?:is|has) (?:not|no))",
 )
 _NEGATED_PART = re.compile(
-    r"\b(?:without|with no|except|but not|not(?= (?:an?|the|in|my|our) )|no(?= [a-z])|neither|nor)\b"
-    rf"|^(?:(?:where|when|how|why) )?(?:(?:{_WHO}|it|there) )?(?:{_CAN}|am|are|is|was|were) not\b"
+    r"\b(?:without|with no|except|but not|other than|apart from|never|none|nowhere|neither|nor|no(?= [a-z])"
+    r"|(?<!things that are )(?<!stuff that is )not"
+    r"|(?:any|every)(?:thing|where| rooms?) but)\b"
 )
-"""Matches the words that negate a part of a question, or its main clause, as in "I do not want"."""
+"""Matches words that negate what follows them. After a negation of the whole question was removed, any of them is about a
+part of the question."""
 _ARTICLE = re.compile(rf"^{_THE} (?=\w)")
 _ROOM_TO = re.compile(r".*\broom to .* in$")
 _CONTRACTIONS = {
@@ -121,7 +123,7 @@ def read_question(text: str) -> Question:
         raise LexisError("the question is blank; valid: some words")
     content, captions = _strip_lead_ins(plain)
     if negation := _NEGATION.match(content):
-        content, captions = _ARTICLE.sub("", content[negation.end() :], count=1), THING_CAPTIONS
+        content, captions = _ARTICLE.sub("", content[negation.end() :], count=1), captions or THING_CAPTIONS
     if part := _NEGATED_PART.search(content):
         raise LexisError(
             f"the question {text.strip()!r} negates a part of itself by {part[0]!r}, and images do not show what is absent; "

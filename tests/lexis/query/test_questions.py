@@ -103,6 +103,32 @@ def test_a_part_that_is_not_wanted_is_refused_in_a_line(text):
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a room that doesn't have a bathtub", "which room doesn't have a bed", "rooms that don't have a bed",
+        "rooms that aren't bathrooms", "rooms other than the bathroom", "apart from the bathroom",
+        "take me anywhere but the bathroom", "where can't I cook", "a quiet place, not the kitchen",
+    ],
+)  # fmt: skip
+def test_a_room_is_never_found_by_what_is_not_wanted(text):
+    with pytest.raises(LexisError, match="negates a part of itself"):
+        read_question(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "content"),
+    [("not dining room", "dining room"), ("not children's room", "children's room"), ("where can I not cook", "cook")],
+)
+def test_a_negation_may_have_two_words(text, content):
+    question = read_question(text)
+    assert question.negated and question.readings[0][0] == content
+
+
+def test_a_negated_activity_is_still_an_activity():
+    assert read_question("where can I not cook").readings[0] == read_question("where can I cook").readings[0]
+
+
 def test_a_relative_clause_is_no_negation():
     question = read_question("where can I keep things that are not needed")
     assert not question.negated and question.readings[0][0] == "keep things that are not needed"
