@@ -328,8 +328,10 @@ def _plan(arguments: argparse.Namespace) -> int:
 
 
 def _goal(lexis_map: LexisMap, text: str, calibration: Path | None) -> str:
-    """Return `text` if it is one word or names rooms of the map; otherwise, return the name of the room it describes."""
-    if find_rooms(lexis_map.rooms, text) or len(text.split()) < 2:
+    """Return `text` if it is one word or the name of a room that may exist; otherwise, the name of the room it describes."""
+    label, _, number = text.rpartition(" ")
+    is_name = find_rooms(lexis_map.rooms, text) or (number.isdecimal() and find_rooms(lexis_map.rooms, label))
+    if is_name or len(text.split()) < 2:
         return text
     from lexis.query.calibration import find_calibration
     from lexis.query.goals import goal_in_words

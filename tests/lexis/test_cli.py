@@ -168,6 +168,13 @@ def test_a_plan_leads_to_the_room_that_a_description_names(mapped, calibration, 
     assert capsys.readouterr().out == named
 
 
+def test_a_room_with_a_number_that_does_not_exist_is_no_description(mapped, calibration, capsys):
+    command = ["plan", str(mapped), "--from", "kitchen", "--calibration", str(calibration), "--to"]
+    for goal in ("office 7", "office 0", "kitchen 99"):
+        assert cli.main([*command, goal]) == 2
+        assert f"{goal!r}" in capsys.readouterr().err
+
+
 def test_a_description_without_a_calibration_is_no_goal(mapped, capsys):
     assert cli.main(["plan", str(mapped), "--from", "kitchen", "--to", "something green"]) == 2
     assert "need a calibration" in capsys.readouterr().err
