@@ -179,8 +179,10 @@ def type_of(value: object) -> str:
 
 
 def _check_stamp(observation: Observation, where: str) -> None:
-    stamp = observation.stamp
-    if not isinstance(stamp, int | float | np.integer | np.floating):
+    stamp: object = observation.stamp
+    if isinstance(stamp, np.integer | np.floating):
+        stamp = stamp.item()  # the lowest number of numpy's has no absolute value there; durations do not become numbers
+    if not isinstance(stamp, int | float):
         raise ObservationError(f"{where}: stamp {_as_text(stamp)} is no number; valid: a time in seconds")
     if not abs(stamp) < math.inf:
         raise ObservationError(f"{where}: stamp {_as_text(stamp)} s is not finite; valid: a time up to {MAX_STAMP_S:g} s")

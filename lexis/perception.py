@@ -64,7 +64,10 @@ def embedding_of(seen: Image | Percept, encoder: Encoder, size: int | None = Non
     """
     if isinstance(seen, Percept):
         return seen.embedding.astype(np.float32)
-    embedding = encoder.encode_image(seen).astype(np.float32)
+    given: object = encoder.encode_image(seen)
+    if not (isinstance(given, np.ndarray) and given.dtype.kind == "f"):
+        raise EncoderError(f"encoder {encoder.name}: the embedding of an image is {type_of(given)}; valid: float32 (d,)")
+    embedding = given.astype(np.float32)
     if embedding.ndim != 1:
         raise EncoderError(f"encoder {encoder.name}: the embedding of an image has shape {embedding.shape}; valid: (d,)")
     if size is not None and len(embedding) != size:

@@ -199,6 +199,8 @@ def test_a_percept_that_would_cost_the_map_is_refused(image, complaint):
         ("stamp", "0.3"),
         ("stamp", None),
         ("stamp", 2 + 1j),
+        ("stamp", np.timedelta64(3, "s")),
+        ("stamp", np.int64(-(2**63))),
     ],
 )
 def test_arrays_of_another_shape_are_refused(field, value):

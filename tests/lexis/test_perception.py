@@ -82,6 +82,25 @@ def test_an_encoder_that_gives_a_batch_for_an_image_is_refused_at_the_first_imag
         slam.process(observations[0])
 
 
+@pytest.mark.parametrize(
+    ("given", "found"),
+    [
+        (None, "a NoneType"),
+        ([1.0, 0.0, 0.0], "a list"),
+        (np.array([1, 0, 0]), r"int64 \(3,\)"),
+        (np.array(["a"]), "<U1"),
+        (np.array([1j, 0, 0]), "complex128"),
+    ],
+)
+def test_an_encoder_that_gives_no_vector_of_floats_is_refused_at_the_first_image(observations, given, found):
+    class Wrong(MeanColour):
+        encode_image = staticmethod(lambda image: given)
+
+    slam = Slam(FORWARD_CAMERA, Wrong(), ("kitchen", "office"), CONFIG)
+    with pytest.raises(EncoderError, match=f"the embedding of an image is {found}.*; valid: float32"):
+        slam.process(observations[0])
+
+
 def test_an_encoder_whose_images_and_texts_differ_in_length_is_refused_at_the_first_image(observations):
     class Longer(MeanColour):
         def encode_image(self, image):
