@@ -14,6 +14,8 @@ NEAR_M = 0.3
 """Largest distance from a stroke to the wall that it belongs to [m]."""
 _DOOR_M = 0.9
 """Width of an opening if its stroke is only a point, or runs across the wall instead of along it [m]."""
+_SAME_M = 0.05
+"""Largest distance between the ends of two openings that are taken for one [m]."""
 _OVERLAP_M = 0.1
 """Largest overlap of two openings that is taken for an imprecise drawing and removed [m]."""
 
@@ -100,6 +102,13 @@ def _details(stroke: Stroke, rooms: tuple[str, str], names: Mapping[str, str]) -
             raise SpecError(f"{stroke.where}: the door leaf swings into {leaf.get('into')!r}; valid: {' or '.join(rooms)}")
         details["leaf"] = validated(stroke.where, LeafSpec, **{**leaf, "into": into})
     return details
+
+
+def is_drawn_again(opening: OpeningSpec, other: OpeningSpec) -> bool:
+    """Return whether two openings are one that was drawn twice, perhaps in the other direction or not quite alike."""
+    ends, others = (sorted((each.start_m, each.end_m)) for each in (opening, other))
+    same = opening.kind == other.kind and set(opening.rooms) == set(other.rooms)
+    return same and all(math.dist(a, b) <= _SAME_M for a, b in zip(ends, others, strict=True))
 
 
 def without_overlaps(openings: Mapping[OpeningSpec, str]) -> tuple[OpeningSpec, ...]:

@@ -21,7 +21,7 @@ from pathlib import Path
 
 from worlds.errors import SpecError, WorldsError, reworded
 from worlds.plan_import.added_openings import added_openings
-from worlds.plan_import.drawn_openings import opening_on_wall, without_overlaps
+from worlds.plan_import.drawn_openings import is_drawn_again, opening_on_wall, without_overlaps
 from worlds.plan_import.drawn_plan import DrawnPlan, DrawnRoom, Stroke, validated
 from worlds.plan_import.geojson import read_geojson, to_geojson
 from worlds.plan_import.straighten import main_direction, straighten, turned
@@ -208,8 +208,8 @@ def _drawn_openings(
         here = openings.setdefault(stroke.storey, {})
         if opening is None:
             notes.append(f"{stroke.where}: leads out of the house; ignored")
-        elif opening in here:
-            notes.append(f"{stroke.where}: is the same opening as {here[opening]}; ignored")
+        elif (known := next((each for each in here if is_drawn_again(each, opening)), None)) is not None:
+            notes.append(f"{stroke.where}: is the same opening as {here[known]}; ignored")
         else:
             here[opening] = stroke.where
     return {level: without_overlaps(placed) for level, placed in openings.items()}, notes

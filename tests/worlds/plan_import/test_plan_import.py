@@ -693,8 +693,9 @@ def test_openings_that_overlap_are_both_named_as_drawn(tmp_path):
     assert "<line> 'one' on line 1 and <line> 'two' on line 2 overlap by 0.40 m; valid: " in message
 
 
-def test_an_opening_that_is_drawn_twice_counts_once(tmp_path):
-    doors = STROKE.format("one", 50, 140), STROKE.format("two", 50, 140)
+@pytest.mark.parametrize("again", [(50, 140), (140, 50), (53, 138)])
+def test_an_opening_that_is_drawn_twice_counts_once(tmp_path, again):
+    doors = STROKE.format("one", 50, 140), STROKE.format("two", *again)
     once, twice = (import_plan(svg(tmp_path, KITCHEN_SVG + GYM_SVG + "".join(doors[:n]))) for n in (1, 2))
     assert twice.spec == once.spec
     assert twice.notes == ("<line> 'two' on line 1: is the same opening as <line> 'one' on line 1; ignored",)
