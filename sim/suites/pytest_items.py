@@ -69,7 +69,7 @@ class _Expected(NamedTuple):
     def advice(self) -> str:
         """What to do with the entry if one of its items does not fail."""
         if len(self.named) > 1:
-            return f"let {self.pattern!r} in expected_failures name fewer checks"
+            return f"let {self.pattern!r} in expected_failures name fewer checks, or remove it"
         return f"remove {self.pattern!r} from expected_failures"
 
 

@@ -1,6 +1,7 @@
 """The page why.md of a failure: what fails, where the run first went wrong, what mends it, and how to replay it."""
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -20,7 +21,7 @@ from sim.harness.slam_under_test import CommandSlam
 from sim.render.image_files import encoded
 from sim.report.frame_picture import FrameClaims, place_image
 from sim.session import Session
-from sim.wording import joined, qualified_name
+from sim.wording import counted, joined, qualified_name
 
 WHY = "why.md"
 _LISTED = 8
@@ -180,7 +181,22 @@ def wrong_frame_page(run: Run, figure: str | None = None, reference: Run | None 
         return Page((title, "", f"No single frame shows what is wrong with {figure or 'this run'}."), {})
     claims = claimed_frames(run, figure, frame)
     drawn = "".join(_how_drawn(run, frame, claims))
-    return _frame_page(title, run.session, frame, run.scenario.fidelity, claims, drawn, _faults(run))
+    more = [*_frequent_label(run, figure), *_faults(run)]
+    return _frame_page(title, run.session, frame, run.scenario.fidelity, claims, drawn, more)
+
+
+def _frequent_label(run: Run, figure: str | None) -> list[str]:
+    """Return a line on the most frequent wrong label, for figures of labels; no line for other figures."""
+    if run.estimate.labels is None or figure is None or not figure.startswith("labels."):
+        return []
+    names = [*run.room_names, "nothing"]  # the label -1 stands for none
+    pairs = zip(run.true_labels.tolist(), run.estimate.labels.tolist(), strict=True)
+    wrong = Counter((names[truth], names[claim]) for truth, claim in pairs if truth != claim)
+    if not wrong:
+        return []
+    (truth, claim), count = min(wrong.items(), key=lambda item: (-item[1], item[0]))
+    share = f"{count} of {counted(wrong.total(), 'frame')} with a wrong label"
+    return [f"The most frequent wrong label: {truth} is labelled {claim}, in {share}."]
 
 
 def _faults(run: Run) -> list[str]:
@@ -221,9 +237,9 @@ def _frame_page(
     fidelity: Fidelity,
     claims: FrameClaims | None = None,
     how_drawn: str = "",
-    faults: Sequence[str] = (),
+    more: Sequence[str] = (),
 ) -> Page:
-    lines = [title, "", f"{str(frame)[0].upper()}{str(frame)[1:]}.", *faults]
+    lines = [title, "", f"{str(frame)[0].upper()}{str(frame)[1:]}.", *more]
     if frame.similarities:
         lines.append(f"Most similar room names: {', '.join(f'{name} {value:.3f}' for name, value in frame.similarities)}.")
     pictures = {_PLAN: encoded(place_image(session, frame.frame, claims), ".png")}

@@ -1,6 +1,7 @@
 """The folder of a failure: it says why, and its test fails now and passes once the SLAM is mended."""
 
 import runpy
+from collections import Counter
 from dataclasses import replace
 
 import pytest
@@ -69,6 +70,16 @@ def test_without_opengl_the_page_does_without_the_image(failure, monkeypatch):
     page = wrong_frame_page(planted(open_plan)(failure[1].scenario, None), "labels.accuracy")
     assert list(page.pictures) == ["first-wrong-plan.png"]
     assert "The image of the camera is left out: no off-screen OpenGL: install EGL." in page.lines[-1]
+
+
+def test_the_most_frequent_wrong_label_is_named_for_figures_of_labels_only():
+    run = planted(open_plan)(OPEN_FLAT, None)
+    names, pairs = run.room_names, zip(run.true_labels.tolist(), run.estimate.labels.tolist(), strict=True)
+    wrong = Counter((names[truth], names[claim]) for truth, claim in pairs if truth != claim)
+    (said,) = (line for line in wrong_frame_page(run, "labels.accuracy").lines if line.startswith("The most frequent"))
+    counts = {f"{truth} is labelled {claim}, in {count} of {wrong.total()}" for (truth, claim), count in wrong.items()}
+    assert any(each in said for each in counts) and f" in {max(wrong.values())} of " in said
+    assert not any(line.startswith("The most frequent") for line in wrong_frame_page(run, "rooms.pq").lines)
 
 
 def test_faults_are_named_with_the_time_of_their_first_frame():
