@@ -44,7 +44,7 @@ def read_json(text: str, schema: dict[str, Any]) -> object:
     try:
         data = json.loads(text)
         _check_sizes(data, (), schema, schema)
-        json.loads(text, object_pairs_hook=_check_fields)
+        json.loads(text, object_pairs_hook=fields_once)
     except json.JSONDecodeError as error:
         what = error.msg.removesuffix(" at")
         raise SpecError(f"is not JSON: {what} at line {error.lineno} column {error.colno}; {_CONTENTS}") from None
@@ -57,7 +57,7 @@ def read_json(text: str, schema: dict[str, Any]) -> object:
     return data
 
 
-def _check_fields(pairs: list[tuple[str, object]]) -> dict[str, object]:
+def fields_once(pairs: list[tuple[str, object]]) -> dict[str, object]:
     """Return the fields of a JSON object as a dict. Raises `SpecError` for a repeated field, which JSON itself permits."""
     fields = dict(pairs)
     if len(fields) < len(pairs):

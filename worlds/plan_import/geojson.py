@@ -33,6 +33,7 @@ from worlds.plan_import.drawn_plan import (
     storey_of,
 )
 from worlds.spec import HouseSpec, OpeningSpec, Point
+from worlds.spec_errors import fields_once
 
 _DETAILS = ("height_m", "sill_m", "leaf", "leads")
 _FARTHEST_M = 1e8
@@ -43,7 +44,7 @@ _PROPERTIES = ("label", "name", "storey", "kind", "climb", *_DETAILS)
 def read_geojson(text: str, metres_per_unit: float) -> DrawnPlan:
     """Read a plan from GeoJSON. Raises `SpecError` if `text` is no FeatureCollection, or if a feature is invalid."""
     try:
-        return _drawing(json.loads(text), metres_per_unit)
+        return _drawing(json.loads(text, object_pairs_hook=fields_once), metres_per_unit)
     except RecursionError:  # raised by the JSON reader, or by a message that shows a deeply nested value
         raise SpecError("is nested too deeply; valid: GeoJSON") from None
     except SpecError:

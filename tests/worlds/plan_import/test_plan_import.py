@@ -693,6 +693,12 @@ def test_openings_that_overlap_are_both_named_as_drawn(tmp_path):
     assert "<line> 'one' on line 1 and <line> 'two' on line 2 overlap by 0.40 m; valid: " in message
 
 
+def test_a_field_that_stands_twice_in_geojson_is_refused(tmp_path):
+    path = tmp_path / "plan.geojson"
+    path.write_text('{"type": "FeatureCollection", "features": [], "features": []}')
+    assert "has the field 'features' 2 times; valid: once" in refusal(path)
+
+
 @pytest.mark.parametrize("again", [(50, 140), (140, 50), (53, 138)])
 def test_an_opening_that_is_drawn_twice_counts_once(tmp_path, again):
     doors = STROKE.format("one", 50, 140), STROKE.format("two", *again)
