@@ -6,8 +6,8 @@ IMAGE_MUTANTS = (
     Mutant(
         "images are passed to the encoder as BGR",
         "perception.py",
-        "encoder.encode_image(seen).astype(np.float32)",
-        "encoder.encode_image(seen[..., ::-1].copy()).copy()",
+        "encoder.encode_image(seen)",
+        "encoder.encode_image(seen[..., ::-1].copy())",
     ),
     Mutant(
         "the pose of the camera on the body is forgotten in the triangulation",
@@ -54,14 +54,14 @@ IMAGE_MUTANTS = (
     Mutant(
         "bright pixels overflow when the image is amplified",
         "perception.py",
-        "encoder.encode_image(seen).astype(np.float32)",
-        "encoder.encode_image(2 * seen).copy()",
+        "encoder.encode_image(seen)",
+        "encoder.encode_image(2 * seen)",
     ),
     Mutant(
         "images are brightened for dark rooms",
         "perception.py",
-        "encoder.encode_image(seen).astype(np.float32)",
-        "encoder.encode_image(np.minimum(2.0 * seen, 255.0).astype(np.uint8)).copy()",
+        "encoder.encode_image(seen)",
+        "encoder.encode_image(np.minimum(2.0 * seen, 255.0).astype(np.uint8))",
     ),
     Mutant(
         "the embedding of a percept is kept without a copy",
