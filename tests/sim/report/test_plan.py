@@ -83,8 +83,10 @@ def test_marks_widen_a_drawing_but_only_so_far(plan):
     np.testing.assert_allclose(wider.low, drawing.low)
 
 
-def test_nothing_but_the_camera_of_a_failure_is_painted_over_wrong_keyframes():
-    assert list(STYLES)[-2:] == ["wrong", "camera"]
+def test_nothing_is_painted_over_wrong_keyframes_and_the_camera_hides_no_claim():
+    order = list(STYLES)
+    assert order[-1] == "wrong" and order.index("camera") < order.index("wrong-claim") < order.index("claim")
+    assert STYLES["camera"].radius > STYLES["wrong-claim"].radius
 
 
 def test_labels_have_colours_of_their_own():
