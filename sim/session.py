@@ -11,7 +11,7 @@ from lexis.types import Camera, Image, Observation, Percept
 from lexis.verification import Verifier, verify
 from sim.errors import SimError
 from sim.faults import Fault, corrupted
-from sim.faults.images import ImageFault, Smear
+from sim.faults.images import OF_IMAGES
 from sim.feature_sensor.sensor import FeatureSensor, SensedTour
 from sim.odometry.simulation import Odometry
 from sim.prefetch import prefetched
@@ -97,7 +97,7 @@ class Session:
     @property
     def faults_of_images(self) -> tuple[str, ...]:
         """Names of the faults that change images after they were rendered; `pictures` does not show them."""
-        return tuple(fault.name for fault in self.faults if isinstance(fault, ImageFault | Smear))
+        return tuple(fault.name for fault in self.faults if isinstance(fault, OF_IMAGES))
 
     def pictures(self, frames: Sequence[int]) -> list[Image]:
         """Render the first camera's images of some frames of the tour, without the faults `faults_of_images`.

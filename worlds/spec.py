@@ -48,6 +48,8 @@ Identifier = Annotated[str, Field(min_length=1, max_length=MAX_ID_LENGTH, patter
 MAX_STOREYS = 8
 """Largest number of storeys of a house."""
 Seed = Annotated[int, Field(ge=0, lt=2**63, description="a seed")]
+Leads = Literal["up", "down"]
+"""Direction of the flight to which an opening to stairs leads."""
 OpeningKind = Literal["door", "cased", "arch", "half wall", "counter", "open"]
 Climb = Literal["flights", "spiral", "lift"]
 PASSABLE: tuple[OpeningKind, ...] = ("door", "cased", "arch", "open")
@@ -127,7 +129,7 @@ class OpeningSpec(_Data):
         default=1.0, description="lower end of the gap above the floor [m]; used for half wall and counter only"
     )
     leaf: LeafSpec | None = Field(default=None, description="leaf of a door; absent: a doorway without one")
-    leads: Literal["up", "down"] | None = Field(
+    leads: Leads | None = Field(
         default=None, description="for an opening to stairs: whether it leads to the flight up from this storey or down"
     )
 

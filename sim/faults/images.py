@@ -129,6 +129,10 @@ class Smear(SpanFault):
         return np.asarray(np.rint(image + covered * (greasy - image)), np.uint8)
 
 
+OF_IMAGES = (ImageFault, Smear)
+"""The faults that change images after they were rendered."""
+
+
 @lru_cache(maxsize=4)
 def _patches(height: int, width: int, share: float, seed: int) -> Float32[np.ndarray, "h w 1"]:
     """Return, for each pixel, how much of its light passes through grease, from 0 to 1.

@@ -14,7 +14,7 @@ from lexis.files.replace import replaced_file
 from lexis.settings import Settings, settings_data, settings_of
 from sim.errors import SimError
 from sim.faults import FAULTS, Fault
-from sim.faults.images import ImageFault, Smear
+from sim.faults.images import OF_IMAGES
 from sim.faults.world import ClosedDoors, Pedestrian
 from sim.fidelity import ORACLE, Fidelity
 from sim.odometry.config import ODOMETRY_PRESETS
@@ -29,7 +29,7 @@ from worlds.valid_names import did_you_mean
 FORMAT = "lexis-scenario"
 _OWN_FURNITURE = "own_furniture"
 VERSION = 1
-NEEDS_PIXELS = (ImageFault, Smear, ClosedDoors, Pedestrian)
+NEEDS_PIXELS = (*OF_IMAGES, ClosedDoors, Pedestrian)
 """Faults that the feature sensor cannot represent, because it has no pixels and sees no moving doors or people."""
 _FILE = FileKind("a scenario, such as scenario.json in the folder of a run", 16_000_000, SimError)
 

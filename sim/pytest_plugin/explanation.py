@@ -93,11 +93,11 @@ def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search
 def _about_reference(execution: Execution) -> list[str]:
     """Return a line on the SLAM of the fixture `reference_slam`; none without one."""
     reference = execution.reference
-    if reference is None or (reference.run is None and not reference.left_out):
+    if reference is None:
         return []
-    if reference.run is None:
-        return [f"note: {reference.left_out}"]
-    return [f"reference: {qualified_name(reference.run.slam)} passes in this scenario"]
+    if reference.run is not None:
+        return [f"reference: {qualified_name(reference.run.slam)} passes in this scenario"]
+    return [f"note: {reference.left_out}"] if reference.left_out else []
 
 
 def _about_search(search: "Search | None") -> list[str]:

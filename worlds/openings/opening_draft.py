@@ -7,9 +7,8 @@ A draft gives the opening by its extent along its wall, which is easier to compu
 import itertools
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Literal
 
-from worlds.spec import LeafSpec, OpeningKind, OpeningSpec, RoomSpec
+from worlds.spec import Leads, LeafSpec, OpeningKind, OpeningSpec, RoomSpec
 from worlds.walls import Boundary, opening_span, room_edges
 
 Rectangle = tuple[float, float, float, float]
@@ -54,7 +53,7 @@ class OpeningDraft:
     sill: float = 1.0
     """Height of the lower end above the floor, for half walls and counters only [m]."""
     leaf: LeafDraft | None = None
-    leads: Literal["up", "down"] | None = None
+    leads: Leads | None = None
     """For an opening to stairs: whether it leads to the flight up or down; None if the spec does not say this."""
 
     @property

@@ -16,9 +16,9 @@ from worlds.labels import OUTDOOR_LABELS, STAIRS
 from worlds.layout import Link, StoreyLayout
 from worlds.openings.opening_draft import OpeningDraft
 from worlds.openings.placement import MIN_DOOR_M, free_spans, place_openings
-from worlds.spec import PASSABLE, HouseSpec, OpeningSpec, RoomSpec, StoreySpec
+from worlds.spec import PASSABLE, HouseSpec, Leads, OpeningSpec, RoomSpec, StoreySpec
 from worlds.stairs.build import build_stairs
-from worlds.stairs.cells import Bounds, Leads, bounds, flight_places, is_same_cell, opening_that_leads, openings_of
+from worlds.stairs.cells import Bounds, bounds, flight_places, is_same_cell, opening_that_leads, openings_of
 from worlds.stairs.shafts import check_shafts
 from worlds.walls import Boundary, boundaries
 

@@ -5,14 +5,12 @@ A cell is a room of stairs on one storey. The cells of a staircase cover the sam
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
 
 from worlds.errors import HouseError
 from worlds.labels import STAIRS
-from worlds.spec import PASSABLE, HouseSpec, OpeningSpec, RoomSpec, StoreySpec
+from worlds.spec import PASSABLE, HouseSpec, Leads, OpeningSpec, RoomSpec, StoreySpec
 from worlds.stairs.flights import StairsKind
 
-Leads = Literal["up", "down"]
 Bounds = tuple[float, float, float, float]
 MIN_HEAD_ROOM_M = 1.95
 """Least head room above every tread and landing, and least height of the openings to the stairs [m]."""

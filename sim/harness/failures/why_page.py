@@ -11,6 +11,7 @@ from sim.harness.blame_table import BlameTable
 from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.failure_signature import FailureTest, Observed
 from sim.harness.failures.claimed_frames import claimed_frames
+from sim.harness.failures.error_kinds import most_frequent
 from sim.harness.failures.first_wrong import WrongFrame, crash_frame, first_wrong
 from sim.harness.failures.search import Reference, Search
 from sim.harness.nearest_changes import nearest
@@ -191,12 +192,12 @@ def _frequent_label(run: Run, figure: str | None) -> list[str]:
         return []
     names = [*run.room_names, "nothing"]  # the label -1 stands for none
     pairs = zip(run.true_labels.tolist(), run.estimate.labels.tolist(), strict=True)
-    wrong = Counter((names[truth], names[claim]) for truth, claim in pairs if truth != claim)
+    wrong = Counter(f"{names[truth]} is labelled {names[claim]}" for truth, claim in pairs if truth != claim)
     if not wrong:
         return []
-    (truth, claim), count = min(wrong.items(), key=lambda item: (-item[1], item[0]))
-    share = f"{count} of {counted(wrong.total(), 'frame')} with a wrong label"
-    return [f"The most frequent wrong label: {truth} is labelled {claim}, in {share}."]
+    kind = most_frequent(wrong)
+    share = f"{wrong[kind]} of {counted(wrong.total(), 'frame')} with a wrong label"
+    return [f"The most frequent wrong label: {kind}, in {share}."]
 
 
 def _faults(run: Run) -> list[str]:
