@@ -115,7 +115,7 @@ PLACE_MUTANTS = (
         "verified loops are not added to the graph",
         "slam.py",
         "        self._graph.add_loops(verified.edges)",
-        "        del verified",
+        "        self._graph.add_loops(verified.edges[:0])",
     ),
     Mutant(
         "loop candidates of nearly equal probability are ranked at random",
