@@ -52,12 +52,20 @@ BUDGET_HELP = (
     "with --suite: wall time after which no further scenario is begun, such as 12m (default: no limit); one of the last "
     "lines says how many checks could not fail with so few scenarios"
 )
+EXPECT_FAILURE_HELP = (
+    'with --suite: a check that is known to fail, as the output names it, or a pattern such as "revisits: trajectory.*"; it '
+    "does not count as failed, but has to fail; may be repeated"
+)
 REFERENCE_HELP = (
     "with --suite and --out: a SLAM without the failures, such as sim.harness.adapters:Lexis; where it passes, a smaller "
     "scenario counts only if it passes there, too"
 )
 WORKERS_HELP = "with --suite: number of processes (default: all processor cores)"
-_OPTIONS = ("reference", "images", "no_laws", "exitfirst", "json", "against", "limit", "picture", "budget", "workers")
+_OPTIONS = (
+    *("reference", "images", "no_laws", "exitfirst", "json", "against", "limit", "expect_failure", "picture", "budget"),
+    "workers",
+)
+_EXPECTED = "as --expect-failure says"
 _MOST_WORKERS = 256
 
 
@@ -70,6 +78,7 @@ def add_suite(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP)
     parser.add_argument("--against", type=Path, metavar="FILE", help=AGAINST_HELP)
     parser.add_argument("--limit", action="append", type=_limit, metavar="FIGURE=VALUE", help=LIMIT_HELP)
+    parser.add_argument("--expect-failure", action="append", metavar="CHECK", help=EXPECT_FAILURE_HELP)
     parser.add_argument("--picture", type=Path, metavar="FILE", help=PICTURE_HELP)
     parser.add_argument("--budget", type=duration_s, metavar="TIME", help=BUDGET_HELP)
     parser.add_argument("--reference", metavar="MODULE:CLASS", help=REFERENCE_HELP)
@@ -101,15 +110,17 @@ def run_suite(arguments: argparse.Namespace) -> int:
         before.refuse_other_scenarios(runnable(suite, new_slam), arguments.seed)
     with progress_bar("checking by the suite") as progress:
         budget_s = math.inf if arguments.budget is None else arguments.budget
-        report = check_slam(new_slam, suite, arguments.seed, workers, bool(arguments.exitfirst), progress, budget_s)
+        expected = dict.fromkeys(arguments.expect_failure or (), _EXPECTED)
+        stop = bool(arguments.exitfirst)
+        report = check_slam(new_slam, suite, arguments.seed, workers, stop, progress, budget_s, expected)
     comparison = None if before is None else before.compared_with(report)
     worse = () if comparison is None else comparison.worse
     if arguments.json is not None:  # before anything is printed, because the reader of a pipe may close it
         _write_results(report, worse, arguments.json)
     for line in _lines(report, failed_alone=bool(arguments.exitfirst)):
         print(line)
-    for verdict in (*report.failed, *report.failed_means):
-        print(f"failed: {verdict}", file=sys.stderr)
+    for failure in (*report.failed, *report.failed_means, *report.unmet_expectations):
+        print(f"failed: {failure}", file=sys.stderr)
     if comparison is not None:
         print(comparison)
     elif before is not None:
@@ -155,29 +166,35 @@ def _lines(report: "SuiteReport", failed_alone: bool) -> Iterator[str]:
     from sim.suites.figure_table import figure_table
 
     if failed_alone and not report.ok:
-        yield from map(_verdict_line, report.failed)
-        yield from map(_mean_line, report.failed_means)
+        yield from (_verdict_line(verdict, report) for verdict in report.failed)
+        yield from (_mean_line(mean, report) for mean in report.failed_means)
     else:
-        yield from (_verdict_line(verdict) for verdict in report.verdicts if verdict.is_begun)
+        yield from (_verdict_line(verdict, report) for verdict in report.verdicts if verdict.is_begun)
         examined = {each.part for each in report.examined}
         if missing := [part.name for part in report.suite.parts if part.name not in examined]:
             yield f"not examined: {', '.join(missing)}"
-        yield from map(_mean_line, report.means)
+        yield from (_mean_line(mean, report) for mean in report.means)
         yield figure_table(report)
         if report.shortage is not None:
             yield report.shortage
     yield f"{len(report.examined)} of {sum(part.n for part in report.suite.parts)} scenarios were examined"
 
 
-def _verdict_line(verdict: "CheckVerdict") -> str:
+def _verdict_line(verdict: "CheckVerdict", report: "SuiteReport") -> str:
     (held, decided), wanted = verdict.counts, 1.0 if verdict.rate is None else verdict.rate
-    return f"{verdict.outcome:12} {round(held, 2):5g} of {decided:<3} wanted: {percent(wanted):>4}  {verdict.name}"
+    return f"{_outcome(verdict, report):12} {round(held, 2):5g} of {decided:<3} wanted: {percent(wanted):>4}  {verdict.name}"
 
 
-def _mean_line(mean: "SuiteMean") -> str:
+def _outcome(verdict: "CheckVerdict | SuiteMean", report: "SuiteReport") -> str:
+    """Return the outcome as the first word of a line; "expected" for a failure that is expected."""
+    is_expected = verdict.outcome == "fails" and report.expectation(verdict.name) is not None
+    return "expected" if is_expected else verdict.outcome
+
+
+def _mean_line(mean: "SuiteMean", report: "SuiteReport") -> str:
     low, high = mean.verdict.interval
     margin = "" if mean.verdict.mean is None else f"  margin {mean.verdict.mean:+.3g} ({low:+.3g} to {high:+.3g})"
-    return f"{mean.outcome:12} {mean.name}{margin}"
+    return f"{_outcome(mean, report):12} {mean.name}{margin}"
 
 
 def _write_results(report: "SuiteReport", worse: Sequence[str], path: Path) -> None:

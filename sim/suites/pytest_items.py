@@ -6,10 +6,9 @@ from my_slam import MySlam
 test_my_slam = slam_checks(MySlam, suite="pr", expected_failures={"homes: a pause": "the clock is not yet handled"})
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from fnmatch import fnmatchcase
-from types import MappingProxyType, TracebackType
+from types import TracebackType
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -20,25 +19,13 @@ from sim.programs.command import Program
 from sim.suites.catalogue import suite_named
 from sim.suites.checks import NewSlam
 from sim.suites.examination import COMPLETES
-from sim.suites.report import SEED, CheckVerdict, SuiteOutcome, SuiteReport, check_slam, runnable
+from sim.suites.expected_failures import NONE_EXPECTED, ExpectedFailure, expected_failures_of
+from sim.suites.report import SEED, CheckVerdict, SuiteReport, check_slam, runnable
 from sim.suites.suite import Suite, SuitePart
-from sim.wording import kind_of
 from worlds.errors import WorldsError
-from worlds.valid_names import did_you_mean, listed
 
 if TYPE_CHECKING:
     import pytest
-
-_NONE_EXPECTED: Mapping[str, str] = MappingProxyType({})
-_INSTEAD: Mapping[SuiteOutcome, str] = MappingProxyType(
-    {
-        "holds": "it holds now",
-        "undecided": "it is undecided: more scenarios are needed",
-        "not claimed": "it could not be decided in any scenario",
-        "not examined": "no scenario reaches it",
-    }
-)
-"""What an expected failure does instead of failing, by the outcome of its check."""
 
 
 class Item(NamedTuple):
@@ -53,30 +40,10 @@ class Item(NamedTuple):
         return f"{self.part.name}: {self.check}"
 
 
-class _Expected(NamedTuple):
-    """One entry of the expected failures."""
-
-    pattern: str
-    reason: str
-    named: frozenset[str]
-    """The names of the items that the pattern stands for."""
-
-    @classmethod
-    def of(cls, pattern: str, reason: str, items: Sequence[Item]) -> "_Expected":
-        return cls(pattern, reason, frozenset(item.name for item in items if fnmatchcase(item.name, pattern)))
-
-    @property
-    def advice(self) -> str:
-        """What to do with the entry if one of its items does not fail."""
-        if len(self.named) > 1:
-            return f"let {self.pattern!r} in expected_failures name fewer checks, or remove it"
-        return f"remove {self.pattern!r} from expected_failures"
-
-
 def slam_checks(
     new_slam: NewSlam,
     suite: Suite | str = "pr",
-    expected_failures: Mapping[str, str] = _NONE_EXPECTED,
+    expected_failures: Mapping[str, str] = NONE_EXPECTED,
     seed: int = SEED,
 ) -> Callable[..., None]:
     """Make a test that checks a SLAM by a suite; assign it to a name that begins with `test`.
@@ -101,25 +68,19 @@ def slam_checks(
 
     if not isinstance(new_slam, Program):
         check_slam_factory("slam_checks: new_slam", new_slam)
-    if not isinstance(expected_failures, Mapping):
-        raise SimError(
-            f"slam_checks: expected_failures is {kind_of(expected_failures)}; valid: a mapping of 'part: check' to a reason"
-        )
-    _check_reasons(expected_failures)
     chosen = runnable(suite_named(suite), new_slam)
     items = [Item(part, check) for part in chosen.parts for check in (COMPLETES, *(each.name for each in part.checks))]
-    _check_names(expected_failures, items)
+    expected = expected_failures_of("slam_checks", expected_failures, [item.name for item in items])
     marks = {part.name: (_tier(part), pytest.mark.xdist_group(part.name)) for part in chosen.parts}
     parameters = [pytest.param(item, id=item.name, marks=marks[item.part.name]) for item in items]
 
     reports = _Reports(new_slam, chosen, seed)
-    expected = [_Expected.of(pattern, reason, items) for pattern, reason in expected_failures.items()]
 
     @pytest.mark.parametrize("item", parameters)
     def test(item: object) -> None:
         if not isinstance(item, Item):
             raise SimError("slam_checks returns a test and is no decorator; valid: test_slam = slam_checks(MySlam, ...)")
-        _report(reports.verdict(item), next((entry for entry in expected if item.name in entry.named), None))
+        _report(reports.verdict(item), next((entry for entry in expected if item.name in entry.checks), None))
 
     return test
 
@@ -164,7 +125,7 @@ def _tier(part: SuitePart) -> "pytest.MarkDecorator":
     return pytest.mark.render if is_rendered else pytest.mark.features
 
 
-def _report(verdict: CheckVerdict, expected: _Expected | None) -> None:
+def _report(verdict: CheckVerdict, expected: ExpectedFailure | None) -> None:
     """Let an item of pytest pass, fail, fail as expected, or be skipped. `expected` is the entry that names the item."""
     import pytest
 
@@ -173,29 +134,6 @@ def _report(verdict: CheckVerdict, expected: _Expected | None) -> None:
             pytest.xfail(expected.reason)  # with pytest --runxfail, this does nothing
         pytest.fail(str(verdict), pytrace=False)
     if expected is not None:
-        advice = f": {expected.advice}" if verdict.outcome in ("holds", "not claimed") else ""
-        instead = f"{_INSTEAD[verdict.outcome]}{advice}"
-        pytest.fail(f"expected to fail ({expected.reason}), but {instead}\n{verdict}", pytrace=False)
+        pytest.fail(f"{expected.instead(verdict.outcome)}\n{verdict}", pytrace=False)
     if verdict.outcome in ("not claimed", "not examined"):
         pytest.skip(str(verdict))
-
-
-def _check_reasons(expected: Mapping[str, str]) -> None:
-    for pattern, reason in expected.items():
-        if not isinstance(pattern, str):
-            raise SimError(
-                f"slam_checks: expected_failures has the key {pattern!r:.40}; valid: text, such as 'homes: a pause'"
-            )
-        if not isinstance(reason, str) or not reason.strip():
-            raise SimError(
-                f"slam_checks: the reason of {pattern!r:.80} is {reason!r:.40}; valid: text that says why it fails"
-            )
-
-
-def _check_names(expected: Mapping[str, str], items: list[Item]) -> None:
-    names = [item.name for item in items]
-    for pattern in expected:
-        if not any(fnmatchcase(name, pattern) for name in names):
-            meant = [f"{item.part.name}: {pattern}" for item in items if fnmatchcase(item.check, pattern)]
-            guess = f" (did you mean {meant[0]!r}?)" if meant else did_you_mean(pattern, names)
-            raise SimError(f"slam_checks: no check {pattern!r:.80}{guess}; valid: {listed(names, most=10)}")

@@ -19,6 +19,7 @@ from sim.programs.command import Program
 from sim.suites.catalogue import suite_named
 from sim.suites.checks import Check, ClaimCheck, NewSlam
 from sim.suites.examination import COMPLETES, Examination, examinations, jobs_of
+from sim.suites.expected_failures import NONE_EXPECTED, ExpectedFailure, expected_failures_of
 from sim.suites.suite import Suite, SuitePart
 from sim.suites.suite_means import ALL_PARTS, SuiteMean
 from sim.verdicts.rate import RateVerdict
@@ -169,13 +170,15 @@ class CheckVerdict:
 
 @dataclass(frozen=True, eq=False)
 class SuiteReport:
-    """What a suite found out about a SLAM. `ok` says whether no check fails."""
+    """What a suite found out about a SLAM. `ok` says whether no check fails, except those that are expected to."""
 
     suite: Suite
     seed: int
     examined: tuple[Examination, ...]
     interrupted: bool = False
     """Whether Ctrl-C ended the suite before all its scenarios were examined."""
+    expected: tuple[ExpectedFailure, ...] = ()
+    """The checks and means that are expected to fail."""
 
     @cached_property
     def verdicts(self) -> tuple[CheckVerdict, ...]:
@@ -184,8 +187,8 @@ class SuiteReport:
 
     @property
     def failed(self) -> tuple[CheckVerdict, ...]:
-        """The verdicts of the checks that fail."""
-        return tuple(each for each in self.verdicts if each.outcome == "fails")
+        """The verdicts of the checks that fail, and are not expected to."""
+        return tuple(each for each in self.verdicts if each.outcome == "fails" and self.expectation(each.name) is None)
 
     @cached_property
     def means(self) -> tuple[SuiteMean, ...]:
@@ -194,16 +197,39 @@ class SuiteReport:
 
     @property
     def failed_means(self) -> tuple[SuiteMean, ...]:
-        """The verdicts of the claims about means that fail."""
-        return tuple(each for each in self.means if each.outcome == "fails")
+        """The verdicts of the claims about means that fail, and are not expected to."""
+        return tuple(each for each in self.means if each.outcome == "fails" and self.expectation(each.name) is None)
+
+    @property
+    def unmet_expectations(self) -> tuple[str, ...]:
+        """One line about each check and mean that is expected to fail and does not; none until the suite is complete."""
+        if len(self.examined) < sum(part.n for part in self.suite.parts):
+            return ()
+        return tuple(
+            f"{each.name}: {expectation.instead(each.outcome)}"
+            for each in self._all_verdicts()
+            if each.outcome != "fails" and (expectation := self.expectation(each.name)) is not None
+        )
+
+    def expecting(self, reasons: Mapping[str, str]) -> "SuiteReport":
+        """Return the report with other expected failures: the reason for each name or pattern of names.
+
+        Raises `SimError` if a pattern stands for no check and no mean, or if a reason is no text.
+        """
+        names = [each.name for each in self._all_verdicts()]
+        return replace(self, expected=expected_failures_of("check_slam", reasons, names))
+
+    def expectation(self, name: str) -> ExpectedFailure | None:
+        """Return the entry that expects a check or a mean to fail; None without one."""
+        return next((entry for entry in self.expected if name in entry.checks), None)
 
     @property
     def ok(self) -> bool:
-        """Whether no check and no claim about a mean fails.
+        """Whether no check and no claim about a mean fails, except those that are expected to, which all fail.
 
         An undecided check or claim does not count as failed: it would take more scenarios to decide.
         """
-        return not self.failed and not self.failed_means
+        return not self.failed and not self.failed_means and not self.unmet_expectations
 
     @property
     def shortage(self) -> str | None:
@@ -224,13 +250,20 @@ class SuiteReport:
             "ok": self.ok,
             "interrupted": self.interrupted,
             "examined": [each.scenario.content_hash for each in self.examined],
-            "checks": [_check_data(each) for each in self.verdicts],
-            "means": [_mean_data(each) for each in self.means],
+            "checks": [_check_data(each) | self._expected_data(each.name) for each in self.verdicts],
+            "means": [_mean_data(each) | self._expected_data(each.name) for each in self.means],
         }
 
     def __str__(self) -> str:
-        lines = [*map(str, (*self.verdicts, *self.means)), self.shortage]
+        lines = [*map(str, (*self.verdicts, *self.means)), *self.unmet_expectations, self.shortage]
         return "\n".join(line for line in lines if line is not None)
+
+    def _all_verdicts(self) -> tuple[CheckVerdict | SuiteMean, ...]:
+        return *self.verdicts, *self.means
+
+    def _expected_data(self, name: str) -> dict[str, Any]:
+        expectation = self.expectation(name)
+        return {"expected_failure": None if expectation is None else expectation.reason}
 
     def _of_part(self, part: SuitePart) -> Iterator[CheckVerdict]:
         own = sorted((each for each in self.examined if each.part == part.name), key=lambda each: each.number)
@@ -265,6 +298,7 @@ def check_slam(
     stop_at_failure: bool = False,
     progress: Progress | None = None,
     budget_s: float = math.inf,
+    expected_failures: Mapping[str, str] = NONE_EXPECTED,
 ) -> SuiteReport:
     """Check a SLAM by a suite.
 
@@ -281,23 +315,26 @@ def check_slam(
         progress: is called after each scenario with the share of the scenarios that are done, in [0, 1].
         budget_s: wall time after which no further scenario is begun [s]. The parts of a suite take turns, so that an early
             end leaves out scenarios of all parts.
+        expected_failures: the reason for each check or mean that is known to fail, by its name in the report, such as
+            "homes: a pause", or by a pattern such as "revisits: trajectory.*". They do not count as failed. When all
+            scenarios are done, each of them has to fail; otherwise the report is not `ok`, and says why.
 
     Raises:
-        SimError: the suite is unknown, the seed is negative, `workers` is less than 1, `budget_s` is no number, `new_slam`
-            cannot be called without arguments, makes no SLAM or cannot be sent to other processes, or no
-            scenario of a part can be drawn.
+        SimError: the suite or the name of an expected failure is unknown, the seed is negative, `workers` is less than 1,
+            `budget_s` is no number, `new_slam` cannot be called without arguments, makes no SLAM or cannot be sent to other
+            processes, or no scenario of a part can be drawn.
     """
     if not isinstance(new_slam, Program):
         check_slam_factory("check_slam: new_slam", new_slam)
     _check_budget(budget_s)
     chosen, end = runnable(suite_named(suite), new_slam), time.monotonic() + budget_s
     jobs = jobs_of(chosen, seed)
-    report = SuiteReport(chosen, seed, ())
+    report = SuiteReport(chosen, seed, ()).expecting(expected_failures)
     # In a test, the pytest plugin would take the last of these many runs for the run that the test is about.
     try:
         with watched(LastRun()), closing(examinations(jobs, new_slam, workers, end)) as found:
             for each in found:
-                report = SuiteReport(chosen, seed, (*report.examined, each))
+                report = replace(report, examined=(*report.examined, each))
                 if progress is not None:
                     progress(len(report.examined) / len(jobs))
                 if stop_at_failure and not report.ok:
@@ -321,7 +358,7 @@ def _check_budget(budget_s: object) -> None:
         raise SimError(f"check_slam: budget_s is {budget_s!r:.60}; valid: a number of seconds, such as 720")
 
 
-def _check_data(each: CheckVerdict) -> Mapping[str, Any]:
+def _check_data(each: CheckVerdict) -> dict[str, Any]:
     return {
         "part": each.part.name,
         "check": each.check,
@@ -336,7 +373,7 @@ def _check_data(each: CheckVerdict) -> Mapping[str, Any]:
     }
 
 
-def _mean_data(each: SuiteMean) -> Mapping[str, Any]:
+def _mean_data(each: SuiteMean) -> dict[str, Any]:
     low, high = each.verdict.interval
     return {
         "claim": str(each.claim),
