@@ -17,6 +17,7 @@ import numpy as np
 from lexis.errors import one_line
 from sim.errors import SimError
 from sim.fidelity import ORACLE
+from sim.harness.last_run import LastRun, watched
 from sim.harness.results import RunResult
 from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
@@ -117,6 +118,16 @@ def finding(check: Check | None, scenario: Scenario, new_slam: NewSlam) -> Check
     if isinstance(base, CheckFinding):
         return base if check is None else CheckFinding(None, base.measured)
     return CheckFinding(True, "") if check is None else check.examine(base, new_slam)
+
+
+def finding_alone(check: Check | None, scenario: Scenario, new_slam: NewSlam) -> CheckFinding:
+    """Return the `finding` of a test that fails without an exception.
+
+    The pytest plugin does not see the runs of the check, because the last of them may be about a changed scenario; otherwise
+    it would say where this run first went wrong.
+    """
+    with watched(LastRun()):
+        return finding(check, scenario, new_slam)
 
 
 def examinations(

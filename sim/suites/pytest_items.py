@@ -8,6 +8,7 @@ test_my_slam = slam_checks(MySlam, suite="pr", expected_failures={"homes: a paus
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from inspect import signature
 from types import TracebackType
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -17,9 +18,10 @@ from sim.errors import SimError
 from sim.harness.slam_under_test import check_slam_factory
 from sim.programs.command import Program
 from sim.suites.catalogue import suite_named
-from sim.suites.checks import NewSlam
-from sim.suites.examination import COMPLETES
+from sim.suites.checks import Check, CheckFinding, NewSlam
+from sim.suites.examination import COMPLETES, finding_alone
 from sim.suites.expected_failures import NONE_EXPECTED, ExpectedFailure, expected_failures_of
+from sim.suites.failed_items import about_failure, replayed_scenario
 from sim.suites.report import SEED, CheckVerdict, SuiteReport, check_slam, runnable
 from sim.suites.suite import Suite, SuitePart
 from worlds.errors import WorldsError
@@ -39,6 +41,11 @@ class Item(NamedTuple):
         """Part and check, as `expected_failures` names them."""
         return f"{self.part.name}: {self.check}"
 
+    @property
+    def checked(self) -> Check | None:
+        """The check itself; None for the check that the run completes."""
+        return next((each for each in self.part.checks if each.name == self.check), None)
+
 
 def slam_checks(
     new_slam: NewSlam,
@@ -48,11 +55,12 @@ def slam_checks(
 ) -> Callable[..., None]:
     """Make a test that checks a SLAM by a suite; assign it to a name that begins with `test`.
 
-    An item fails if its check fails with the confidence of a suite (`sim.suites.report.CONFIDENCE`). It is skipped, and says
-    why, if the check could not be decided in any scenario, for example because the SLAM does not make the claims that the
-    check is about. The first item of a part runs all scenarios of the part; with pytest-xdist and `--dist loadgroup`, all
-    items of a part run in one process. The verdicts about several parts together, which are means and laws that parts share,
-    have no items: see `check_slam`.
+    An item fails if its check fails with the confidence of a suite (`sim.suites.report.CONFIDENCE`). Its text names a folder
+    with the first scenario in which the check fails, and the command that replays it (`--lexis-replay`); a replay checks
+    this scenario alone. An item is skipped, and says why, if the check could not be decided in any scenario, for example
+    because the SLAM does not make the claims that the check is about. The first item of a part runs all scenarios of the
+    part; with pytest-xdist and `--dist loadgroup`, all items of a part run in one process. The verdicts about several parts
+    together, which are means and laws that parts share, have no items: see `check_slam`.
 
     Args:
         new_slam: makes a SLAM that has not run yet, such as a class that takes no arguments.
@@ -77,11 +85,17 @@ def slam_checks(
     reports = _Reports(new_slam, chosen, seed)
 
     @pytest.mark.parametrize("item", parameters)
-    def test(item: object) -> None:
+    def test(item: object, request: "pytest.FixtureRequest | None" = None) -> None:
         if not isinstance(item, Item):
             raise SimError("slam_checks returns a test and is no decorator; valid: test_slam = slam_checks(MySlam, ...)")
-        _report(reports.verdict(item), next((entry for entry in expected if item.name in entry.checks), None))
+        scenario = None if request is None else replayed_scenario(request.node)
+        if scenario is not None:
+            _report_replay(item, finding_alone(item.checked, scenario, new_slam))
+            return
+        verdict, entry = reports.verdict(item), next((entry for entry in expected if item.name in entry.checks), None)
+        _report(verdict, entry, lambda: "" if request is None else about_failure(request.node, verdict, new_slam))
 
+    test.__signature__ = signature(lambda item, request: None)  # type: ignore[attr-defined]  # pytest skips defaults
     return test
 
 
@@ -125,14 +139,28 @@ def _tier(part: SuitePart) -> "pytest.MarkDecorator":
     return pytest.mark.render if is_rendered else pytest.mark.features
 
 
-def _report(verdict: CheckVerdict, expected: ExpectedFailure | None) -> None:
-    """Let an item of pytest pass, fail, fail as expected, or be skipped. `expected` is the entry that names the item."""
+def _report_replay(item: Item, found: CheckFinding) -> None:
+    """Let an item of pytest pass, fail or be skipped by what its check found in a single scenario."""
+    import pytest
+
+    if found.holds is None:
+        pytest.skip(f"{item.name}: {found.measured}")
+    if not found.holds:
+        pytest.fail(f"{item.name}: {found.measured}", pytrace=False)
+
+
+def _report(verdict: CheckVerdict, expected: ExpectedFailure | None, about_failure: Callable[[], str]) -> None:
+    """Let an item of pytest pass, fail, fail as expected, or be skipped.
+
+    `expected` is the entry that names the item. `about_failure` returns further lines of text about a failure that is not
+    expected.
+    """
     import pytest
 
     if verdict.outcome == "fails":
         if expected is not None:
             pytest.xfail(expected.reason)  # with pytest --runxfail, this does nothing
-        pytest.fail(str(verdict), pytrace=False)
+        pytest.fail(f"{verdict}{about_failure()}", pytrace=False)
     if expected is not None:
         pytest.fail(f"{expected.instead(verdict.outcome)}\n{verdict}", pytrace=False)
     if verdict.outcome in ("not claimed", "not examined"):

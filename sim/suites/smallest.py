@@ -14,7 +14,6 @@ from sim.harness.crash import Runner
 from sim.harness.failure_signature import FailureTest, Signature
 from sim.harness.failures.failure_folder import LEXIS_REPLAY, Replay, not_reproduced, write_failure
 from sim.harness.failures.why_page import WHY
-from sim.harness.last_run import LastRun, watched
 from sim.harness.outputs import MARKERS
 from sim.harness.reducer import DEADLINE_S, Reduction, reduce
 from sim.harness.reductions import with_listed_house
@@ -22,7 +21,7 @@ from sim.harness.scenario import Scenario
 from sim.harness.world_tests import SCENARIO, TEST_REPLAY, slug_of
 from sim.suites import catalogue
 from sim.suites.checks import Check, CheckFinding, ClaimCheck, NewSlam
-from sim.suites.examination import COMPLETES, DIED, finding
+from sim.suites.examination import COMPLETES, DIED, finding, finding_alone
 from sim.suites.report import CheckVerdict
 
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
@@ -57,8 +56,7 @@ def finding_of(part: str, check: str, scenario: Scenario, new_slam: NewSlam | No
     known: dict[str, Check | None] = {COMPLETES: None} | {each.name: each for found in parts for each in found.checks}
     if not parts or check not in known:
         raise SimError(f"no suite has the check {part}: {check}; valid: a check that lexis-sim check --suite prints")
-    with watched(LastRun()):  # otherwise the pytest plugin would say where the last of several runs first went wrong
-        return finding(known[check], scenario, new_slam or Lexis)
+    return finding_alone(known[check], scenario, new_slam or Lexis)
 
 
 def smallest_failure(

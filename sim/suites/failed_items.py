@@ -1,0 +1,79 @@
+"""The folder of a failed item of `slam_checks`, and the replay of the item on the scenario in the folder."""
+
+import shlex
+from os.path import relpath
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lexis.errors import one_line
+from lexis.files.replace import replaced_folder
+from sim.errors import USER_ERRORS
+from sim.harness.failures.failed_test import FailedPytest, folder_of
+from sim.harness.failures.why_page import WHY
+from sim.harness.scenario import Scenario
+from sim.harness.world_tests import SCENARIO, TEST_REPLAY
+from sim.pytest_plugin.options import loading_options, out_folder, replayed_file
+from sim.suites.checks import ClaimCheck, NewSlam
+from sim.suites.examination import COMPLETES
+from sim.suites.report import CheckVerdict
+
+if TYPE_CHECKING:
+    import pytest
+
+
+def replayed_scenario(item: "pytest.Item") -> Scenario | None:
+    """Return the scenario of `--lexis-replay`; None without the option. Raises `SimError` for a file that is no scenario."""
+    file = replayed_file(item.config) if _has_plugin(item) else None
+    return None if file is None else Scenario.load(file)
+
+
+def about_failure(item: "pytest.Item", verdict: CheckVerdict, new_slam: NewSlam) -> str:
+    """Write the folder of an item whose check fails; return lines with the folder and the commands that use it.
+
+    The folder holds the first scenario in which the check fails, why.md, and a test that replays the failure. Without the
+    plugin (`-p no:lexis`), nothing is written or returned. If the folder cannot be written, a line says why.
+    """
+    if not _has_plugin(item):
+        return ""
+    scenario = verdict.failures[0].scenario
+    folder = folder_of(out_folder(item.config), item.nodeid, scenario)
+    options = tuple(loading_options(item.config))
+    try:
+        _write(folder, verdict, FailedPytest(item.nodeid, item.nodeid, options))
+    except USER_ERRORS as problem:
+        return f"\nfolder: cannot be written: {one_line(f'{type(problem).__name__}: {problem}', 160)}"
+    here = item.config.invocation_params.dir
+    test = relpath(item.path, here) + "".join(item.nodeid.partition("::")[1:])
+    shown = folder if item.config.option.lexis_out.is_absolute() else Path(relpath(folder, here))
+    lines = [f"folder: {shown}", f"replay: {shlex.join(['pytest', *options, test, '--lexis-replay', str(shown)])}"]
+    if (condition := _condition(verdict)) is not None and isinstance(new_slam, type):
+        slam = f"{new_slam.__module__}:{new_slam.__qualname__}"
+        command = ["lexis-sim", "shrink", str(shown), "--slam", slam, "--fails", condition, "-o", "failure"]
+        lines.append(f"smallest scenario: {shlex.join(command)}")
+    return "".join(f"\n{line}" for line in lines)
+
+
+def _condition(verdict: CheckVerdict) -> str | None:
+    """Return the condition of `lexis-sim shrink` that is true in the scenarios in which a check fails; None for a law."""
+    if isinstance(verdict.checked, ClaimCheck):
+        return str(verdict.checked.claim.opposite)
+    return "crash" if verdict.check == COMPLETES else None
+
+
+def _write(folder: Path, verdict: CheckVerdict, test: FailedPytest) -> None:
+    first = verdict.failures[0]
+    page = (
+        f"# {verdict.name}",
+        verdict.says,
+        f"In this scenario: {first.findings[verdict.check].measured}",
+        f"In all scenarios of the part: {str(verdict).splitlines()[0]}",
+        f"`pytest {TEST_REPLAY}` in this folder checks this scenario again.",
+    )
+    with replaced_folder(folder, SCENARIO) as beside:
+        first.scenario.save(beside / SCENARIO)
+        (beside / WHY).write_text("\n\n".join(page) + "\n", encoding="utf-8")
+        (beside / TEST_REPLAY).write_text(test.replay, encoding="utf-8")
+
+
+def _has_plugin(item: "pytest.Item") -> bool:
+    return hasattr(item.config.option, "lexis_replay")
