@@ -234,8 +234,8 @@ def _run(arguments: argparse.Namespace) -> int:
     slam = Slam(dataset.camera, _encoder(arguments.encoder, options), names, config, map=old)
     before = saved = slam.keyframes
     shown = track(dataset, "mapping", console=Console(stderr=True), disable=not sys.stderr.isatty())
-    try:
-        with interrupted_later() as pressed:
+    with interrupted_later() as pressed:
+        try:
             for observation in shown:
                 slam.process(observation)
                 if arguments.save_every and slam.keyframes >= saved + arguments.save_every:
@@ -243,11 +243,11 @@ def _run(arguments: argparse.Namespace) -> int:
                     saved = slam.keyframes
                 if pressed.is_set():
                     raise _Stopped
-    except (DatasetError, ObservationError, EncoderError, _Stopped):
-        _save_part(slam, before, arguments.out)
-        raise
-    lexis_map = slam.finish()
-    save_map(lexis_map, arguments.out)
+        except (DatasetError, ObservationError, EncoderError, _Stopped):
+            _save_part(slam, before, arguments.out)
+            raise
+        lexis_map = slam.finish()
+        save_map(lexis_map, arguments.out)
     _report(lexis_map, arguments.out)
     return 0
 

@@ -451,6 +451,43 @@ def test_ctrl_c_ends_a_run_after_the_present_image_and_leaves_the_map_until_then
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+@pytest.mark.parametrize("step", ["finish", "save"])
+@pytest.mark.parametrize("presses", [1, 2])
+def test_one_ctrl_c_while_the_map_is_finished_or_saved_does_not_lose_it(
+    dataset, tmp_path, capsys, monkeypatch, step, presses
+):
+    owner, name = (Slam, "finish") if step == "finish" else (cli, "save_map")
+    usual = getattr(owner, name)
+
+    def interrupted(*arguments):
+        for _ in range(presses):
+            os.kill(os.getpid(), signal.SIGINT)
+        return usual(*arguments)
+
+    monkeypatch.setattr(owner, name, interrupted)
+    out = tmp_path / "map"
+    status = cli.main(["run", str(dataset), "--rooms", "kitchen, office", "-o", str(out)])
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if presses == 1:
+        assert status == 0 and capsys.readouterr().out.startswith(f"{len(load_map(out).keyframes)} keyframes")
+    else:
+        assert status == 130 and not out.exists()
+
+
+def test_one_ctrl_c_while_the_map_of_a_damaged_recording_is_saved_does_not_lose_it(dataset, tmp_path, monkeypatch):
+    finish = Slam.finish
+
+    def interrupted(slam):
+        os.kill(os.getpid(), signal.SIGINT)
+        return finish(slam)
+
+    monkeypatch.setattr(Slam, "finish", interrupted)
+    (dataset / "rgb" / "000060.png").write_bytes(b"")
+    out = tmp_path / "map"
+    assert cli.main(["run", str(dataset), "--rooms", "kitchen, office", "-o", str(out)]) == 2
+    assert len(load_map(out).keyframes) == 12
+
+
 def test_a_session_elsewhere_becomes_a_part_of_its_own(textured, tmp_path, capsys):
     one, other, both, merged = (tmp_path / name for name in ("one", "other", "both", "merged"))
     assert cli.main(["run", str(textured), "--rooms", "kitchen, office", "-o", str(one)]) == 0
