@@ -117,7 +117,7 @@ def _add_run(commands: Commands) -> None:
     run.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the map")
     run.add_argument("--map", type=Path, metavar="OLD", help="map that the recording continues; MAP then holds both")
     run.add_argument("--save-every", type=positive, metavar="N", help="also save the map after every N keyframes")
-    run.add_argument("--config", type=Path, metavar="FILE", help="settings as JSON; 'lexis config' prints the defaults")
+    _add_settings(run)
     run.add_argument("--encoder", default="mini", help=ENCODER_HELP)
     run.add_argument("--cache", type=Path, metavar="DIR", help=CACHE_HELP)
     run.add_argument("--device", default="cpu", help="cpu, cuda or cuda:N, for the encoder (default: %(default)s)")
@@ -135,9 +135,7 @@ def _add_merge(commands: Commands) -> None:
     merge.add_argument("first", type=Path, metavar="A", help="map whose coordinates the new map has")
     merge.add_argument("second", type=Path, metavar="B", help="map that is added")
     merge.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the new map")
-    merge.add_argument(
-        "--config", type=Path, metavar="FILE", help="settings as JSON, as for 'lexis run' (default: defaults)"
-    )
+    _add_settings(merge)
     merge.add_argument("--encoder", help=MAP_ENCODER_HELP)
 
 
@@ -156,9 +154,7 @@ def _add_plan(commands: Commands) -> None:
     path.add_argument("--from", dest="start", required=True, metavar="ROOM", help=FROM_HELP)
     path.add_argument("--to", dest="goal", required=True, metavar="ROOM", help=TO_HELP)
     path.add_argument("--avoid", action="append", default=[], metavar="ROOM", help=AVOID_HELP)
-    path.add_argument(
-        "--config", type=Path, metavar="FILE", help="settings as JSON; those of 'planner' are used (default: defaults)"
-    )
+    _add_settings(path, ", of which those of 'planner' are used")
     path.add_argument("--calibration", type=Path, metavar="FILE", help=CALIBRATION_HELP)
     path.add_argument("--keyframes", action="store_true", help="also list the keyframes on the path, with their positions")
     path.add_argument("--json", action="store_true", help=f"{JSON_HELP}, keyframes included")
@@ -188,9 +184,7 @@ def _add_relabel(commands: Commands) -> None:
     relabel.add_argument("map", type=Path, metavar="MAP")
     relabel.add_argument("--rooms", required=True, help=ROOMS_HELP)
     relabel.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the new map")
-    relabel.add_argument(
-        "--config", type=Path, metavar="FILE", help="settings as JSON, as for 'lexis run' (default: defaults)"
-    )
+    _add_settings(relabel)
     relabel.add_argument("--encoder", help=MAP_ENCODER_HELP)
 
 
@@ -209,6 +203,17 @@ def _add_import(commands: Commands) -> None:
         "graph", type=Path, metavar="FILE", help="JSON that 'lexis export --format spark-dsg' wrote, or a changed copy"
     )
     graph.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the new map")
+
+
+def _add_settings(parser: Parser, which: str = "") -> None:
+    """Add the option that names a file of settings; `which` says in its help text which of the settings are used."""
+    help = f"settings as JSON{which} (default: those that 'lexis config' prints)"
+    parser.add_argument("--config", type=Path, metavar="FILE", help=help)
+
+
+def _settings(arguments: argparse.Namespace) -> Config:
+    """Return the settings of `--config`, or the defaults without this option."""
+    return read_config(arguments.config) if arguments.config else Config()
 
 
 def _add_config(commands: Commands) -> None:
@@ -230,7 +235,7 @@ def _run(arguments: argparse.Namespace) -> int:
     if old is None and arguments.rooms is None:
         raise LexisError("--rooms is missing; valid: --rooms with names of rooms, or --map with a map that has them")
     names = old.room_names if old and arguments.rooms is None else _rooms(arguments.rooms)
-    config = read_config(arguments.config) if arguments.config else Config()
+    config = _settings(arguments)
     slam = Slam(dataset.camera, _encoder(arguments.encoder, options), names, config, map=old)
     before = saved = slam.keyframes
     shown = track(dataset, "mapping", console=Console(stderr=True), disable=not sys.stderr.isatty())
@@ -274,7 +279,7 @@ def _merge(arguments: argparse.Namespace) -> int:
     warn_of_replacement(arguments.out, JSON_FILE)
     first, second = _with_features(arguments.first), _with_features(arguments.second)
     check_apart(first, second)
-    config = read_config(arguments.config) if arguments.config else None
+    config = _settings(arguments)
     lexis_map = merge(first, second, _map_encoder(first, arguments.encoder), config)
     save_map(lexis_map, arguments.out)
     _report(lexis_map, arguments.out)
@@ -312,8 +317,7 @@ def _info(arguments: argparse.Namespace) -> int:
 def _plan(arguments: argparse.Namespace) -> int:
     lexis_map = load_map(arguments.map)
     goal = _goal(lexis_map, arguments.goal, arguments.calibration)
-    config = read_config(arguments.config) if arguments.config else Config()
-    result = plan(lexis_map, arguments.start, goal, config.planner, arguments.avoid)
+    result = plan(lexis_map, arguments.start, goal, _settings(arguments).planner, arguments.avoid)
     if arguments.json:
         print(json.dumps(plan_summary(lexis_map, result), indent=1))
         return 0
@@ -371,7 +375,7 @@ def _relabel(arguments: argparse.Namespace) -> int:
     warn_of_replacement(arguments.out, JSON_FILE)
     lexis_map = load_map(arguments.map)
     names = _rooms(arguments.rooms)
-    config = read_config(arguments.config) if arguments.config else None
+    config = _settings(arguments)
     renamed = relabel(lexis_map, names, _map_encoder(lexis_map, arguments.encoder), config)
     save_map(renamed, arguments.out)
     _report(renamed, arguments.out)
