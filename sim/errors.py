@@ -1,5 +1,7 @@
 """Exceptions of `sim`. All of them derive from `SimError`."""
 
+from collections.abc import Mapping
+
 
 class SimError(ValueError):
     """A run, an argument or the machine is unusable. The message names the place, the problem and the valid values."""
@@ -18,13 +20,26 @@ class ProgramError(SimError):
         self.how, self.stdout, self.stderr = how, stdout, stderr
 
 
+class ClaimError(SimError):
+    """The claims of a SLAM under test are not valid: they contradict each other, or refer to frames that do not exist."""
+
+
+class ProgramFilesError(ProgramError, ClaimError):
+    """A program under test has written files that are not valid."""
+
+    def __init__(self, message: str, files: Mapping[str, bytes], stdout: bytes, stderr: bytes) -> None:
+        """Create the error.
+
+        `files` holds the content of what the program wrote, by the names of the files. `stdout` and `stderr` are what the
+        program printed.
+        """
+        super().__init__(message, "writes files that are not valid", stdout, stderr)
+        self.files = files
+
+
 USER_ERRORS = (Exception, SystemExit)
 """What the code of a user may raise. `SystemExit` belongs to it: if it were passed on, its status would become that of the
 command, and a failing SLAM might count as one that passes."""
-
-
-class ClaimError(SimError):
-    """The claims of a SLAM under test are not valid: they contradict each other, or refer to frames that do not exist."""
 
 
 class GraphicsError(SimError):

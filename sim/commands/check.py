@@ -3,6 +3,8 @@
 import argparse
 import shlex
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -13,10 +15,10 @@ from sim.commands.check_suite import add_suite, refuse_suite_options, run_suite
 from sim.commands.progress import progress_bar
 from sim.commands.run import print_gaps, print_result
 from sim.commands.slams import add_slam, check_claimable, replay_of, runner_of, slam_options
-from sim.errors import SimError
+from sim.errors import ClaimError, SimError
 
 if TYPE_CHECKING:
-    from sim.harness import Claim, RunResult
+    from sim.harness import Claim, RunResult, Scenario
     from sim.harness.crash import Crash
 
 OUT_HELP = "folder for the result and its report; with --suite, for the smallest failing scenarios (default: none)"
@@ -60,11 +62,12 @@ def _check(arguments: argparse.Namespace) -> int:
     run, scenario = runner_of(arguments), scenario_of_arguments(arguments)
     if arguments.out is not None:
         warn_of_replacement(arguments.out, *MARKERS)
-    with progress_bar("running the SLAM") as progress:
+    with _claims_kept(scenario, arguments), progress_bar("running the SLAM") as progress:
         finished = attempt(run, scenario, progress)
     if isinstance(finished, Crash):
         return _crashed(finished, arguments)
-    trials = attempt_plans(finished)
+    with _claims_kept(scenario, arguments):
+        trials = attempt_plans(finished)
     if isinstance(trials, Crash):
         return _crashed(trials, arguments)
     result = evaluate(finished, trials)
@@ -96,19 +99,35 @@ def _next_step(fails: "Claim", arguments: argparse.Namespace) -> str:
 
 def _crashed(crash: "Crash", arguments: argparse.Namespace) -> int:
     """Print the traceback of a crash and one line about it, and write its folder if `--out` is given; return status 1."""
+    print(crash.traceback, end="", file=sys.stderr)
+    print(one_line(f"failed: {crash.sentence}", MAX_LINE), file=sys.stderr)
+    _write_crash(f"The SLAM {crash.what}", crash, arguments)
+    return 1
+
+
+@contextmanager
+def _claims_kept(scenario: "Scenario", arguments: argparse.Namespace) -> Iterator[None]:
+    """If the claims of the SLAM are refused in the block, write the folder of `--out`, then pass the error on."""
+    from sim.harness.crash import Crash
+
+    try:
+        yield
+    except ClaimError as error:
+        _write_crash("The claims of the SLAM are not valid", Crash(scenario, error, None, arguments.slam or ""), arguments)
+        raise
+
+
+def _write_crash(title: str, crash: "Crash", arguments: argparse.Namespace) -> None:
+    """Write the folder of a crash, whose page has this title, if `--out` is given."""
     from sim.harness.failures.failure_folder import replay_test
     from sim.harness.failures.why_page import WHY, crash_page
     from sim.harness.outputs import write_crash
     from sim.harness.world_tests import TEST_REPLAY
 
-    print(crash.traceback, end="", file=sys.stderr)
-    print(one_line(f"failed: {crash.sentence}", MAX_LINE), file=sys.stderr)
     if arguments.out is not None:
         replay = replay_test(None, replay_of(arguments))
-        page = crash_page(f"The SLAM {crash.what}", crash)
-        write_crash(crash, arguments.out, {TEST_REPLAY: replay.encode(), **page.files})
+        write_crash(crash, arguments.out, {TEST_REPLAY: replay.encode(), **crash_page(title, crash).files})
         print(f"why: {arguments.out / WHY}")
-    return 1
 
 
 def _failure(fails: "Claim", result: "RunResult") -> str:

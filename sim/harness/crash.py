@@ -13,7 +13,7 @@ import lexis
 import sim
 import worlds
 from lexis.errors import EncoderError, LexisError, encodable, one_line
-from sim.errors import USER_ERRORS, ProgramError, SimError
+from sim.errors import USER_ERRORS, ClaimError, ProgramError, SimError
 from sim.harness.last_run import noted
 from sim.harness.planning import Trial, try_plans
 from sim.harness.runner import Progress, Run
@@ -90,6 +90,8 @@ def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None
         last.forget()
         try:
             return runner(scenario, progress)
+        except ClaimError:
+            raise
         except ProgramError as error:
             return Crash(scenario, error, None)
         except (SimError, EncoderError):

@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from lexis.files.replace import replaced_folder
 from lexis.files.tum_trajectory import write_tum
-from sim.errors import ClaimError, ProgramError
+from sim.errors import ClaimError, ProgramError, ProgramFilesError
 from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.last_run import last_run
 from sim.harness.planning import Trial
@@ -47,8 +47,9 @@ def write_run(
 def write_crash(crash: Crash, out: Path, more: Mapping[str, bytes] = _NO_FILES) -> None:
     """Write failure-traceback.txt and scenario.json to `out`, and for a program also what it printed.
 
-    `more` contains further files: their contents, by file name. A folder of an earlier run is replaced. Raises `LexisError`
-    where `out` holds anything else or cannot be written.
+    If the program has written files that are not valid, these files are written, too. `more` contains further files: their
+    contents, by file name. A folder of an earlier run is replaced. Raises `LexisError` where `out` holds anything else or
+    cannot be written.
     """
     with _folder_with(more, out) as folder:
         fill_crash_folder(crash, folder)
@@ -69,6 +70,9 @@ def fill_crash_folder(crash: Crash, folder: Path) -> None:
     crash.scenario.save(folder / SCENARIO)
     if isinstance(crash.error, ProgramError):
         write_printed(crash.error.stdout, crash.error.stderr, folder)
+    if isinstance(crash.error, ProgramFilesError):
+        for name, content in crash.error.files.items():
+            (folder / name).write_bytes(content)
 
 
 def fill_run_folder(

@@ -18,12 +18,12 @@ import numpy as np
 
 from lexis.errors import LexisError, one_line
 from lexis.timing import StageTimer
-from sim.errors import ClaimError, ProgramError, SimError
+from sim.errors import ProgramError, ProgramFilesError, SimError
 from sim.harness.last_run import last_run
 from sim.harness.runner import Given, Progress, Run
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import CommandSlam
-from sim.programs.program_files import AT_REST, RecordedTimes, read_estimate
+from sim.programs.program_files import AT_REST, RecordedTimes, claim_files, read_estimate
 from sim.record.recording import check_format, write_take
 from sim.record.take import RecordedFrame, Take, prepare
 from sim.truth import Truth
@@ -81,8 +81,8 @@ def run_command(
         images: png, jpg or, in bags only, raw.
         progress: called after every recorded frame with the share of frames done, in [0, 1].
 
-    Raises `ProgramError` if the program fails, `ClaimError` if it writes files that are not valid, and whatever
-    `sim.record.record` raises.
+    Raises `ProgramError` if the program fails, `ProgramFilesError`, a `ClaimError`, if it writes files that are not valid,
+    and whatever `sim.record.record` raises.
     """
     words = command_words(command)
     check_format(format, images)
@@ -109,7 +109,8 @@ def run_command(
         try:
             estimate = read_estimate(folders[OUT], _times(take, frames), take.walk.house.spec.room_labels)
         except (SimError, LexisError) as error:
-            raise ClaimError(str(error).replace(str(folders[OUT]), OUT)) from error
+            message = str(error).replace(str(folders[OUT]), OUT)
+            raise ProgramFilesError(message, claim_files(folders[OUT]), *printed) from error
     walked = frames[take.rest_frames :]
     last.run = Run(
         scenario,

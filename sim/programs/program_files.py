@@ -1,6 +1,7 @@
 """The files of a program's claims: `trajectory.tum`, and optionally `rooms.json` and `loops.json`."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -9,7 +10,7 @@ import numpy as np
 from jaxtyping import Float64, Int
 from pydantic import BaseModel, ConfigDict, Field
 
-from lexis.files.reading import FileKind, read_model
+from lexis.files.reading import FileKind, read_bytes, read_model
 from lexis.files.tum_trajectory import read_tum
 from lexis.types import Pose
 from sim.errors import SimError
@@ -24,6 +25,8 @@ ROOMS = "rooms.json"
 """File with labels, room instances and floors; see `RoomClaims`."""
 AT_REST = -1
 """Value in place of `Observation.index` for frames before the walk, while the body is at rest."""
+_KEPT_FILE = FileKind("a file of claims", 20_000_000, SimError)
+"""Which files of claims are kept if they are not valid."""
 _ROOMS_FILE = FileKind("rooms.json as in sim/pages/your-slam.md", 100_000_000, SimError)
 
 
@@ -90,6 +93,18 @@ def read_estimate(folder: Path, times: RecordedTimes, room_names: Sequence[str])
     if (folder / LOOPS).exists():
         columns |= read_loops(folder / LOOPS, lambda stamps: _rows(np.array(stamps, float), times, frames))
     return Estimate(np.array(frames), T_W_B=np.array([poses[frame] for frame in frames]), **columns)
+
+
+def claim_files(folder: Path) -> dict[str, bytes]:
+    """Return the content of the files that a program has written to a folder, by their names.
+
+    Only the files of claims are returned, and of these only regular files of at most 20 MB.
+    """
+    contents = {}
+    for name in (TRAJECTORY, ROOMS, LOOPS):
+        with suppress(SimError):
+            contents[name] = read_bytes(folder / name, _KEPT_FILE)
+    return contents
 
 
 def _rows(stamps: Float64[np.ndarray, "k"], times: RecordedTimes, frames: Sequence[int]) -> Int[np.ndarray, "k"]:

@@ -246,6 +246,40 @@ def test_a_program_that_fails_is_told_once(folder, capsys):
     assert capsys.readouterr().err == told
 
 
+def test_files_of_a_program_that_are_not_valid_are_kept(folder, capsys):
+    small = Scenario(**{**vars(SCENARIO), "fidelity": "render", "rig": RigConfig("wide", 16, 16)})
+    small.save(folder / "small.json")
+    (folder / "slam.py").write_text(
+        "import os, sys\nprint('done')\n"
+        "open(sys.argv[2] + '/trajectory.tum', 'w').write('1 2 3')\nos.mkfifo(sys.argv[2] + '/rooms.json')"
+    )
+    command = f"'{sys.executable}' slam.py {{dataset}} {{out}}"
+    assert status_of(["check", "--scenario", "small.json", "--command", command, "--out", "kept"]) == 2
+    printed = capsys.readouterr()
+    assert printed.err.startswith("lexis-sim: {out}/trajectory.tum:1: '1 2 3'; valid: ") and printed.err.count("\n") == 1
+    assert printed.out == "why: kept/why.md\n"
+    kept = folder / "kept"
+    assert (kept / "trajectory.tum").read_text() == "1 2 3" and (kept / "program.out").read_text() == "done\n"
+    assert not (kept / "rooms.json").exists()
+    assert Scenario.load(kept / "scenario.json") == small and "trajectory.tum:1: '1 2 3'" in (kept / "why.md").read_text()
+    assert "run_command(scenario, " in (kept / "test_replay.py").read_text()
+    assert status_of(["check", "--scenario", "small.json", "--command", command, "--out", "kept"]) == 2  # it is replaced
+
+
+def test_the_scenario_of_claims_that_are_not_valid_is_kept(folder, capsys):
+    (folder / "own_slam_wild.py").write_text(
+        "import numpy as np\nfrom sim.harness import Estimate\n\n\nclass Wild:\n"
+        "    def start(self, camera, room_names): ...\n\n    def process(self, observation): ...\n\n"
+        "    def finish(self):\n        return Estimate(np.array([0]), labels=np.array([99]))\n"
+    )
+    SCENARIO.save(folder / "small.json")
+    assert status_of(["check", "--scenario", "small.json", "--slam", "own_slam_wild:Wild", "--out", "kept"]) == 2
+    printed = capsys.readouterr()
+    assert printed.err.startswith("lexis-sim: estimate: labels has 99 in row 0; valid: ") and printed.err.count("\n") == 1
+    assert Scenario.load(folder / "kept" / "scenario.json") == SCENARIO
+    assert "own_slam_wild:Wild" in (folder / "kept" / "why.md").read_text()
+
+
 @pytest.mark.parametrize(
     ("words", "hint"),
     [
