@@ -2,12 +2,14 @@
 
     mav0/cam0/data.csv, data/, sensor.yaml    images by their stamp [ns], pinhole with radial-tangential distortion, T_BS;
                                               further cameras of a rig: cam1 and so on, with equal stamps
-    mav0/odom0/data.csv, sensor.yaml          the odometry: stamp [ns], position [m], quaternion w x y z; then, optionally,
+    mav0/odom0/data.csv                       the odometry: stamp [ns], position [m], quaternion w x y z; then, optionally,
                                               the 36 numbers of the covariance of its increment since the previous line,
-                                              rotation first [rad², m²]; T_BS is optional
+                                              rotation first [rad², m²]
+    mav0/odom0/sensor.yaml                    optional: T_BS of the odometry; without this file, the odometry is of the body
 
 Any sensor that reports poses in these columns can be used as the odometry, for example `vicon0` or even
-`state_groundtruth_estimate0`. The covariances are used only if the odometry has the same stamps as the images.
+`state_groundtruth_estimate0`, whose velocities and biases are ignored. The covariances are used only if the odometry has the
+same stamps as the images.
 """
 
 import math
@@ -38,7 +40,8 @@ from lexis.maths.se3 import adjoint, inverse
 from lexis.types import Camera, Image, Intrinsics, Pose
 
 SENSORS, CAMERA, ODOMETRY = "mav0", "cam0", "odom0"
-_WITH_COVARIANCE = 8 + 36
+_POSES, _STATES, _WITH_COVARIANCE = 8, 17, 8 + 36
+"""Numbers of columns that a file of poses may have: poses alone, EuRoC's ground truth, and poses with covariances."""
 _NANOSECONDS = re.compile(r"[0-9]{1,19}")
 _DISTORTION_MODELS = ("radial-tangential", "", "~", "null")
 """Supported distortion models: radial-tangential, and the spellings of "no distortion"."""
@@ -104,12 +107,16 @@ def _read_camera(path: Path) -> tuple[Camera, Float64[np.ndarray, "k"]]:
 
 def _read_odometry(folder: Path) -> tuple[OdometryTrack, Float64[np.ndarray, "n 6 6"] | None]:
     path = folder / "data.csv"
-    rows = np.array([_numbers(path, *line) for line in _rows(path, 8)])
+    lines = _rows(path, _POSES)
+    if (columns := len(lines[0][1])) not in (_POSES, _STATES, _WITH_COVARIANCE):
+        valid = f"{_POSES}, {_STATES} as in EuRoC's ground truth, or {_WITH_COVARIANCE} with the 36 numbers of a covariance"
+        raise DatasetError(f"{path}:{lines[0][0]}: {columns} columns; valid: {valid}")
+    rows = np.array([_numbers(path, *line) for line in lines])
     check_ascending(str(path), rows[:, 0])
     poses, T_B_S = poses_of(rows[:, [1, 2, 3, 5, 6, 7, 4]]), _sensor_pose(folder)
     is_body = np.array_equal(T_B_S, np.eye(4))
     track = OdometryTrack(str(path), rows[:, 0], poses if is_body else poses @ inverse(T_B_S))
-    if rows.shape[1] != _WITH_COVARIANCE:
+    if columns != _WITH_COVARIANCE:
         return track, None
     covariances = rows[:, 8:].reshape(-1, 6, 6)
     if len(bad := np.flatnonzero(~usable_covariances(covariances))):

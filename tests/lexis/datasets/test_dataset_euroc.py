@@ -100,6 +100,17 @@ def odometry(old, new):
     return lambda folder: edited(folder / "mav0" / "odom0" / "data.csv", old, new)
 
 
+def cut(columns):
+    """Leave so many columns of the odometry, or add columns of zeros."""
+
+    def damage(folder):
+        path = folder / "mav0" / "odom0" / "data.csv"
+        lines = [[*line.split(","), "0", "0"][:columns] for line in path.read_text().splitlines()]
+        path.write_text("\n".join(map(",".join, lines)))
+
+    return damage
+
+
 def far_away(folder):
     path = folder / "mav0" / "odom0" / "data.csv"
     lines = [line.split(",") for line in path.read_text().splitlines()]
@@ -128,6 +139,10 @@ MERGES = "".join(f"m{i}: &m{i} {{<<: [{', '.join([f'*m{i - 1}'] * 9)}]}}\n" for 
         (listed(f"{STAMP},", "9" * 5000 + ","), r"cam0/data\.csv:3: stamp '99.*; valid: whole nanoseconds"),
         (odometry(STAMP, "9" * 5000), r"odom0/data\.csv:3: stamp '99.*; valid: whole nanoseconds"),
         (odometry(STAMP, "٣" * 12), r"odom0/data\.csv:3: stamp"),
+        (cut(7), r"odom0/data\.csv:2: 7 columns; valid: at least 8"),
+        (cut(29), r"odom0/data\.csv:2: 29 columns; valid: 8, 17 as in EuRoC's ground truth, or 44 with"),
+        (cut(43), r"odom0/data\.csv:2: 43 columns; valid: 8, 17"),
+        (cut(46), r"odom0/data\.csv:2: 46 columns; valid: 8, 17"),
         (far_away, r"odom0/data\.csv: pose 1 at 100\.1 s lies beyond 1e\+08 m"),
         (sensor(RESOLUTION, "[.inf, 24]"), "could not convert string to float"),
         (sensor(RESOLUTION, "[inf, 24]"), "cannot convert float infinity"),
@@ -162,3 +177,9 @@ def test_an_image_that_states_gigapixels_is_not_decoded(tmp_path, monkeypatch):
     monkeypatch.setattr("cv2.imdecode", lambda *_: pytest.fail("decoded"))
     with pytest.raises(LexisError, match=r"000001\.png: is 40000x40000 px; valid: 32x24 px"):
         next(images)
+
+
+@pytest.mark.parametrize("columns", [8, 17])
+def test_without_covariances_they_are_assumed(folder, columns):
+    cut(columns)(folder)
+    assert open_dataset(folder).recorded.increment_covariances is None
