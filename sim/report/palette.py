@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from sim.report.data import NO_LABEL, KeyframeTable
 
-_USUAL = {
+_LABELS = {
     "kitchen": "#e8891c",
     "dining room": "#c9485b",
     "living room": "#3f9b4a",
@@ -19,11 +19,20 @@ _USUAL = {
     "meeting room": "#9b4dca",
     "open-plan office": "#63a0f4",
     "garden": "#86b817",
+    "lobby": "#00a39a",
+    "laundry room": "#a65628",
+    "storage room": "#d81b78",
+    "pantry": "#7a9a01",
+    "garage": "#4b3f9e",
+    "balcony": "#ff6f4d",
+    "gym": "#577590",
+    "library": "#b07aa1",
+    "classroom": "#2a7f3f",
+    "laboratory": "#94672a",
+    "print room": "#c14d9b",
     NO_LABEL: "#a3a8ad",
 }
-_OTHERS = (
-    "#00a39a", "#a65628", "#d81b78", "#7a9a01", "#4b3f9e", "#ff6f4d", "#577590", "#b07aa1", "#2a7f3f", "#94672a", "#c14d9b",
-)  # fmt: skip
+"""The colour of each label, which is the same in all pictures: a dot has the colour of the floors with its label."""
 
 _INSTANCES = (
     "#0072b2", "#e69f00", "#009e73", "#cc79a7", "#8a4b08", "#56b4e9", "#5e3c99", "#7a9a01", "#b0005e", "#00868b", "#a98f7a",
@@ -33,11 +42,10 @@ _INSTANCES = (
 
 
 def label_colours(labels: Iterable[str]) -> dict[str, str]:
-    """Map each label to a colour `#rrggbb`. Common labels have fixed colours; the others take colours from a list."""
+    """Map each label to a colour `#rrggbb`. Labels that no house has take the colours of room instances, in their order."""
     labels = tuple(dict.fromkeys(labels))
-    unusual = [label for label in labels if label not in _USUAL]
-    spare = {label: _OTHERS[i % len(_OTHERS)] for i, label in enumerate(unusual)}
-    return {label: _USUAL.get(label) or spare[label] for label in labels}
+    others = instance_colours((label for label in labels if label not in _LABELS), NO_LABEL)
+    return {label: _LABELS.get(label) or others[label] for label in labels}
 
 
 def instance_colours(names: Iterable[str], none: str) -> dict[str, str]:
@@ -47,7 +55,7 @@ def instance_colours(names: Iterable[str], none: str) -> dict[str, str]:
     """
     names = tuple(dict.fromkeys(names))
     numbers = {name: i for i, name in enumerate(name for name in names if name != none)}
-    return {name: _INSTANCES[numbers[name] % len(_INSTANCES)] if name in numbers else _USUAL[NO_LABEL] for name in names}
+    return {name: _INSTANCES[numbers[name] % len(_INSTANCES)] if name in numbers else _LABELS[NO_LABEL] for name in names}
 
 
 def claimed_room_colours(table: KeyframeTable) -> dict[str, str]:
