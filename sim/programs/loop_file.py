@@ -1,6 +1,7 @@
 """The file `loops.json`, in which a program states its loop closures and, optionally, the revisits that it proposed."""
 
 from collections.abc import Callable, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
 
@@ -21,7 +22,7 @@ _UNIT = 0.01
 
 RowsOf: TypeAlias = Callable[[Sequence[float]], Int[np.ndarray, "k"]]
 """A function that finds the rows of the estimate for stamps [s]. It raises `SimError` for a stamp without a frame in the
-estimate."""
+estimate. Each call takes a time that grows with the number of frames."""
 
 
 class _Strict(BaseModel):
@@ -77,7 +78,8 @@ def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
     claims: dict[str, Any] = {"loops": LoopClaims(query[walked], match[walked], poses_of(rows[walked]), chosen)}
     if file.candidates is not None:
         queries = rows_of([revisit.query for revisit in file.candidates]).tolist()
-        matches = [tuple(rows_of(revisit.matches).tolist()) for revisit in file.candidates]
+        every = iter(rows_of([stamp for revisit in file.candidates for stamp in revisit.matches]).tolist())
+        matches = [tuple(islice(every, len(revisit.matches))) for revisit in file.candidates]
         for revisit, later, earlier in zip(file.candidates, queries, matches, strict=True):
             if max(earlier, default=-1) >= later >= 0:
                 place = f"{LOOPS}: the candidates of {revisit.query:.6f} s"

@@ -16,6 +16,7 @@ from sim.faults.delivery import Dropped
 from sim.harness import Scenario, check, evaluate, write_run
 from sim.harness.adapters import GeometricRooms
 from sim.programs import run_command
+from sim.programs.loop_file import read_loops
 from sim.programs.program_files import AT_REST, RecordedTimes, read_estimate
 from sim.record.recording import write_take
 from sim.record.take import prepare
@@ -284,6 +285,21 @@ def test_loops_and_candidates_before_the_walk_are_left_out(tmp_path):
     estimate = claimed(tmp_path, range(10), loops=claims)
     assert estimate.loops.query.tolist() == [5] and estimate.loops.match.tolist() == [1]
     assert estimate.loops.weights.tolist() == [0.8] and estimate.candidates == ((5, (1,)),)
+
+
+def test_the_frames_are_searched_once_for_all_candidates(tmp_path):
+    candidates = [{"query": float(k), "matches": [float(m) for m in range(k % 4)]} for k in range(4, 40)]
+    (tmp_path / "loops.json").write_text(json.dumps({"version": 1, "loops": [], "candidates": candidates}))
+    calls = []
+
+    def rows_of(stamps):
+        calls.append(stamps)
+        return np.array(stamps, int).reshape(-1)
+
+    assert read_loops(tmp_path / "loops.json", rows_of)["candidates"] == tuple(
+        (k, tuple(range(k % 4))) for k in range(4, 40)
+    )
+    assert len(calls) == 4  # queries and matches, of loops and of candidates
 
 
 def test_an_empty_list_of_loops_is_a_claim_and_candidates_are_optional(tmp_path):
