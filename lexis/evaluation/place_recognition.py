@@ -55,7 +55,8 @@ def count_matches(
     false positive". Here, a query is a true positive if at least N of all matches proposed for it are right. It is a false
     positive otherwise, also if fewer than N matches were proposed. A query without proposals counts as neither. Most queries
     of a walk are at a place for the first time and cannot be true positives; `Counts.possible` counts those that can. A
-    proposed keyframe that is not old enough, such as the query itself, is not right.
+    proposed keyframe that is not old enough, such as the query itself, is not right, and a keyframe that is proposed twice
+    counts once.
 
     Args:
         candidates: the query keyframes, each with the keyframes proposed for it.
@@ -64,7 +65,7 @@ def count_matches(
         n: the number N; 1, 3 and 5 in the paper.
     """
     right = right & eligible
-    found = [int(right[query, list(proposed)].sum()) for query, proposed in candidates if len(proposed)]
+    found = [int(right[query, list(set(proposed))].sum()) for query, proposed in candidates if len(proposed)]
     there = right.sum(axis=1)[[query for query, _ in candidates]]
     tp = sum(count >= n for count in found)
     return Counts(tp, len(found) - tp, possible=int((there >= n).sum()))

@@ -215,6 +215,8 @@ def test_a_keyframe_that_is_not_old_enough_is_no_right_match():
     earlier, one_place = np.tri(3, k=-1, dtype=bool), np.ones((3, 3), dtype=bool)
     itself = [(query, (query,)) for query in range(3)]
     assert count_matches(itself, earlier, one_place, 1) == Counts(0, 3, possible=2)
+    repeated = [(2, (0, 0, 0))]
+    assert [count_matches(repeated, earlier, one_place, n).tp for n in (1, 2, 3)] == [1, 0, 0]
 
 
 def test_a_query_is_possible_where_enough_keyframes_that_may_be_proposed_are_at_its_place():
