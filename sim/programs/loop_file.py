@@ -67,7 +67,7 @@ def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
     Loops and candidates of frames before the walk are left out; `rows_of` returns -1 for them.
 
     Raises `SimError` for a file that is not valid, a stamp that belongs to no frame, a loop or a candidate whose match is
-    not earlier than its query, and a quaternion whose norm is not 1.
+    not earlier than its query, two entries of candidates for one query, and a quaternion whose norm is not 1.
     """
     file = read_model(path, _LOOPS_FILE, LoopFile)
     query, match = (rows_of([getattr(loop, name) for loop in file.loops]) for name in ("query", "match"))
@@ -80,10 +80,14 @@ def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
         queries = rows_of([revisit.query for revisit in file.candidates]).tolist()
         every = iter(rows_of([stamp for revisit in file.candidates for stamp in revisit.matches]).tolist())
         matches = [tuple(islice(every, len(revisit.matches))) for revisit in file.candidates]
+        listed: set[int] = set()
         for revisit, later, earlier in zip(file.candidates, queries, matches, strict=True):
+            place = f"{LOOPS}: the candidates of {revisit.query:.6f} s"
             if max(earlier, default=-1) >= later >= 0:
-                place = f"{LOOPS}: the candidates of {revisit.query:.6f} s"
                 raise SimError(f"{place} are not all earlier; valid: matches before their query")
+            if later in listed:
+                raise SimError(f"{place} are a second entry for one frame; valid: one entry with all its matches")
+            listed |= {later} - {-1}
         claims["candidates"] = tuple(
             (later, tuple(row for row in earlier if row >= 0))
             for later, earlier in zip(queries, matches, strict=True)

@@ -334,6 +334,12 @@ def test_a_candidate_that_is_not_earlier_is_named(tmp_path):
         claimed(tmp_path, [2, 3, 4], loops={"loops": [], "candidates": [{"query": at(3), "matches": [at(2), at(3)]}]})
 
 
+def test_two_entries_of_candidates_for_one_frame_are_refused(tmp_path):
+    candidates = [{"query": at(4), "matches": [at(2)]}, {"query": at(4.1), "matches": [at(3)]}]
+    with pytest.raises(SimError, match=r"the candidates of \d+\.\d+ s are a second entry for one frame; valid: one entry"):
+        claimed(tmp_path, [2, 3, 4], loops={"loops": [], "candidates": candidates})
+
+
 def test_the_loops_of_a_program_are_compared_with_the_truth(tmp_path, unlit):
     (block,) = (block for block in blocks("sim/pages/your-slam.md") if block.language == "py")
     content = block.content + LOOPS
