@@ -82,10 +82,10 @@ def run_command(
         progress: called after every recorded frame with the share of frames done, in [0, 1].
 
     Raises `ProgramError` if the program fails, `ProgramFilesError`, a `ClaimError`, if it writes files that are not valid,
-    and whatever `sim.record.record` raises.
+    and whatever `Program` and `sim.record.record` raise.
     """
+    Program(command, format, timeout_s, memory_mb, images)  # checks the arguments
     words = command_words(command)
-    check_format(format, images)
     last = last_run()
     scenario = last.begin(scenario)
     if scenario.fidelity != "render":

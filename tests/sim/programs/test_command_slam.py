@@ -1,6 +1,7 @@
 """A program in any language under test: its claims are judged as those of a class, it is told no truth, errors are named."""
 
 import json
+import math
 import sys
 from dataclasses import replace
 
@@ -186,6 +187,14 @@ def test_commands_that_cannot_be_run_are_named_before_the_walk(command, scenario
     with pytest.raises(SimError) as caught:
         run_command(scenario, command)
     assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "limit", [{"timeout_s": -1.0}, {"timeout_s": math.nan}, {"memory_mb": math.inf}, {"memory_mb": 0.0}]
+)
+def test_limits_that_are_not_valid_are_named_before_the_walk(limit):
+    with pytest.raises(SimError, match=f"program: {next(iter(limit))} is .*; valid: a number of (s|MB) above 0"):
+        run_command(SCENARIO, "true {dataset} {out}", **limit)
 
 
 def test_programs_that_are_not_there_or_not_executable_are_named(tmp_path, unrecorded):
