@@ -4,6 +4,7 @@ Other programs may have changed the graph. Poses, labels, embeddings and the key
 the graph's own fields. Everything else is read from the metadata.
 """
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
@@ -94,13 +95,17 @@ def _map(file: GraphFile) -> LexisMap:
 def _in_order(file: GraphFile, layer: Layer, kind: type[_Attributes]) -> list[_Attributes]:
     """Return the attributes of a layer's nodes, in the order of the nodes' indices.
 
-    Raises MapError unless the indices are 0, 1 and so on, and all attributes are of the type `kind`.
+    Raises MapError unless the indices are 0, 1 and so on, each once, and all attributes are of the type `kind`.
     """
-    nodes = {layer.index(node.id): node.attributes for node in file.nodes if layer.index(node.id) is not None}
+    found = [(index, node.attributes) for node in file.nodes if (index := layer.index(node.id)) is not None]
+    nodes = dict(found)
     missing = [i for i in range(len(nodes)) if not isinstance(nodes.get(i), kind)]
     if missing:
         name = f"{layer.category}{missing[0]}"
         raise MapError(f"node {name} is missing or has other attributes; valid: one node for each of {layer.name} from 0")
+    if len(nodes) < len(found):
+        repeated, _ = Counter(index for index, _ in found).most_common(1)[0]
+        raise MapError(f"node {layer.category}{repeated} is there twice; valid: each node once")
     return [attributes for i in range(len(nodes)) if isinstance(attributes := nodes[i], kind)]
 
 
@@ -147,7 +152,9 @@ def _keyframe(i: int, agent: AgentAttributes, place: PlaceAttributes) -> Keyfram
 def _view(embedding: Sequence[float]) -> CameraView:
     """Return the view of a camera of which only the embedding is known."""
     features = Features(np.zeros((0, 2), np.float32), np.zeros((0, DESCRIPTOR_BYTES), np.uint8))
-    return CameraView(np.array(embedding, np.float32), features, Landmarks(np.zeros((0, 3)), np.zeros(0, int)))
+    with np.errstate(over="ignore"):  # what is too large becomes infinite, and is refused later
+        single = np.array(embedding).astype(np.float32)
+    return CameraView(single, features, Landmarks(np.zeros((0, 3)), np.zeros(0, int)))
 
 
 def _poses(agents: Iterable[AgentAttributes]) -> Poses:

@@ -199,3 +199,21 @@ def test_damage_is_named(saved, path, value, says):
         read_spark_dsg(saved)
     assert str(saved) in str(error.value) and "\n" not in str(error.value)
     assert len(str(error.value)) < 600
+
+
+@pytest.mark.parametrize(("node", "name"), [(2, "R0"), (5, "p0"), (45, "a0")])
+def test_a_node_that_is_there_twice_is_refused(saved, node, name):
+    data = json.loads(saved.read_text())
+    data["nodes"].append(data["nodes"][node])
+    saved.write_text(json.dumps(data))
+    with pytest.raises(MapError, match=f"node {name} is there twice; valid: each node once"):
+        read_spark_dsg(saved)
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_an_embedding_that_is_too_large_is_refused_without_a_warning(saved):
+    data = json.loads(saved.read_text())
+    data["nodes"][6]["attributes"]["semantic_feature"]["data"][0] = 1e300
+    saved.write_text(json.dumps(data))
+    with pytest.raises(MapError, match="array embedding has values that are not finite"):
+        read_spark_dsg(saved)
