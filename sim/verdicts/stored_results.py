@@ -1,7 +1,8 @@
 """Results of many runs: writes them to one JSON file, and reads them from such a file or from the folders of the runs."""
 
 import json
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -124,11 +125,24 @@ def _result(data: Any, path: Path, place: str) -> RunResult:
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
         raise _FILE.refusal(path, f"{place.rstrip('.') or 'it'} is no result with schema {SCHEMA}")
     try:
-        return _adapter().validate_python({name: value for name, value in data.items() if name != "schema"})
+        result = _adapter().validate_python({name: value for name, value in data.items() if name != "schema"})
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = ".".join(map(str, first["loc"]))
         raise _FILE.refusal(path, one_line(f"{place}{where}: {first['msg']}")) from None
+    for name, value in _numbers(result.data(), place.rstrip(".")):
+        if not math.isfinite(value):
+            raise _FILE.refusal(path, f"{name} is {value}; a figure that a run does not have is null")
+    return result
+
+
+def _numbers(data: object, place: str) -> Iterator[tuple[str, float]]:
+    """Yield the floating-point numbers in nested data, each with its dotted name, which begins with `place`."""
+    if isinstance(data, float):
+        yield place, data
+    nested = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
+    for key, value in nested:
+        yield from _numbers(value, f"{place}.{key}".lstrip("."))
 
 
 @cache

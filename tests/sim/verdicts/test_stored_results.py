@@ -1,6 +1,7 @@
 """Results survive being stored, and `lexis-sim compare` judges stored results."""
 
 import json
+import math
 import re
 from dataclasses import replace
 
@@ -54,6 +55,14 @@ def test_a_path_may_be_text(tmp_path):
         ('{"format": "lexis-results", "results": [3]}', r"results\[0\] is no result"),
         (json.dumps(RESULT.data() | {"labels": 3}), "labels: "),
         (json.dumps(RESULT.data() | {"labels": {"accuracy": "high"}}), "labels.accuracy: "),
+        (
+            json.dumps(RESULT.data() | {"floors": {"accuracy": math.nan}}),
+            "floors.accuracy is nan; a figure that a run does not",
+        ),
+        (
+            json.dumps({"format": "lexis-results", "results": [RESULT.data() | {"floors": {"accuracy": math.inf}}]}),
+            r"results\[0\].floors.accuracy is inf; a figure that a run does not have is null",
+        ),
     ],
 )
 def test_a_damaged_file_is_refused_with_its_place(tmp_path, content, message):
