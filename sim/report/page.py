@@ -35,6 +35,7 @@ _LEAST_PAGE_M, _MOST_PAGE_M = 17.0, 36.0
 """The width of the page shows at least the first length of a house [m], since larger plans would look coarse. Plans stand
 side by side only if their total width is at most the second length [m], since smaller plans could not be read."""
 
+_ABOUT = ("slam", "encoder", "odometry", "fidelity")
 _HEADLINES = (
     ("walk covered", "coverage", "path_covered", "{rooms_visited} of {rooms} rooms"),
     ("label accuracy", "labels", "accuracy", "{accuracy_baseline} before refinement"),
@@ -72,6 +73,7 @@ def render_report(data: ReportData) -> str:
     return _ENVIRONMENT.get_template("report.html").render(
         result=result,
         name=result.get("preset") or next((plan.house for plan in data.plans if plan.house), "house"),
+        about=_about(result),
         headlines=_headlines(result),
         failure=data.failure,
         findings=findings(data),
@@ -98,6 +100,13 @@ def render_report(data: ReportData) -> str:
         shown=shown,
         script_data=_script_data(data),
     )
+
+
+def _about(result: Mapping[str, Any]) -> list[str]:
+    """Return what the first line of the page says about a run: the SLAM, its inputs, and the faults."""
+    parts = [f"{key if key != 'slam' else 'SLAM'} {result[key]}" for key in _ABOUT if result.get(key)]
+    faults = (result.get("faults") or {}).get("given") or ()
+    return [*parts, f"faults {', '.join(faults)}"] if faults else parts
 
 
 def _without_nulls(result: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

@@ -376,6 +376,14 @@ def test_a_house_of_no_preset_goes_by_its_name(rng):
     assert "<h1>my &lt;old&gt; house " in render_report(replace(named, result={**data.result, "preset": None}))
 
 
+def test_the_page_names_the_slam_and_the_faults(rng):
+    about = {"slam": "MySlam", "encoder": None, "odometry": "mono", "faults": {"given": ["blur:9", "dropped:0.1"]}}
+    data = example(rng)
+    page = render_report(replace(data, result={**data.result, **about}))
+    assert "compared with the truth · SLAM MySlam · odometry mono · faults blur:9, dropped:0.1" in page
+    assert "faults" not in render_report(data).partition("</header>")[0]
+
+
 def test_rooms_that_no_figure_is_about_come_first(rng):
     data = example(rng, wrong=0)
     data = replace(data, unseen_rooms=("gym",))
