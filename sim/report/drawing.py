@@ -77,6 +77,7 @@ STYLES: dict[str, Style] = {
     "later-wrong-claim": Style(fill="#ffffff", stroke="#111111", width=2.5, radius=0.075),
     "later-claim": Style(fill="#ffffff", radius=0.05),
     "name": Style(fill="#3a4149"),
+    "note": Style(fill="#3a4149"),
     "error": Style(stroke="#d5202a", width=3.0),
     "heading": Style(stroke="#2b3138", width=2.2),
     "right": Style(fill="#ffffff", stroke="#ffffff", width=1.6, radius=0.085),

@@ -47,4 +47,4 @@ def _entry(entry: LegendEntry, x: float, y: float, letter_m: float) -> Iterator[
     points = np.array([[x, y], [end, y]])
     at = points if entry.kind == "line" else points.mean(axis=0, keepdims=True)
     yield Mark(entry.kind, entry.style, at, entry.colour)
-    yield Mark("text", "name", np.array([[end + _GAP * letter_m, y]]), text=entry.text, size=letter_m)
+    yield Mark("text", "note", np.array([[end + _GAP * letter_m, y]]), text=entry.text, size=letter_m)

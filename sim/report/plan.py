@@ -31,7 +31,7 @@ def plan_drawing(plan: FloorPlan, colours: Mapping[str, str], names_labels: bool
     symbols = list(_legend(plan, low + [_MARGIN_M, -0.05], float(high[0])))
     low[1] = min([low[1] - 0.4, *(float(mark.points[:, 1].min()) - 0.75 for mark in symbols)])
     notes = [*_scale(low), *symbols]
-    high[0] = max([high[0], *(mark.points[0, 0] + _text_m(mark) + _INSET_M for mark in notes if mark.style == "name")])
+    high[0] = max([high[0], *(mark.points[0, 0] + _text_m(mark) + _INSET_M for mark in notes if mark.style == "note")])
     marks = [
         *(Mark("polygon", "room", r.outline, colours[r.label], f"{r.name} ({r.label})") for r in plan.rooms),
         *(Mark("polygon", "tread", outline) for outline in plan.treads),
@@ -100,7 +100,7 @@ def _legend(plan: FloorPlan, start: Float64[np.ndarray, "2"], right: float) -> I
             x, y = start[0], y - 0.45
         ends = np.array([[x, y], [x + _SAMPLE_M, y]])
         yield from sample_marks(name, ends)
-        yield Mark("text", "name", ends[1:] + [0.12, 0.0], text=name, size=_LEGEND_TEXT_M)
+        yield Mark("text", "note", ends[1:] + [0.12, 0.0], text=name, size=_LEGEND_TEXT_M)
         x += width
 
 
@@ -109,5 +109,5 @@ def _scale(low: Float64[np.ndarray, "2"]) -> list[Mark]:
     bar = np.array([[x, y + 0.08], [x, y], [x + _SCALE_M, y], [x + _SCALE_M, y + 0.08]])
     return [
         Mark("line", "scale", bar),
-        Mark("text", "name", np.array([[x + _SCALE_M + 0.15, y + 0.06]]), text=f"{_SCALE_M:g} m", size=0.24),
+        Mark("text", "note", np.array([[x + _SCALE_M + 0.15, y + 0.06]]), text=f"{_SCALE_M:g} m", size=0.24),
     ]

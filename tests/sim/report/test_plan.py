@@ -55,7 +55,7 @@ def test_the_scale_bar_and_the_legend_fit_beside_the_smallest_room():
     drawing = plan_drawing(FloorPlan(0, 0.0, (cupboard,), openings=(opening,)), COLOURS)
     rightmost = drawing.low.max()
     for mark in drawing.marks:
-        text_m = 0.58 * mark.size * len(mark.text) if mark.style == "name" else 0.0
+        text_m = 0.58 * mark.size * len(mark.text) if mark.kind == "text" else 0.0
         rightmost = max(rightmost, float(mark.points[:, 0].max()) + text_m)
     assert rightmost <= drawing.high[0]
 
@@ -132,6 +132,15 @@ def test_every_kind_of_opening_has_a_symbol_of_its_own_and_is_named():
     told = [mark.text for mark in drawing.marks if mark.kind == "text"]
     assert {*NAMES.values(), "window"} <= set(told)
     assert all((drawing.low <= mark.points).all() and (mark.points <= drawing.high).all() for mark in drawing.marks)
+
+
+def test_the_switch_for_the_names_of_rooms_leaves_the_legend_and_the_scale():
+    plan = floor_plans(build_house(every_kind()))[0]
+    marks = plan_drawing(plan, label_colours(ROOM_LABELS)).marks
+    said = " ".join(f"{room.name} ({room.label})" for room in plan.rooms)
+    assert all(mark.text in said for mark in marks if mark.style == "name")
+    notes = {mark.text for mark in marks if mark.kind == "text" and mark.style != "name"}
+    assert notes == {"2 m", *NAMES.values(), "window", "door with a leaf"}
 
 
 def test_the_legend_names_doors_with_a_leaf_where_there_are_any():
