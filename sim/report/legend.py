@@ -9,7 +9,8 @@ import numpy as np
 from sim.report.drawing import GLYPH_ASPECT, STYLES, Drawing, Mark
 
 _SYMBOL = 1.8
-"""Length of a line in the legend, in heights of letters."""
+"""Least width of the symbols, in heights of letters. Dots that are larger need more, because they are as large as on the
+plan."""
 _GAP = 0.6
 """Distance between symbol and text, in heights of letters."""
 _ROW = 1.7
@@ -31,19 +32,20 @@ class LegendEntry:
 def with_legend(drawing: Drawing, entries: Sequence[LegendEntry], letter_m: float) -> Drawing:
     """Return the drawing with a legend below it, in rows as wide as the drawing. Letters are `letter_m` high [m]."""
     left, right = float(drawing.low[0]) + letter_m, float(drawing.high[0])
+    symbol_m = max(_SYMBOL * letter_m, *(2.0 * STYLES[entry.style].radius for entry in entries), 0.0)
     row_m = max(_ROW * letter_m, *(2.5 * STYLES[entry.style].radius for entry in entries), 0.0)
     x, y, marks = left, float(drawing.low[1]) - row_m / 2, list(drawing.marks)
     for entry in entries:
-        width = letter_m * (_SYMBOL + _GAP + GLYPH_ASPECT * len(entry.text))
+        width = symbol_m + letter_m * (_GAP + GLYPH_ASPECT * len(entry.text))
         if x > left and x + width > right:
             x, y = left, y - row_m
-        marks += _entry(entry, x, y, letter_m)
+        marks += _entry(entry, x, y, symbol_m, letter_m)
         x += width + 2 * _GAP * letter_m
     return Drawing(marks, np.array([drawing.low[0], y - row_m]), drawing.high, title=drawing.title)
 
 
-def _entry(entry: LegendEntry, x: float, y: float, letter_m: float) -> Iterator[Mark]:
-    end = x + _SYMBOL * letter_m
+def _entry(entry: LegendEntry, x: float, y: float, symbol_m: float, letter_m: float) -> Iterator[Mark]:
+    end = x + symbol_m
     points = np.array([[x, y], [end, y]])
     at = points if entry.kind == "line" else points.mean(axis=0, keepdims=True)
     yield Mark(entry.kind, entry.style, at, entry.colour)

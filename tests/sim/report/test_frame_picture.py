@@ -154,3 +154,12 @@ def test_the_legend_is_below_the_drawing_and_no_wider(width_m):
         reach = 0.58 * mark.size * len(mark.text) if mark.kind == "text" else STYLES[mark.style].radius
         assert mark.points[:, 0].min() >= 0.0 and mark.points[:, 0].max() + reach <= width_m
         assert mark.points[:, 1].min() - STYLES[mark.style].radius > shown.low[1]
+
+
+@pytest.mark.parametrize("letter_m", [0.05, 0.13, 0.4])
+def test_a_dot_of_the_legend_lies_in_the_picture_and_left_of_its_text(letter_m):
+    drawing = Drawing([Mark("line", "true", np.array([[0.0, 0.0], [8.0, 1.0]]))], np.zeros(2), np.array([8.0, 1.0]))
+    entry = LegendEntry("dot", "camera", "the camera at this frame")
+    dot, text = with_legend(drawing, [entry], letter_m).marks[1:]
+    radius = STYLES["camera"].radius + STYLES["camera"].width / 200
+    assert dot.points[0, 0] - radius > 0.0 and dot.points[0, 0] + radius < text.points[0, 0]
