@@ -46,8 +46,11 @@ class DatasetConfig(Settings, place="dataset", error=DatasetError):
     [m/√m]."""
 
     def cameras(self, usual: str) -> tuple[str, ...]:
-        """Return the names of all cameras, or `usual` if none is named. Raises DatasetError for a name that occurs twice."""
-        names = tuple(name.strip() for name in (self.camera or usual).split(","))
+        """Return the names of all cameras, or `usual` if none is named; slashes around a name do not count.
+
+        Raises DatasetError for a name that occurs twice.
+        """
+        names = tuple(name.strip().strip("/") for name in (self.camera or usual).split(","))
         if len(set(names)) < len(names) or not all(names):
             raise DatasetError(f"cameras {self.camera!r}; valid: different names, separated by commas")
         return names

@@ -71,7 +71,7 @@ def read_bag(directory: Path, config: DatasetConfig) -> Recorded:
     """
     bag = _Bag(directory if (directory / METADATA).is_file() else directory / "bag")
     track, body = _read_odometry(bag, config.odometry or ODOMETRY)
-    seen = joined([_read_images(bag, f"/{name.strip('/')}", body) for name in config.cameras(CAMERA)])
+    seen = joined([_read_images(bag, f"/{name}", body) for name in config.cameras(CAMERA)])
     covariances = _read_covariances(bag, f"{config.odometry or ODOMETRY}/increment_covariance", len(track.stamps))
     # The covariances belong to the increments between odometry poses. Only if the odometry has the same stamps as the images
     # are these the increments between images.

@@ -626,6 +626,8 @@ def test_distorted_images_are_rectified(recordings, tmp_path):
 
 
 def test_bags_without_a_topic_or_that_are_none_are_named(recordings, tmp_path):
+    with pytest.raises(LexisError, match="cameras 'cam0,/cam0'; valid: different names"):
+        open_dataset(recordings("mcap", "png"), DatasetConfig(camera="cam0,/cam0"))
     with pytest.raises(LexisError, match="no topic /gps; it holds /cam0"):
         open_dataset(recordings("mcap", "png"), DatasetConfig(odometry="/gps"))
     (tmp_path / "metadata.yaml").write_text("rosbag2_bagfile_information: 3")
