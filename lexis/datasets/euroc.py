@@ -91,11 +91,11 @@ def _read_camera(path: Path) -> tuple[Camera, Float64[np.ndarray, "k"]]:
         found = ", ".join(f"{name} {one_line(data.get(name, 'missing'), 40)}" for name in names)
         raise DatasetError(f"{path}: {found}; valid: camera_model pinhole, distortion_model radial-tangential")
     try:
-        width, height = map(int, _float_list(data["resolution"]))
-        fx, fy, cx, cy = _float_list(data["intrinsics"])
+        width, height = map(int, _float_list(_entry(data, "resolution")))
+        fx, fy, cx, cy = _float_list(_entry(data, "intrinsics"))
         camera = Camera(Intrinsics(width, height, fx, fy, cx, cy), _extrinsics(data))
         distortion = np.array(_float_list(data.get("distortion_coefficients") or []))
-    except (KeyError, TypeError, ValueError, OverflowError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise _CAMERA_FILE.refusal(path, error) from None
     try:
         check_camera(camera)
@@ -141,7 +141,7 @@ def _sensor_pose(folder: Path) -> Pose:
     sensor = read_yaml(path, _SENSOR_FILE)
     try:
         T_B_S = _extrinsics(sensor)
-    except (KeyError, TypeError, ValueError) as error:
+    except (TypeError, ValueError) as error:
         raise _SENSOR_FILE.refusal(path, error) from None
     if not is_pose(T_B_S):
         raise _SENSOR_FILE.refusal(path, "T_BS is not a rigid motion")
@@ -177,7 +177,17 @@ def _numbers(path: Path, number: int, words: list[str]) -> list[float]:
 
 
 def _extrinsics(data: Mapping[str, Any]) -> Pose:
-    return np.array(_float_list(data["T_BS"]["data"])).reshape(4, 4)
+    """Return T_BS of a calibration. Raises TypeError or ValueError if there is none or it is not 16 numbers."""
+    return np.array(_float_list(_entry(_entry(data, "T_BS"), "data"))).reshape(4, 4)
+
+
+def _entry(data: object, name: str) -> object:
+    """Return an entry of a mapping. Raises TypeError for anything but a mapping, and ValueError without the entry."""
+    if not isinstance(data, Mapping):
+        raise TypeError(f"{one_line(data, 40)} has no entry {name}")
+    if name not in data:
+        raise ValueError(f"there is no {name}")
+    return data[name]
 
 
 def _float_list(values: object) -> list[float]:

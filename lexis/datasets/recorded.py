@@ -93,7 +93,8 @@ def odometry_at(track: OdometryTrack, at: Float64[np.ndarray, "n"], max_gap_s: f
     outside = (before < 0) | (after >= len(stamps))
     if outside.any():
         image = int(np.flatnonzero(outside)[0])
-        raise DatasetError(f"{track.source}: covers {stamps[0]} s to {stamps[-1]} s, but image {image} is at {at[image]} s")
+        found = f"covers {stamps[0]} s to {stamps[-1]} s, but image {image} is at {at[image]} s"
+        raise DatasetError(f"{track.source}: {found}; valid: odometry over the time of all images, of the same clock")
     gap = stamps[after] - stamps[before]
     if gap.max() > max_gap_s:
         image = int(gap.argmax())

@@ -154,7 +154,8 @@ class _Bag:
             return None if found is None else self._types.deserialize_cdr(found[2], kind)
         except Exception as error:
             # For damaged bytes, rosbags and its libraries (SQLite, zstd, LZ4, numpy) raise almost any type of error.
-            raise DatasetError(f"{self.path}: {topic}: {kind} is not readable: {one_line(error, 120)}") from None
+            found = f"{kind} is not readable: {one_line(error, 120)}"
+            raise DatasetError(f"{self.path}: {topic}: {found}; valid: undamaged messages") from None
 
     @contextmanager
     def _open(self) -> Iterator[Any]:
@@ -164,7 +165,8 @@ class _Bag:
         try:
             reader.open()
         except Exception as error:  # rosbags passes on the errors of SQLite, YAML and MCAP
-            raise DatasetError(f"{self.path}: is not a readable bag: {one_line(error, 120)}") from None
+            found = f"is not a readable bag: {one_line(error, 120)}"
+            raise DatasetError(f"{self.path}: {found}; valid: a complete bag of ROS 2 with its metadata") from None
         try:
             yield reader
         finally:
@@ -180,7 +182,8 @@ def _read_odometry(bag: _Bag, topic: str) -> tuple[OdometryTrack, str]:
     rows = np.array([_pose_row(m.pose.pose.position, m.pose.pose.orientation) for m in messages])
     usable = _usable(rows)
     if not usable.all():
-        raise DatasetError(f"{where}: message {int(np.argmin(usable))} has no finite position with a unit quaternion")
+        found = f"message {int(np.argmin(usable))} has no finite position with a unit quaternion"
+        raise DatasetError(f"{where}: {found}; valid: finite numbers, and a quaternion of norm 1")
     return OdometryTrack(where, stamps, poses_of(rows)), str(messages[0].child_frame_id)
 
 
@@ -236,7 +239,8 @@ def _static_transform(bag: _Bag, body: str, frame: str) -> Pose:
             )
         here, T = link.header.frame_id, poses_of(row)[0] @ T
     if here != body:
-        raise DatasetError(f"{bag.path}: /tf_static does not lead from {frame!r} up to {body!r}, the frame of the odometry")
+        found = f"does not lead from {frame!r} up to {body!r}, the frame of the odometry"
+        raise DatasetError(f"{bag.path}: /tf_static: {found}; valid: static transforms from the one to the other")
     return T
 
 

@@ -156,6 +156,10 @@ MERGES = "".join(f"m{i}: &m{i} {{<<: [{', '.join([f'*m{i - 1}'] * 9)}]}}\n" for 
         (sensor(K, "[1e300, 0.01, 0.0, 0.0]"), "distortion .*; valid: .* finite coefficients"),
         (lambda folder: piped(folder, "cam0/sensor.yaml"), "is a device or a pipe"),
         (lambda folder: piped(folder, "odom0/data.csv"), "is a device or a pipe"),
+        (sensor("intrinsics", "intrinsic"), "cam0/sensor.yaml: cannot be used: there is no intrinsics; valid: a camera's"),
+        (sensor("T_BS:", "T_BS: none\nT_SB:"), "cannot be used: none has no entry data; valid: a camera's"),
+        (sensor("T_BS", "T_SB"), r"cam0/sensor\.yaml: cannot be used: there is no T_BS; valid: a camera's calibration"),
+        (lambda folder: edited(folder / "mav0/odom0/sensor.yaml", "T_BS", "T_SB"), "there is no T_BS; valid: a sensor's"),
         (lambda folder: edited(folder / "mav0/odom0/sensor.yaml", "[1.0,", "[7.0,"), "T_BS is not a rigid motion"),
     ],
 )
