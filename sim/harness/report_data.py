@@ -1,6 +1,7 @@
 """`report_data`: converts a run to the plain data that a report shows."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Bool, Float, Float64, Int
@@ -114,9 +115,14 @@ def _candidates(run: Run) -> tuple[CandidateMark, ...]:
     revisits = (distances_m <= PLACE_M) & (angles_rad <= PLACE_RAD)
     truths = zip(claims, distances_m.tolist(), revisits.tolist(), strict=True)
     return tuple(
-        CandidateMark(claim.query, claim.match, claim.accepted, claim.reason, claim.figures, distance_m, revisit)
+        CandidateMark(claim.query, claim.match, claim.accepted, claim.reason, _known(claim.figures), distance_m, revisit)
         for claim, distance_m, revisit in truths
     )
+
+
+def _known(figures: Mapping[str, float]) -> dict[str, float]:
+    """Return figures as Python's floats, without those that are NaN. A SLAM may claim any kind of number."""
+    return {name: float(value) for name, value in figures.items() if not math.isnan(value)}
 
 
 def _samples(run: Run) -> tuple[SampleFrame, ...]:

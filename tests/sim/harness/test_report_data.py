@@ -1,6 +1,8 @@
 """From a run to the data shown in its report."""
 
+import math
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -10,8 +12,10 @@ from sim.errors import ClaimError
 from sim.harness import Scenario, VerdictClaim, evaluate, run
 from sim.harness.adapters import Lexis
 from sim.harness.adapters.lexis import estimate_of
+from sim.harness.estimate import LoopClaims
 from sim.harness.planning import Trial
 from sim.harness.report_data import report_data
+from sim.report import render_report
 from sim.robot.drive import DROP
 from worlds.presets import sample_from_rooms
 
@@ -81,6 +85,17 @@ def test_candidates_carry_the_reasons_that_the_slam_claims_and_the_truth(finishe
     metres = np.linalg.norm(finished.true_poses[9, :3, 3] - finished.true_poses[0, :3, 3])
     assert far.distance_m == pytest.approx(metres) and not far.revisit
     assert same.accepted and same.revisit and same.distance_m < 1e-9
+
+
+def test_the_page_shows_figures_of_any_kind_of_number(finished):
+    figures = {"inliers": Fraction(7, 2), "matches": np.float32(4.0), "misfit [m]": math.nan}
+    loops = LoopClaims(np.array([9]), np.array([0]), np.tile(np.eye(4), (1, 1, 1)))
+    loops.T_match_query[0, 0, 3] = 99.0
+    verdicts = (VerdictClaim(9, 0, accepted=True, reason="accepted", figures=figures),)
+    claimed = replace(finished, estimate=replace(finished.estimate, verdicts=verdicts, loops=loops))
+    page = render_report(report_data(claimed, evaluate(claimed)))
+    false_loops = page.partition("<h2>False loops</h2>")[2].partition("</table>")[0]
+    assert ">3.5<" in false_loops and ">4<" in false_loops and "misfit" not in false_loops
 
 
 def test_verdicts_on_frames_that_do_not_exist_are_refused(finished):
