@@ -29,7 +29,10 @@ TURNING_M = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
-    """A recorded run. Iteration over the run yields observations; each image is read only when its observation is due."""
+    """A recorded run. Iteration over the run yields observations; each image is read only when its observation is due.
+
+    The arrays of an observation are copies, so that a SLAM may write into them.
+    """
 
     directory: Path
     recorded: Recorded = field(repr=False)
@@ -52,8 +55,8 @@ class Dataset:
 
     def __iter__(self) -> Iterator[Observation]:
         for i, (image, *others) in enumerate(self.recorded.seen.images()):
-            stamp, covariance = float(self.stamps[i]), self.increment_covariances[i]
-            yield Observation(i, stamp, image, self.T_O_B[i], covariance, tuple(others))
+            stamp, covariance = float(self.stamps[i]), self.increment_covariances[i].copy()
+            yield Observation(i, stamp, image, self.T_O_B[i].copy(), covariance, tuple(others))
 
 
 def open_dataset(directory: Path, config: DatasetConfig | None = None) -> Dataset:

@@ -47,6 +47,16 @@ def test_reading_gives_back_what_was_recorded(recorded):
         np.testing.assert_array_equal(read.increment_covariance, expected.increment_covariance)
 
 
+def test_what_a_slam_writes_into_an_observation_does_not_change_the_recording(recorded):
+    dataset = open_dataset(recorded[0])
+    first = [(observation.T_O_B.copy(), observation.increment_covariance.copy()) for observation in dataset]
+    for observation in dataset:
+        observation.T_O_B[:], observation.increment_covariance[:] = 7.0, 7.0
+    for (T_O_B, covariance), observation in zip(first, dataset, strict=True):
+        np.testing.assert_array_equal(observation.T_O_B, T_O_B)
+        np.testing.assert_array_equal(observation.increment_covariance, covariance)
+
+
 def test_odometry_of_another_rate_is_interpolated(recorded):
     """For motion at constant rate, the poses in between are known exactly and positions lie on a straight line."""
     folder, _ = recorded
