@@ -149,7 +149,8 @@ def _listed(groups: Groups, joint: str, most: int = 3) -> str:
 def _floors(data: ReportData) -> Iterator[Finding]:
     accuracy = (data.result.get("floors") or {}).get("accuracy")
     if accuracy is not None and accuracy < 1.0:
-        yield Finding(False, f"{1 - accuracy:.1%} of the keyframes off the stairs are assigned to a wrong floor.")
+        share = f"{1 - accuracy:.1%}" if accuracy <= 0.999 else "Less than 0.1%"
+        yield Finding(False, f"{share} of the keyframes off the stairs are assigned to a wrong floor.")
 
 
 def _loops(data: ReportData) -> Iterator[Finding]:

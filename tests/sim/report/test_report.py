@@ -364,9 +364,10 @@ def test_labels_that_are_claimed_before_refinement_only_are_not_called_refined(r
 
 def test_wrong_floors_are_told(rng):
     data = example(rng)
-    floors = [replace(data, result={**data.result, "floors": {"accuracy": share}}) for share in (0.64, 1.0)]
+    floors = [replace(data, result={**data.result, "floors": {"accuracy": share}}) for share in (0.64, 0.9996, 1.0)]
     told = [[finding.text for finding in findings(each) if "floor" in finding.text] for each in floors]
-    assert told == [["36.0% of the keyframes off the stairs are assigned to a wrong floor."], []]
+    wrong = "of the keyframes off the stairs are assigned to a wrong floor."
+    assert told == [[f"36.0% {wrong}"], [f"Less than 0.1% {wrong}"], []]
 
 
 def test_a_house_of_no_preset_goes_by_its_name(rng):
