@@ -41,6 +41,11 @@ def temporary_folder(place: Path) -> Iterator[Path]:
         _remove(folder)
 
 
+def is_temporary(path: Path) -> bool:
+    """Return whether a path leads through a temporary folder, whose content is incomplete or about to be removed."""
+    return any(_NAME.fullmatch(part) for part in path.parts)
+
+
 def remove_abandoned(place: Path) -> None:
     """Remove the temporary folders that killed processes left in `place`.
 

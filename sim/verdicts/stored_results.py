@@ -13,6 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 from lexis.errors import one_line
 from lexis.files.reading import FileKind, read_json
 from lexis.files.replace import replaced_file
+from lexis.files.temporary_folder import is_temporary
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.results import RESULT, SCHEMA, RunResult
@@ -36,14 +37,15 @@ def results_data(results: Sequence[RunResult]) -> dict[str, Any]:
 def load_results(path: Path | str) -> tuple[RunResult, ...]:
     """Read the results in a file, or of the run of a folder and of all runs whose folders lie somewhere below it.
 
-    The results are sorted by path.
+    The results are sorted by path. Runs that another process is still writing, or was writing when it was killed, are left
+    out.
 
     Raises `SimError` if there is no result, or if a result is not valid.
     """
     path = Path(path)
     if not path.is_dir():
         return _results_in(path)
-    files = sorted(path.rglob(RESULT))
+    files = sorted(file for file in path.rglob(RESULT) if not is_temporary(file.relative_to(path)))
     if not files:
         raise SimError(
             f"{path}: contains no {RESULT}; valid: the folder of a run, a folder of such folders, or {_FILE.valid}"

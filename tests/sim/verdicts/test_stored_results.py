@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 from helpers.results import RESULT
 
+from lexis.files.temporary_folder import temporary_folder
 from sim.cli import main
 from sim.errors import SimError
 from sim.harness.results import FaultFigures, MatchFigures
@@ -35,6 +36,15 @@ def test_results_are_found_in_the_folders_of_runs(tmp_path):
     assert load_results(tmp_path) == MANY[:2]
     assert load_results(tmp_path / "runs" / MANY[1].scenario) == MANY[1:2]
     assert load_results(tmp_path / "runs" / MANY[1].scenario / "result.json") == MANY[1:2]
+
+
+def test_runs_that_are_still_being_written_are_left_out(tmp_path):
+    (tmp_path / "runs" / "done").mkdir(parents=True)
+    (tmp_path / "runs" / "done" / "result.json").write_text(json.dumps(MANY[0].data()))
+    with temporary_folder(tmp_path / "runs") as folder:
+        (folder / "new" / "next").mkdir()
+        (folder / "new" / "next" / "result.json").write_text("{")
+        assert load_results(tmp_path) == load_results(tmp_path / "runs") == MANY[:1]
 
 
 def test_a_path_may_be_text(tmp_path):
