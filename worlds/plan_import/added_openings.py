@@ -137,7 +137,8 @@ def _cells(storey: StoreySpec, cell: RoomSpec) -> list[RoomSpec]:
 def _stair_openings(spec: HouseSpec, lowest: int, cell: RoomSpec) -> list[list[OpeningSpec]]:
     """Return the openings of a staircase on each storey, from `lowest` on, in the first arrangement that can be built.
 
-    `cell` is the room of the stairs on the storey `lowest`. Raises `SpecError` if no arrangement works.
+    `cell` is the room of the stairs on the storey `lowest`. Raises `SpecError` if no arrangement works; the message says
+    what is wrong with the first one whose openings all fit.
     """
     stack = [spec.storeys[lowest]]
     while lowest + len(stack) < len(spec.storeys) and _cells(spec.storeys[lowest + len(stack)], cell):
@@ -147,11 +148,17 @@ def _stair_openings(spec: HouseSpec, lowest: int, cell: RoomSpec) -> list[list[O
         needed, arrangements = 2 * len(stack) - 2, _flight_openings(stack, cell)
     else:
         needed, arrangements = len(stack), _shaft_openings(stack, cell)
-    for arrangement in arrangements:
-        if sum(map(len, arrangement)) == needed and _can_be_built(stack, cell, arrangement, spec.slab_m, floors):
+    problems = []
+    for arrangement in (each for each in arrangements if sum(map(len, each)) == needed):
+        problem = _problem(stack, cell, arrangement, spec.slab_m, floors)
+        if problem is None:
             return arrangement
+        problems.append(problem)
+    if problems:
+        raise SpecError(f"no openings could be added to stairs {cell.id!r}: {problems[0]}")
     raise SpecError(
-        f"no openings could be added to stairs {cell.id!r}; valid: stairs with drawn openings, or a larger room for them"
+        f"no openings could be added to stairs {cell.id!r}, because no side of them borders a single room for long enough "
+        "on every storey; valid: stairs with drawn openings, or rooms beside them"
     )
 
 
@@ -234,10 +241,10 @@ def _holds(line: Boundary, at: float, span: tuple[float, float]) -> bool:
     return abs(line.at - at) < 1e-6 and line.low <= span[0] and span[1] <= line.high
 
 
-def _can_be_built(
+def _problem(
     stack: Sequence[StoreySpec], cell: RoomSpec, arrangement: list[list[OpeningSpec]], slab_m: float, floors: list[float]
-) -> bool:
-    """Whether stairs with these openings can be built in a house without any other stairs.
+) -> str | None:
+    """Return why stairs with these openings cannot be built in a house without any other stairs; None if they can.
 
     `stack` are the storeys that the stairs join, `arrangement` their openings on each storey, and `floors` the heights of
     the storeys' floors [m].
@@ -252,6 +259,6 @@ def _can_be_built(
     )
     try:
         build_stairs(HouseSpec(storeys=trial, slab_m=slab_m), floors)
-    except HouseError:
-        return False
-    return True
+    except HouseError as error:
+        return str(error)
+    return None

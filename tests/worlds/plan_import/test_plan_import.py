@@ -203,6 +203,21 @@ def test_openings_are_never_added_between_two_staircases(tmp_path, climb):
     assert beside == [["corridor", "stairs"]] * 4
 
 
+@pytest.mark.parametrize(
+    ("cell", "climb", "message"),
+    [
+        ([[-1.2, 0], [0, 0], [0, 1.5], [-1.2, 1.5]], "flights", "1.20 x 1.50 m is too small for U stairs that rise 2.90 m"),
+        ([[-1, 0], [0, 0], [0, 1], [-1, 1]], "spiral", "1.00 x 1.00 m is too small to rise 2.90 m"),
+        ([[9, 9], [12, 9], [12, 12], [9, 12]], "flights", "no side of them borders a single room for long enough on every"),
+    ],
+)
+def test_stairs_without_room_for_openings_are_refused_with_the_reason(tmp_path, cell, climb, message):
+    stairs = [room("stairs", cell, storey=level, climb=climb) for level in (0, 1)]
+    halls = [room("corridor", LEFT, storey=level) for level in (0, 1)]
+    said = refusal(written(tmp_path, *stairs, *halls))
+    assert "no openings could be added to stairs 'stairs'" in said and message in said and "; valid: " in said
+
+
 def test_stairs_that_are_drawn_twice_are_refused_with_both_names(tmp_path):
     twice = room("stairs", tower("lift")[0]["geometry"]["coordinates"][0][:-1], name="again", climb="lift")
     assert "rooms 'stairs' and 'again' overlap near" in refusal(written(tmp_path, *tower("lift", "lift"), twice))
