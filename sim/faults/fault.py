@@ -33,18 +33,30 @@ def has_pose(observation: Observation) -> bool:
 
 @dataclass(frozen=True)
 class Fault(ABC):
-    """A disturbance that is injected into a run. Raises `SimError` for a field that is out of its range."""
+    """A disturbance that is injected into a run. Raises `SimError` for a field that is no number or out of its range."""
 
     name: ClassVar[str]
 
     def __post_init__(self) -> None:
         for each in fields(self):
-            low, high = each.metadata["range"]
             value = getattr(self, each.name)
             if isinstance(value, np.generic):  # JSON, in which scenarios are stored, has no numbers of numpy
-                object.__setattr__(self, each.name, value := value.item())
-            if value not in (None, each.default) and not low <= value <= high:
-                raise SimError(f"fault {self.name}: {each.name} is {value!r:.40}; valid: {low:g} to {high:g}")
+                value = value.item()
+            if each.type is int and isinstance(value, float) and value.is_integer():
+                value = int(value)
+            object.__setattr__(self, each.name, value)
+            if valid := _what_is_valid(each, value):
+                raise SimError(f"fault {self.name}: {each.name} is {value!r:.40}; valid: {valid}")
+
+
+def _what_is_valid(of: "Field[Any]", value: object) -> str | None:
+    """Describe the valid values of a field if `value` is none of them; return None if it is valid."""
+    (low, high), whole = of.metadata["range"], of.type is int
+    if value is None and of.default is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, int if whole else int | float):
+        return f"a {'whole ' if whole else ''}number from {low:g} to {high:g}"
+    return None if value == of.default or low <= value <= high else f"{low:g} to {high:g}"
 
 
 @dataclass(frozen=True)

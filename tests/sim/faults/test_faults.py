@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 from helpers.blind_encoder import BlindEncoder
+from helpers.unchecked import unchecked
 
 from lexis.errors import ObservationError
 from lexis.maths.se3 import between, compose_covariance, exp, is_rigid
@@ -324,6 +325,24 @@ def test_faults_are_read_back_as_written(name):
 def test_bad_faults_say_what_is_valid(text, message):
     with pytest.raises(SimError, match=message):
         parse_fault(text)
+
+
+@pytest.mark.parametrize(("kind", "field"), [(kind, each.name) for kind in FAULTS.values() for each in fields(kind)])
+@pytest.mark.parametrize("value", ["9", True, [1], 1j, 2.5, None])
+def test_a_field_that_is_no_number_of_its_kind_is_refused(kind, field, value):
+    declared = {each.name: each for each in fields(kind)}[field]
+    if value is None and declared.default is None:
+        return
+    if value == 2.5 and declared.type is not int:
+        return
+    number = "whole number" if declared.type is int else "number"
+    with pytest.raises(SimError, match=rf"^fault {kind.name}: {field} is .*; valid: a {number} from "):
+        unchecked(kind, **{field: value})
+
+
+@pytest.mark.parametrize("number", [9, 9.0, np.int64(9), np.float32(9.0)])
+def test_every_way_to_write_a_whole_number_gives_the_same_fault(number):
+    assert type(unchecked(Blur, pixels=number).pixels) is int and unchecked(Blur, pixels=number) == Blur(9)
 
 
 def test_a_fault_given_as_a_bare_value_sets_its_first_field():
