@@ -3,14 +3,16 @@
 import time
 from collections.abc import Generator, Sequence
 from contextlib import closing
+from dataclasses import replace
 
 import numpy as np
 
 from lexis.maths.quaternions import pose_rows, poses_of
-from lexis.types import Camera, Image, Observation, Percept
+from lexis.types import Camera, Image, Observation, Percept, Poses
 from lexis.verification import Verifier, verify
 from sim.errors import SimError
 from sim.faults import Fault, corrupted
+from sim.faults.fault import has_pose
 from sim.faults.images import OF_IMAGES
 from sim.feature_sensor.sensor import FeatureSensor, SensedTour
 from sim.odometry.simulation import Odometry
@@ -83,15 +85,15 @@ class Session:
 
     def __iter__(self) -> Generator[tuple[Observation, Truth], None, None]:
         with closing(self._stream()) as stream:
-            yield from corrupted(stream, self.faults, self._seed)
+            for observation, truth in corrupted(stream, self.faults, self._seed):
+                yield _with_own_arrays(observation), truth
 
     def _stream(self) -> Generator[tuple[Observation, Truth], None, None]:
-        # Poses go through quaternions, as in recordings, so that a replayed recording gives the same poses bit by bit.
-        T_O_B = poses_of(pose_rows(self.odometry.T_O_B))
+        T_O_B = _as_recorded(self.odometry.T_O_B)
         with closing(self._images()) as images:
             for i, (image, *others) in enumerate(images):
                 stamp = float(self.tour.stamps[i])
-                covariance = self.odometry.increment_covariance[i].copy()  # the SLAM may write into it
+                covariance = self.odometry.increment_covariance[i]
                 yield Observation(i, stamp, image, T_O_B[i], covariance, tuple(others)), self.truths[i]
 
     @property
@@ -144,6 +146,21 @@ class Session:
                     kept.append(tuple(image.copy() for image in images))
                 yield images
         self._kept = kept
+
+
+def _with_own_arrays(observation: Observation) -> Observation:
+    """Return the observation with pose and covariance in arrays of its own, because the SLAM may write into them.
+
+    Faults keep arrays of earlier observations, and reuse them. Faults that repeat images copy these themselves.
+    """
+    pose = observation.T_O_B[None]
+    T_O_B = _as_recorded(pose)[0] if has_pose(observation) else pose[0].copy()
+    return replace(observation, T_O_B=T_O_B, increment_covariance=observation.increment_covariance.copy())
+
+
+def _as_recorded(poses: Poses) -> Poses:
+    """Return the poses as recordings hold them: as quaternions. A replayed recording then gives them bit by bit."""
+    return poses_of(pose_rows(poses))
 
 
 def _truths(house: House, tour: Tour) -> tuple[Truth, ...]:

@@ -8,10 +8,12 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
+from lexis.maths.quaternions import pose_rows, poses_of
 from lexis.types import Observation
 from sim.errors import SimError
-from sim.faults.delivery import Frozen
+from sim.faults.delivery import Dropped, Duplicated, Frozen
 from sim.faults.images import Blur, Noise
+from sim.faults.poses import Kidnap, OdometryFreeze, OdometryJump
 from sim.faults.stamps import StampJitter
 from sim.faults.world import MovedFurniture
 from sim.odometry.simulation import ODOMETRY_PRESETS, simulate_odometry
@@ -75,6 +77,33 @@ def test_faults_of_images_are_those_that_pictures_do_not_show(session, pairs):
     faulty = Session(session.house, session.tour, session.odometry, session.camera, (Blur(5.0), StampJitter(0.01)), 3)
     assert faulty.faults_of_images == ("blur",)
     assert np.array_equal(faulty.pictures([3])[0], pairs[3][0].image)
+
+
+POSES_CHANGE = (
+    Duplicated(0.3),
+    OdometryJump(1.0),
+    OdometryFreeze(at_s=1.0, for_s=0.5),
+    Kidnap(1.0, skip_s=0.5),
+    Dropped(0.3),
+)
+
+
+@pytest.mark.parametrize("fault", POSES_CHANGE, ids=lambda fault: fault.name)
+def test_whatever_the_slam_writes_into_an_observation_no_later_one_changes(session, fault):
+    faulty = Session(session.house, session.tour, session.odometry, session.camera, (fault,), 3, keeps_images=True)
+    expected = [(each.T_O_B.copy(), each.increment_covariance.copy(), each.image.copy()) for each, _ in faulty]
+    for (observation, _), unchanged in zip(faulty, expected, strict=True):
+        given = observation.T_O_B, observation.increment_covariance, observation.image
+        assert all(np.array_equal(a, b) for a, b in zip(given, unchanged, strict=True))
+        for array in given:
+            array[...] = 0
+
+
+@pytest.mark.parametrize("fault", POSES_CHANGE, ids=lambda fault: fault.name)
+def test_poses_are_the_same_to_the_last_bit_after_they_were_written_as_quaternions(session, fault):
+    faulty = Session(session.house, session.tour, session.odometry, session.camera, (fault,), 3, keeps_images=True)
+    T_O_B = np.array([observation.T_O_B for observation, _ in faulty])
+    np.testing.assert_array_equal(poses_of(pose_rows(T_O_B)), T_O_B)
 
 
 def test_images_are_the_renderer_s(session, pairs):
