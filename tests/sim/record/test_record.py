@@ -31,6 +31,7 @@ from sim.faults.stamps import StampJitter, StampJump
 from sim.harness import Lexis, Scenario, run
 from sim.odometry.imu import ImuConfig
 from sim.record import record
+from sim.record.recording import FORMATS
 from sim.record.ros2 import write_bag
 from sim.record.settings import write_settings
 from sim.record.stamps import EPOCH_NS, MAX_DAY, REST_S, stamp_ns
@@ -507,6 +508,20 @@ def test_frames_of_one_stamp_have_images_of_their_own(form, listed, tmp_path, un
     assert len(set(names)) == len(names) == len(prepare(faulty)) > len(set(stamps))
     images = (tmp_path / "out" / listed).parent
     assert all((images / name).is_file() or (images / "data" / name).is_file() for name in names)
+
+
+@pytest.mark.parametrize("fault", [StampJump(1.8e9, at_s=5.0), StampJump(9e9, at_s=5.0), StampJitter(1e9)], ids=str)
+@pytest.mark.parametrize("form", FORMATS)
+def test_a_stamp_that_not_every_format_can_hold_is_refused(form, fault, tmp_path, unlit):
+    with pytest.raises(SimError, match=r"^recording: a frame has the stamp .*; valid: from 0 to below 2147483648 s"):
+        record(replace(CONFIG, faults=(fault,), frame_rate_hz=2.0), tmp_path / "out", form)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("stamp", [0, 1, EPOCH_NS, 2**31 * 10**9 - 10**6])
+def test_every_stamp_that_ros_can_hold_can_be_recorded(stamp):
+    seconds = (stamp - EPOCH_NS) / 1e9 - REST_S
+    assert abs(stamp_ns(seconds) - stamp) < 200
 
 
 def fails_at_the_tenth(monkeypatch, error):
