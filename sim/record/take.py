@@ -120,7 +120,7 @@ class Take:
         images and frozen images affect the cameras of the rig, but neither the depth nor a second camera that is added to a
         single one for stereo. Faults of the world are visible to all cameras.
 
-        Raises `GraphicsError` if off-screen OpenGL is not available.
+        Raises `GraphicsError` if off-screen OpenGL is not available, and `SimError` if faults lose every frame of the walk.
         """
         walked, faults, seed = self.walk, self.config.faults, self.config.seed
         camera = self.cameras["cam0"]
@@ -149,11 +149,14 @@ class Take:
                 )
 
             pairs = stack.enter_context(closing(iter(session)))
+            k = -1
             for k, (observation, truth) in enumerate(pairs):
                 frame = recorded(observation, truth)
                 if k == 0:
                     yield from self._at_rest(_still(frame if truth.index == 0 else recorded(*self._start(rig))))
                 yield _still(frame) if k == truth.index == 0 else frame
+            if k < 0:
+                raise SimError("recording: the faults lose every frame of the walk; valid: a longer walk, or fewer faults")
 
     def _start(self, camera: Camera) -> tuple[Observation, Truth]:
         """Return the first frame of the walk as it is without faults of the stream, which may have lost or delayed it."""

@@ -27,7 +27,7 @@ from sim.errors import SimError
 from sim.faults.delivery import Dropped, Late, OutOfOrder
 from sim.faults.images import Noise
 from sim.faults.poses import Kidnap, OdometryNaN
-from sim.faults.stamps import StampJitter, StampJump
+from sim.faults.stamps import StampJitter, StampJump, StampOffset
 from sim.harness import Lexis, Scenario, run
 from sim.odometry.imu import ImuConfig
 from sim.record import record
@@ -515,6 +515,13 @@ def test_frames_of_one_stamp_have_images_of_their_own(form, listed, tmp_path, un
 def test_a_stamp_that_not_every_format_can_hold_is_refused(form, fault, tmp_path, unlit):
     with pytest.raises(SimError, match=r"^recording: a frame has the stamp .*; valid: from 0 to below 2147483648 s"):
         record(replace(CONFIG, faults=(fault,), frame_rate_hz=2.0), tmp_path / "out", form)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_a_recording_without_a_single_frame_is_refused(form, tmp_path, unlit):
+    with pytest.raises(SimError, match=r"^recording: the faults lose every frame of the walk; valid: a longer walk"):
+        record(replace(CONFIG, faults=(StampOffset(100),), frame_rate_hz=2.0), tmp_path / "out", form)
     assert not list(tmp_path.iterdir())
 
 
