@@ -15,6 +15,7 @@ from sim.robot.route import legs
 from sim.robot.scan import RangeScanner
 from worlds.house import House
 from worlds.truth import NOWHERE, room_at
+from worlds.walkable import polyline_length
 
 _SCAN_EVERY_M = 0.1
 """Distance that the robot drives between two range scans [m]."""
@@ -23,6 +24,8 @@ _SCAN_EVERY_S = 0.5
 _LEAST_TIME_S = 60.0
 _TIME_FACTOR = 4.0
 """The time limit of a drive is `_TIME_FACTOR` times the time of the route at full speed, plus `_LEAST_TIME_S` [s]."""
+_LONGEST_M = 10_000.0
+"""Longest route that is driven [m]. A SLAM whose estimate has diverged may plan a route that would take hours or days."""
 _KNEE_M = 0.3
 """Height above the robot's foot of the point whose room is looked up [m], so that a floor's thickness does not matter."""
 DROP = "drop"
@@ -69,10 +72,13 @@ class Robot:
         that goes there, the drive ends.
 
         The waypoints and the estimated `pose` are in the robot's own frame, which drifts. The drive updates `pose`. Raises
-        `SimError` if there is no waypoint, if a waypoint is not finite, or if there is no ground at `start`.
+        `SimError` if there is no waypoint, if a waypoint is not finite, if the route through the waypoints is longer than
+        10 km, or if there is no ground at `start`.
         """
         if len(waypoints) == 0 or not np.isfinite(waypoints).all():
             raise SimError(f"drive: waypoints are {waypoints.tolist()}; valid: at least one, all finite")
+        if (length_m := polyline_length(waypoints)) > _LONGEST_M:
+            raise SimError(f"drive: the route is {length_m:.6g} m long; valid: up to {_LONGEST_M:g} m")
         touched, path = self._body.stand(start), [self._body.position]
         parts = legs(waypoints)
         if not touched:
@@ -132,10 +138,8 @@ class Robot:
 
     def _judged(self, path: Float64[np.ndarray, "n 3"], touched: tuple[str, ...]) -> Drive:
         room = int(room_at(self._house, path[-1:] + [0.0, 0.0, _KNEE_M])[0])
-        length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
-        return Drive(path, None if room == NOWHERE else self._house.rooms[room].id, length, touched)
+        return Drive(path, None if room == NOWHERE else self._house.rooms[room].id, polyline_length(path), touched)
 
 
 def _most_steps(waypoints: Float64[np.ndarray, "k 3"]) -> int:
-    length = float(np.linalg.norm(np.diff(waypoints, axis=0), axis=1).sum())
-    return math.ceil((_LEAST_TIME_S + _TIME_FACTOR * length / SPEED_M_S) / STEP_S)
+    return math.ceil((_LEAST_TIME_S + _TIME_FACTOR * polyline_length(waypoints) / SPEED_M_S) / STEP_S)

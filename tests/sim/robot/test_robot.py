@@ -203,3 +203,9 @@ def test_a_robot_outside_of_a_lift_does_not_rise():
     result = go(two_rooms(), (1.0, 1.5), (3.0, 1.5), (3.0, 1.5, 2.9), (7.0, 1.5, 2.9))
     assert (result.room, result.touched) == ("office", ())
     np.testing.assert_allclose(result.path[-1], (3.0, 1.5, 0.0), atol=0.15)
+
+
+@pytest.mark.parametrize("away_m", [10_001.0, 1e6, 1e12, 1e150])
+def test_a_route_far_beyond_the_house_is_refused_instead_of_driven_for_hours(away_m):
+    with pytest.raises(SimError, match=r"^drive: the route is .* m long; valid: up to 10000 m$"):
+        go(two_rooms(), (1.0, 1.5), (1.0 + away_m, 1.5))
