@@ -88,9 +88,13 @@ def folder(text: str) -> Path:
         raise argparse.ArgumentTypeError("is blank; valid: the name of a folder")
     try:
         path = Path(text).resolve()
-    except (OSError, RuntimeError) as error:  # a RuntimeError is a loop of symbolic links
+        nearest = next(found for found in (path, *path.parents) if found.exists())
+        is_folder = nearest.is_dir()
+    except OSError as error:
+        raise argparse.ArgumentTypeError(f"{text}: {error.strerror}; valid: the name of a folder") from None
+    except RuntimeError as error:  # a loop of symbolic links
         raise argparse.ArgumentTypeError(f"{text}: {error}; valid: the name of a folder") from None
-    if not (nearest := next(found for found in (path, *path.parents) if found.exists())).is_dir():
+    if not is_folder:
         raise argparse.ArgumentTypeError(f"{nearest}: is a file; valid: the name of a folder")
     return Path(text)
 

@@ -49,6 +49,8 @@ from worlds.spec import HouseSpec
         (["run", "--out", "occupied"], "valid"),
         (["run", "--out", ""], "the name of a folder"),
         (["run", "--out", "loop"], "loop"),
+        (["run", "--out", 300 * "a"], "File name too long; valid: the name of a folder"),
+        (["record", "--out", f"occupied/{300 * 'a'}/recording"], "File name too long; valid: the name of a folder"),
         (["demo", "--out", "/proc/nowhere"], "cannot be written"),
         (["train-encoder", "--work", "/proc/nowhere"], "/proc/nowhere: cannot be written"),
         (["train-encoder", "--work", "occupied", "--out", "file.txt/mini"], "file.txt: cannot be written"),
