@@ -22,8 +22,8 @@ _SHAPES: Mapping[str, "mujoco.mjtGeom"] = MappingProxyType(
 def draw(scene: "mujoco.MjvScene", solids: Sequence[Solid]) -> None:
     """Append solids in plain colours to a scene that is about to be rendered. Their parts may be boxes, cylinders and balls.
 
-    In segmentation images, pixels of these parts have the id -1, because the parts are no geoms of the model. The parts
-    occlude what is behind them.
+    In segmentation images, these parts have the numbers that follow those of the scene's geoms. The parts occlude what is
+    behind them.
     """
     for solid in solids:
         turn, position = _about_z(solid.yaw), np.array(solid.position)

@@ -24,7 +24,8 @@ from worlds.visuals.meshes import Solid
 _HIDDEN = -1
 """Mesh id of a geom that MuJoCo does not draw."""
 _SPARE = 1024
-"""Number of geoms for which a scene (`mujoco.MjvScene`) has memory beyond its own geoms, for the parts of moving things."""
+"""Number of geoms for which a scene (`mujoco.MjvScene`) has memory beyond its own geoms at first, for the parts of moving
+things."""
 NO_GEOM = -1
 
 
@@ -49,13 +50,7 @@ class Raster:
     def __init__(self, scene: Scene) -> None:
         require_rendering()
         self._scene, model = scene, scene.model
-        self._merged = _merged_scene(scene)
-        self._objects = _abstract_scene(scene)
-        for flag in (mujoco.mjtRndFlag.mjRND_SEGMENT, mujoco.mjtRndFlag.mjRND_IDCOLOR):
-            self._objects.flags[flag] = True
-        self._geoms = list(self._merged.geoms[: len(scene.merged)])
-        self._meshes = [geom.dataid for geom in self._geoms]
-        self._shown: Cells = scene.visibility.all
+        self._fill(_SPARE)
         self._size = model.vis.global_.offwidth, model.vis.global_.offheight
         with graphics_errors(f"a context of {self._size[0]} x {self._size[1]} px"):
             self._gl = mujoco.GLContext(*self._size)
@@ -65,8 +60,22 @@ class Raster:
         self._context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
         self._open = True
 
+    def _fill(self, spare: int) -> None:
+        """Make the abstract scenes, with memory for `spare` parts of moving things."""
+        scene = self._scene
+        self._spare = spare
+        self._merged = _merged_scene(scene, spare)
+        self._objects = _abstract_scene(scene, spare)
+        for flag in (mujoco.mjtRndFlag.mjRND_SEGMENT, mujoco.mjtRndFlag.mjRND_IDCOLOR):
+            self._objects.flags[flag] = True
+        self._geoms = list(self._merged.geoms[: len(scene.merged)])
+        self._meshes = [geom.dataid for geom in self._geoms]
+        self._shown: Cells = scene.visibility.all
+
     def place(self, solids: Sequence[Solid]) -> None:
         """Draw `solids` (moving things) in all further images, in place of the previous solids. Their id is `NO_GEOM`."""
+        if (parts := sum(len(solid.parts) for solid in solids)) > self._spare:
+            self._fill(parts)
         for abstract, standing in ((self._merged, len(self._scene.merged)), (self._objects, self._scene.model.ngeom)):
             abstract.ngeom = standing
             draw(abstract, solids)
@@ -89,7 +98,8 @@ class Raster:
         self._draw(self._objects, T_W_C, intrinsics, image, None)
         red, green, blue = np.moveaxis(image[::-1].astype(np.int32), -1, 0)
         # All geoms are drawn, so a geom's position in the list equals its id. MuJoCo encodes position + 1 as a colour.
-        return np.asarray(red + (green << 8) + (blue << 16) - 1)
+        ids = red + (green << 8) + (blue << 16) - 1
+        return np.where(ids < self._scene.model.ngeom, ids, np.int32(NO_GEOM))  # moving things come after the geoms
 
     def frame(self, T_W_C: Pose, intrinsics: Intrinsics) -> RenderedFrame:
         """Render image and depth in one rendering pass, and geom ids in another."""
@@ -154,10 +164,13 @@ class Raster:
         return np.asarray(near * far / (near + buffer[::-1] * (far - near)))
 
 
-def _abstract_scene(scene: Scene) -> "mujoco.MjvScene":
-    """Build the abstract scene of all geoms in the order of their ids, with lights and sky."""
+def _abstract_scene(scene: Scene, spare: int) -> "mujoco.MjvScene":
+    """Build the abstract scene of all geoms in the order of their ids, with lights and sky.
+
+    It has memory for `spare` more geoms.
+    """
     model = scene.model
-    abstract = mujoco.MjvScene(model, maxgeom=model.ngeom + _SPARE)
+    abstract = mujoco.MjvScene(model, maxgeom=model.ngeom + spare)
     everything = mujoco.mjtCatBit.mjCAT_ALL.value
     mujoco.mjv_updateScene(model, scene.data, mujoco.MjvOption(), None, mujoco.MjvCamera(), everything, abstract)
     for flag in (mujoco.mjtRndFlag.mjRND_SHADOW, mujoco.mjtRndFlag.mjRND_REFLECTION, mujoco.mjtRndFlag.mjRND_HAZE):
@@ -165,9 +178,9 @@ def _abstract_scene(scene: Scene) -> "mujoco.MjvScene":
     return abstract
 
 
-def _merged_scene(scene: Scene) -> "mujoco.MjvScene":
-    """Build the abstract scene of the merged meshes, with lights and sky."""
-    abstract, model = _abstract_scene(scene), scene.model
+def _merged_scene(scene: Scene, spare: int) -> "mujoco.MjvScene":
+    """Build the abstract scene of the merged meshes, with lights and sky, and with memory for `spare` more geoms."""
+    abstract, model = _abstract_scene(scene, spare), scene.model
     textures = {geom.matid: geom.texid for geom in abstract.geoms[: abstract.ngeom]}
     abstract.ngeom = len(scene.merged)
     for i, (geom, part) in enumerate(zip(abstract.geoms, scene.merged, strict=False)):

@@ -10,10 +10,13 @@ from helpers.viewpoints import viewpoints
 
 from sim.errors import GraphicsError
 from sim.render.camera import CameraRenderer, fovy_deg, wide_camera
+from sim.render.raster import NO_GEOM
 from sim.render.scene import build_scene
 from worlds.house import build_house
+from worlds.parts import Part
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec, RoomSpec, StoreySpec
+from worlds.visuals.meshes import Solid
 
 CAMERA = wide_camera(160, 120)
 SIZE, FOVY = (160, 120), fovy_deg(CAMERA.intrinsics)
@@ -61,6 +64,35 @@ def test_a_frame_is_its_picture_depth_and_ids(poses, renderer):
         assert np.array_equal(frame.rgb, renderer.rgb(T_W_B))
         assert np.array_equal(frame.depth, renderer.depth(T_W_B))
         assert np.array_equal(frame.geom_ids, renderer.geom_ids(T_W_B))
+
+
+def seen_by_camera(T_W_B, ahead_m):
+    """A small red ball on the camera's axis."""
+    x, y, z = (T_W_B @ CAMERA.T_B_C @ (0.0, 0.0, ahead_m, 1.0))[:3].tolist()
+    return Solid((Part("ball", (0.0, 0.0, 0.0), (0.1, 0.1, 0.1), (1.0, 0.0, 0.0)),), (x, y, z), 0.0)
+
+
+def test_moving_things_hide_what_is_behind_them_and_are_no_geoms(house, poses):
+    with CameraRenderer(build_scene(house, SIZE, FOVY), CAMERA) as own:
+        empty = own.frame(poses[0])
+        own.place([seen_by_camera(poses[0], 0.3)] * 2)
+        frame = own.frame(poses[0])
+        hidden = frame.geom_ids == NO_GEOM
+        assert hidden[60, 80] and not (empty.geom_ids == NO_GEOM)[60, 80]
+        assert np.array_equal(frame.geom_ids[~hidden], empty.geom_ids[~hidden])
+        own.place(())
+        assert np.array_equal(own.geom_ids(poses[0]), empty.geom_ids)
+
+
+def test_any_number_of_moving_parts_is_drawn(house, poses):
+    """A house with 150 doors that close has more than a thousand of them."""
+    grain, ball = seen_by_camera(poses[0], -900.0), seen_by_camera(poses[0], 0.3)
+    with CameraRenderer(build_scene(house, SIZE, FOVY), CAMERA) as own:
+        own.place((ball,))
+        few = own.frame(poses[0])
+        own.place((*[grain] * 3000, ball))
+        many = own.frame(poses[0])
+        assert np.array_equal(few.rgb, many.rgb) and np.array_equal(few.geom_ids, many.geom_ids)
 
 
 def test_closing_an_old_renderer_leaves_a_newer_one_whole(house, poses, renderer):
