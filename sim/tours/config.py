@@ -28,8 +28,9 @@ class TourConfig(Settings, place="tour", error=SimError):
     length_m: Annotated[float, Gt(0)] | None = None
     """Requested length of the path [m]. The tour leaves out or repeats stops or lanes, so that its length is right to 3 m or
     3 %, whichever is more. None stands for the usual length of this kind of tour in this house."""
-    circuit_m: Annotated[float, Gt(0)] | None = None
-    """Length of one lap of a `loop` tour [m]. None stands for 40 m, or less in a small house."""
+    circuit_m: Annotated[float, Ge(2)] | None = None
+    """Length of one lap of a `loop` tour [m], 2 m or more: on a shorter lap, the body would turn on the spot. None stands
+    for 40 m, or less in a small house."""
     laps: Annotated[int, Ge(1)] = 3
     """Number of laps of a `loop` tour if no length is requested."""
     reverse: bool = False

@@ -77,7 +77,7 @@ def plan_tour(house: House, walkable: Walkable, rng: np.random.Generator, config
     ceiling_m = min(storey.ceiling_m - storey.floor_m for storey in house.storeys)
     if config.eye_height_m >= ceiling_m:
         raise SimError(
-            f"eye_height_m is {config.eye_height_m:g}; valid: below {ceiling_m:g}, the lowest ceiling of the house"
+            f"tour: eye_height_m is {config.eye_height_m:g}; valid: below {ceiling_m:g}, the lowest ceiling of the house"
         )
     planner, sway_rng = Planner.of(house, walkable, config, rng), rng.spawn(1)[0]
     path = _path(planner, config)

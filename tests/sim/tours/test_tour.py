@@ -152,6 +152,10 @@ def test_a_loop_is_the_same_circuit_again():
     assert aligned_earlier(tour, 1) > 0.9
 
 
+def test_the_shortest_circuit_is_walked_in_every_house(preset):
+    assert 1.0 < tour_of(*preset, kind="loop", circuit_m=2.0, laps=2).length_m < 6.0
+
+
 def test_a_lawn_mower_comes_near_every_free_place(preset, house):
     walkable = furnished(*preset)[1]
     tour = tour_of(*preset, kind="lawn-mower", lane_m=0.8)
@@ -237,11 +241,14 @@ def test_bad_settings_name_what_is_valid():
     for endless in (np.inf, np.nan):
         with pytest.raises(SimError, match=r"length_m is (inf|nan); valid"):
             TourConfig(length_m=endless)
-    with pytest.raises(SimError, match=r"eye_height_m is 2\.6; valid: below 2\.6, the lowest ceiling of the house"):
+    with pytest.raises(SimError, match=r"^tour: eye_height_m is 2\.6; valid: below 2\.6, the lowest ceiling of the house"):
         tour_of("home", 11, eye_height_m=2.6)
     assert tour_of("random", 14, kind="loop").length_m > 20.0
     with pytest.raises(SimError, match=r"circuit_m is 900; valid: up to \d+ in this house"):
         tour_of("random", 14, kind="loop", circuit_m=900.0)
+    for short in (0.05, 0.3, 1.99):
+        with pytest.raises(SimError, match=rf"tour.circuit_m is {short}; valid: >= 2 m"):
+            unchecked(TourConfig, kind="loop", circuit_m=short)
     cell = RoomSpec(id="cell", label="storage room", polygon_m=((0.0, 0.0), (1.2, 0.0), (1.2, 1.2), (0.0, 1.2)))
     tiny = build_house(HouseSpec(storeys=(StoreySpec(rooms=(cell,), furniture=()),)))
     with pytest.raises(SimError, match="can stop at 1 places; valid: a house with two"):
