@@ -21,7 +21,7 @@ from worlds.visuals.meshes import Solid
 
 @dataclass(frozen=True, eq=False)
 class CompiledHouse:
-    """A house and the scene that is compiled from it for one camera, without actors (people and doors that move)."""
+    """A house and the scene that is compiled from it for the cameras of a rig, without actors (people and moving doors)."""
 
     house: House
     camera: Camera
@@ -29,8 +29,9 @@ class CompiledHouse:
     @cached_property
     def scene(self) -> Scene:
         """The house as a MuJoCo scene, ready to render. It is compiled at the first access."""
-        k = self.camera.intrinsics
-        return build_scene(self.house, (k.width, k.height), fovy_deg(k))
+        images = [camera.intrinsics for camera in self.camera.rig]
+        size_px = max(k.width for k in images), max(k.height for k in images)
+        return build_scene(self.house, size_px, fovy_deg(self.camera.intrinsics))
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ from sim.faults.world import MovedFurniture
 from sim.odometry.simulation import ODOMETRY_PRESETS, simulate_odometry
 from sim.prefetch import THREAD
 from sim.render.camera import CameraRenderer, wide_camera
+from sim.render.lens import Distortion
 from sim.render.rig import displaced, make_rig
 from sim.session import Session
 from sim.tours.tour import Tour, plan_tour
@@ -129,6 +130,17 @@ def test_a_rig_yields_the_images_of_all_cameras_at_the_same_time(session, pairs)
     assert frozen
     for i in frozen:
         assert all(np.array_equal(a, b) for a, b in zip(seen[i][0].images, seen[i - 1][0].images, strict=True))
+
+
+@pytest.mark.parametrize("distortion", [None, Distortion(-0.05, 0.002)], ids=["pinhole", "distorted"])
+def test_every_camera_of_a_rig_has_images_of_its_own_size(session, distortion):
+    sizes = [(160, 120), (200, 100), (80, 240)]
+    first, *others = (wide_camera(*size, 80.0) for size in sizes)
+    short = replace(session.tour, stamps=session.tour.stamps[:2], T_W_B=session.tour.T_W_B[:2])
+    camera = replace(first, others=tuple(others))
+    mixed = Session(session.house, short, session.odometry, camera, distortion=distortion)
+    for observation, _ in mixed:
+        assert [image.shape[1::-1] for image in observation.images] == sizes
 
 
 def test_a_second_pass_is_the_same(session, pairs):
