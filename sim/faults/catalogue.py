@@ -51,9 +51,15 @@ def parse_fault(text: str) -> Fault:
 
 
 def written(fault: Fault) -> str:
-    """Return a fault as text in the notation of `parse_fault`. Fields that are None are left out."""
+    """Return a fault as text, from which `parse_fault` makes the same fault. Fields that are None are left out."""
     values = {of.name: getattr(fault, of.name) for of in settings(type(fault))}
-    return f"{fault.name}:{','.join(f'{name}={value:g}' for name, value in values.items() if value is not None)}"
+    return f"{fault.name}:{','.join(f'{name}={_digits(value)}' for name, value in values.items() if value is not None)}"
+
+
+def _digits(value: int | float) -> str:
+    """Return a number as short as possible, but with all its digits."""
+    short = f"{value:g}"
+    return short if isinstance(value, float) and float(short) == value else str(value)
 
 
 def _number(text: str, of: "Field[float]", value: str) -> int | float:

@@ -19,6 +19,7 @@ from sim.faults.delivery import Dropped, Duplicated, Frozen, Late, OutOfOrder
 from sim.faults.images import Blur, Exposure, LightsOff, Noise, Smear
 from sim.faults.poses import Kidnap, OdometryFreeze, OdometryJump, OdometryNaN
 from sim.faults.stamps import StampJitter, StampJump, StampOffset
+from sim.faults.world import MovedFurniture
 from sim.render.camera import wide_camera
 from sim.truth import Truth
 
@@ -309,6 +310,28 @@ def test_faults_are_read_back_as_written(name):
     fault = FAULTS[name]()
     assert parse_fault(name) == parse_fault(written(fault)) == fault
     assert f"  {name}:" in usage()
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        *(
+            Late(1 / 3, frames=10**7),
+            Kidnap(1234567.5),
+            StampJump(1.8e9 + 0.25, at_s=1e-7, for_s=7),
+            OdometryJump(0.1 + 0.2),
+        ),
+        *(StampOffset(-100), Exposure(1), MovedFurniture(0.3, at_s=123.4567)),
+    ],
+    ids=lambda fault: fault.name,
+)
+def test_no_digit_of_a_fault_is_lost_in_its_text(fault):
+    assert parse_fault(written(fault)) == fault
+
+
+def test_the_text_of_a_fault_is_short():
+    assert written(Dropped(0.2, burst=3)) == "dropped:share=0.2,burst=3"
+    assert written(StampJitter(0.02)) == "stamp-jitter:sigma_s=0.02,at_s=0,for_s=inf"
 
 
 @pytest.mark.parametrize(
