@@ -9,7 +9,7 @@ from jaxtyping import Float64
 from lexis.maths.se3 import between, exp, inverse
 from lexis.types import Observation
 from sim.faults.fault import SpanFault, StreamFault, has_pose, setting
-from sim.truth import Stream
+from sim.truth import Stream, Truth
 
 
 @dataclass(frozen=True)
@@ -109,26 +109,29 @@ class Kidnap(StreamFault):
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
         """Yield the stream without the part that is cut out. Stamps and estimated poses continue without a gap."""
-        last: Observation | None = None
-        unseen: Observation | None = None
+        last: tuple[Observation, Truth] | None = None
+        unseen: tuple[Observation, Truth] | None = None
         before, within = np.eye(4), np.eye(4)  # the last known poses before the cut and in it
+        over = False
         for observation, truth in stream:
             if last is None or truth.stamp < self.at_s:
-                last = observation
-                before = observation.T_O_B if has_pose(observation) else before
-                within = before
+                if unseen is None:  # otherwise, the frame is late
+                    last = observation, truth
+                    before = within = observation.T_O_B if has_pose(observation) else before
                 yield observation, truth
             elif truth.stamp < self.at_s + self.skip_s:
-                unseen = observation
-                within = observation.T_O_B if has_pose(observation) else within
+                if not over:
+                    unseen = observation, truth
+                    within = observation.T_O_B if has_pose(observation) else within
             elif unseen is None:
                 yield observation, truth
             else:
-                cut_s = unseen.stamp - last.stamp
-                moved = replace(
-                    observation, stamp=observation.stamp - cut_s, T_O_B=before @ between(within, observation.T_O_B)
-                )
-                yield moved, replace(self.mark(truth), stamp=truth.stamp - cut_s)
+                over = True
+                # Faults of the clock may have changed the stamps, but not the true stamps.
+                cut_s, true_cut_s = unseen[0].stamp - last[0].stamp, unseen[1].stamp - last[1].stamp
+                T_O_B = before @ between(within, observation.T_O_B)
+                moved = replace(observation, stamp=observation.stamp - cut_s, T_O_B=T_O_B)
+                yield moved, replace(self.mark(truth), stamp=truth.stamp - true_cut_s)
 
     def cut(self, stamps: Float64[np.ndarray, "n"]) -> tuple[float, float]:
         """Return the part that is cut out of a walk: its start (excluded) and its end (included) [s].

@@ -288,6 +288,24 @@ def test_a_kidnapped_body_is_elsewhere_and_the_odometry_does_not_show_it(clean):
     np.testing.assert_array_equal(true, poses(clean)[indices(pairs)])
 
 
+@pytest.mark.parametrize("clock", [StampJump(2.0, at_s=12.0), StampJitter(0.05)], ids=lambda fault: fault.name)
+def test_the_true_stamps_after_a_kidnapping_depend_on_no_clock(clean, clock):
+    kidnap = Kidnap(10.0, skip_s=5.0)
+    true, wrong = ([truth.stamp for _, truth in run(clean, *faults)] for faults in ((kidnap,), (clock, kidnap)))
+    np.testing.assert_array_equal(true, wrong)
+
+
+@pytest.mark.parametrize("late", [Late(0.3, frames=7), OutOfOrder(1.0, group=6)], ids=lambda fault: fault.name)
+def test_frames_that_arrive_late_do_not_move_the_ends_of_the_cut(clean, late):
+    """All frames after the cut are shifted by the same time, and moved by the same motion."""
+    after = [(seen, truth) for seen, truth in run(clean, late, Kidnap(10.0, skip_s=5.0)) if "kidnap" in truth.faults]
+    shifts = [clean[seen.index][0].stamp - seen.stamp for seen, _ in after]
+    np.testing.assert_allclose(shifts, shifts[0], atol=1e-9)
+    np.testing.assert_allclose([clean[seen.index][1].stamp - truth.stamp for seen, truth in after], shifts, atol=1e-9)
+    moves = [seen.T_O_B @ np.linalg.inv(clean[seen.index][0].T_O_B) for seen, _ in after]
+    np.testing.assert_allclose(moves, np.broadcast_to(moves[0], (len(moves), 4, 4)), atol=1e-9)
+
+
 @pytest.mark.parametrize("fault", (*REORDERING, *CHANGING), ids=ids((*REORDERING, *CHANGING)))
 def test_lexis_takes_an_observation_or_says_why_not(clean, fault):
     slam = Slam(wide_camera(32, 24), BlindEncoder(), ("office", "kitchen"))
