@@ -143,5 +143,5 @@ def _patches(height: int, width: int, share: float, seed: int) -> Float32[np.nda
     noise = np.random.default_rng(seed).standard_normal((height, width), dtype=np.float32)
     smooth = cv2.GaussianBlur(noise, (0, 0), _PATCH * width)
     edge = _EDGE * float(smooth.std())
-    above = smooth - np.quantile(smooth, 1.0 - share)
+    above = smooth - (np.quantile(smooth, 1.0 - share) if share else np.inf)
     return np.asarray(np.clip(above / edge + 0.5, 0.0, 1.0)[..., None], np.float32)

@@ -230,6 +230,10 @@ def test_smear_stays_where_it_is_and_hides_detail():
     assert (often > 0.9).mean() == pytest.approx(0.3, abs=0.08)
 
 
+def test_no_share_of_grease_leaves_the_image_as_it_is(clean):
+    np.testing.assert_array_equal(*edited(clean, Smear(0.0)))
+
+
 def test_lights_off_leaves_almost_nothing(clean):
     dark, lit = edited(clean, LightsOff())
     assert dark.mean() < 0.1 * lit.mean() and dark.std() > 1.0
