@@ -1,7 +1,7 @@
 """`ClosingDoors`: doors that are closed unless the body is near them."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -59,9 +59,19 @@ def all_leaves(house: House) -> Iterator[DoorLeaf]:
 
     A doorway that has no leaf in the house gets a leaf that swings into the first of the doorway's two rooms.
     """
+    return _hung(house, _with_leaf)
+
+
+def built_leaves(house: House) -> Iterator[DoorLeaf]:
+    """Yield the door leaves that the house has by its spec, with those that `ClosingDoors` moves instead."""
+    return _hung(house, lambda opening: opening)
+
+
+def _hung(house: House, change: Callable[[OpeningSpec], OpeningSpec]) -> Iterator[DoorLeaf]:
+    """Yield the leaves of the doors that all openings of a house have after `change`."""
     style = house.spec.seed if house.spec.appearance.seed is None else house.spec.appearance.seed
     for level, (storey, pieces) in enumerate(zip(house.spec.storeys, house.boundaries, strict=True)):
-        hung = [_with_leaf(opening) for opening in storey.openings]
+        hung = [change(opening) for opening in storey.openings]
         own = {id(old): new for old, new in zip(storey.openings, hung, strict=True)}
         cut = [(boundary, own.get(id(opening), opening)) for boundary, opening in pieces]
         yield from hang_leaves(level, cut, hung, house.storeys[level].floor_m, style)

@@ -8,8 +8,9 @@ import numpy as np
 import shapely
 from jaxtyping import Float64
 from shapely import Geometry
-from shapely.geometry import MultiPoint
+from shapely.geometry import MultiPoint, Polygon
 
+from sim.faults.closing_doors import built_leaves
 from worlds.house import Furniture, House
 
 _TRIES = 30
@@ -47,11 +48,13 @@ def with_furniture_moved(
     pieces = list(house.furniture)
     standing = [i for i, piece in enumerate(pieces) if piece.solid and _height(house, piece) < _ON_FLOOR_M]
     movable = [i for i in standing if pieces[i].kind not in _FIXED]
+    # Whether a fault closes doors at the same time must not decide where furniture is: it would move when the doors do.
+    swings = [(leaf.storey, leaf.swing) for leaf in built_leaves(house)]
     for i in rng.permutation(movable)[: round(share * len(movable))]:
         piece = pieces[i]
         riders = [k for k, other in enumerate(pieces) if k != i and _rides(house, other, piece)]
         others = [pieces[k] for k in standing if k != i and pieces[k].storey == piece.storey]
-        free = _free_of(house, piece, others, path)
+        free = _free_of(house, piece, others, swings, path)
         for _ in range(_TRIES):
             angle, distance, turn = rng.uniform(-math.pi, math.pi), within_m * math.sqrt(rng.random()), rng.uniform(-1, 1)
             shift = (distance * math.cos(angle), distance * math.sin(angle))
@@ -73,13 +76,22 @@ def _rides(house: House, other: Furniture, piece: Furniture) -> bool:
     return above and bool(piece.footprint.covers(shapely.Point(other.position[:2])))
 
 
-def _free_of(house: House, piece: Furniture, others: Sequence[Furniture], path: Float64[np.ndarray, "n 3"]) -> Geometry:
-    """Return the free area of a piece's room in the plan. The footprint of the moved piece has to lie inside this area."""
+def _free_of(
+    house: House,
+    piece: Furniture,
+    others: Sequence[Furniture],
+    swings: Sequence[tuple[int, Polygon]],
+    path: Float64[np.ndarray, "n 3"],
+) -> Geometry:
+    """Return the free area of a piece's room in the plan. The footprint of the moved piece has to lie inside this area.
+
+    `swings` are the storeys and areas in which doors swing.
+    """
     storey, room = house.storeys[piece.storey], house.room_by_id[piece.room].polygon
     low, high = np.reshape(room.bounds, (2, 2)) + [[-_BODY_M], [_BODY_M]]
     here = path[(path[:, 2] > storey.floor_m) & (path[:, 2] < storey.ceiling_m), :2]
     near = here[((here > low) & (here < high)).all(axis=1)]
-    shapes = [*(other.footprint for other in others), *(leaf.swing for leaf in house.leaves if leaf.storey == piece.storey)]
+    shapes = [*(other.footprint for other in others), *(swing for level, swing in swings if level == piece.storey)]
     within = [shape for shape in shapes if shape.intersects(room)]
     taken = shapely.union_all([*within, MultiPoint(near).buffer(_BODY_M, 4)])
     return room.buffer(-_WALL_M).difference(taken)

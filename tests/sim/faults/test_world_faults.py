@@ -1,5 +1,6 @@
 """Faults of the world: moved objects stay physically possible, and are visible when the truth says so."""
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 from shapely.geometry import LineString, Point
 
 from sim.faults import FAULTS, WorldFault, WorldState, fault_rng
-from sim.faults.closing_doors import ClosingDoors, all_leaves
+from sim.faults.closing_doors import ClosingDoors, all_leaves, built_leaves
 from sim.faults.images import Blur
 from sim.faults.world import ClosedDoors, MovedFurniture, Pedestrian
 from sim.odometry.simulation import ODOMETRY_PRESETS, tour_odometry
@@ -67,6 +68,10 @@ def names(pairs):
     return [truth.faults for _, truth in pairs]
 
 
+def poses(things):
+    return [(thing.id, thing.position, thing.yaw, thing.size) for thing in things]
+
+
 def test_moved_furniture_stands_clear_in_its_room(house, tour):
     fault = MovedFurniture(0.6)
     after = fault.change(WorldState(house), tour, fault_rng(5, 0)).house
@@ -90,6 +95,20 @@ def test_moved_furniture_stands_clear_in_its_room(house, tour):
                 before[other].footprint.covers(Point(before[piece.id].position[:2])) for other in moved if other != piece.id
             )
     np.testing.assert_array_equal([p.size for p in after.furniture], [p.size for p in house.furniture])
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_furniture_stands_in_one_place_while_doors_begin_and_end_to_close(number):
+    house = build_house(sample_house("home", number))
+    tour = plan_tour(house, Walkable(house), np.random.default_rng(0), TourConfig(length_m=120.0))
+    moves, closes = MovedFurniture(0.5, at_s=20.0), ClosedDoors(0.7, at_s=40.0, for_s=20.0)
+    alone = moves.change(WorldState(house), tour, fault_rng(5, 1))
+    both = moves.change(closes.change(WorldState(house), tour, fault_rng(5, 0)), tour, fault_rng(5, 1))
+    assert poses(alone.house.furniture) == poses(both.house.furniture) != poses(house.furniture)
+
+
+def test_the_built_leaves_are_those_of_the_house(house):
+    assert poses(built_leaves(house)) == poses(house.leaves) == poses(built_leaves(replace(house, leaves=())))
 
 
 def test_every_door_way_gets_a_leaf(house):
