@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Iterator, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -87,8 +88,8 @@ class Frozen(StreamFault):
 
 
 def _copies(images: Sequence[Image | Percept]) -> tuple[Image | Percept, ...]:
-    """Return copies of images, because the SLAM may write into the images that it gets. Percepts cannot be changed."""
-    return tuple(image.copy() if isinstance(image, np.ndarray) else image for image in images)
+    """Return copies of images or percepts, because the SLAM may write into the arrays that it gets."""
+    return tuple(map(deepcopy, images))
 
 
 @dataclass(frozen=True)

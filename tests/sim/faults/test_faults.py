@@ -11,7 +11,7 @@ from helpers.unchecked import unchecked
 from lexis.errors import ObservationError
 from lexis.maths.se3 import between, compose_covariance, exp, is_rigid
 from lexis.slam import Slam
-from lexis.types import Observation
+from lexis.types import Features, Observation, Percept
 from sim.errors import SimError
 from sim.faults import FAULTS, StreamFault, corrupted, fault_rng, parse_fault, written
 from sim.faults.catalogue import usage
@@ -278,6 +278,21 @@ def test_repeated_images_are_copies_that_the_slam_cannot_have_changed(clean, fau
     for (observation, _), before in zip(corrupted(given, (fault,), 3), untouched, strict=True):
         assert np.array_equal(observation.image, before)
         observation.image[:] = 0
+
+
+@pytest.mark.parametrize("fault", [Frozen(0.2, burst=5), Duplicated(0.2)], ids=["frozen", "duplicated"])
+def test_repeated_percepts_are_copies_that_the_slam_cannot_have_changed(clean, fault):
+    def percept(k):
+        features = Features(np.full((3, 2), k, np.float32), np.full((3, 61), k, np.uint8))
+        return Percept(np.full(8, k, np.float32), features, np.full((5, 3), float(k)))
+
+    given = ((replace(o, image=percept(o.index % 250), others=(percept(o.index % 250),)), truth) for o, truth in clean)
+    for observation, _ in corrupted(given, (fault,), 3):
+        for seen in observation.images:
+            arrays = seen.embedding, seen.points, seen.features.keypoints, seen.features.descriptors
+            assert all((array == array.flat[0]).all() and array.flat[0] != 251 for array in arrays)
+            for array in arrays:
+                array[...] = 251
 
 
 def test_a_kidnapped_body_is_elsewhere_and_the_odometry_does_not_show_it(clean):
