@@ -1,5 +1,6 @@
 """Checks of the files and folders that a command is to write, before minutes or hours of work."""
 
+import os
 import tempfile
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
@@ -11,17 +12,17 @@ from sim.errors import SimError
 def check_output_file(path: Path) -> None:
     """Raise `SimError` unless the folder of a file exists and can be written to, and nothing but a file has its name."""
     folder = path.absolute().parent
-    if not folder.is_dir():
-        raise SimError(f"{path}: its folder does not exist; valid: a file in a folder that exists")
-    if path.exists() and not path.is_file():
-        raise SimError(f"{path}: is {'a folder' if path.is_dir() else 'a device or a pipe'}; valid: the name of a file")
     with _refused(path, "a file in a folder that can be written to"):
+        if not folder.is_dir():
+            raise SimError(f"{path}: its folder does not exist; valid: a file in a folder that exists")
+        if path.exists() and not path.is_file():
+            raise SimError(f"{path}: is {'a folder' if path.is_dir() else 'a device or a pipe'}; valid: the name of a file")
         tempfile.TemporaryFile(dir=folder).close()
 
 
 def check_not_input(path: Path, source: Path) -> None:
     """Raise `SimError` if the file to write is the file `source` that is read, by whatever name or link."""
-    if path.resolve() == source.resolve():
+    if os.path.realpath(path) == os.path.realpath(source):
         raise SimError(f"{path}: is the file that is read, and would be replaced; valid: a name of another file")
 
 

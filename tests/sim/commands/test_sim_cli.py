@@ -50,6 +50,8 @@ from worlds.spec import HouseSpec
         (["run", "--out", ""], "the name of a folder"),
         (["run", "--out", "loop"], "loop"),
         (["run", "--out", 300 * "a"], "File name too long; valid: the name of a folder"),
+        (["orb-vocabulary", "--out", 300 * "a"], "cannot be written: File name too long; valid: a file in a folder"),
+        (["house", "variant", "loop", "-o", "loop"], "loop"),
         (["record", "--out", f"occupied/{300 * 'a'}/recording"], "File name too long; valid: the name of a folder"),
         (["demo", "--out", "/proc/nowhere"], "cannot be written"),
         (["train-encoder", "--work", "/proc/nowhere"], "/proc/nowhere: cannot be written"),
