@@ -28,18 +28,18 @@ HELP = "no off-screen OpenGL: install EGL (Debian, Ubuntu: apt-get install libeg
 _OFF = ("disabled", "disable", "off", "false", "0")
 VALID = ("egl", "osmesa", "glfw", DISABLED)
 """Valid values of ``MUJOCO_GL`` on Linux."""
-_SYNONYMS = (*_OFF, "enable", "enabled", "on", "true", "1", "glx", "")
+_SYNONYMS = (*_OFF, "enable", "enabled", "on", "true", "1", "glx")
 
 
 def choose_backend() -> str:
-    """Return the back end in ``MUJOCO_GL``. If the variable is not set, set it to the first back end that works.
+    """Return the back end in ``MUJOCO_GL``. If the variable is not set or blank, set it to the first back end that works.
 
     EGL is tried before OSMesa, which new Mesa releases no longer have. If neither works, the result is `DISABLED`. On
     systems other than Linux, MuJoCo chooses. Raises `GraphicsError` if the variable has a value that MuJoCo does not know.
     """
     if sys.platform != "linux":
         return os.environ.get("MUJOCO_GL", "")
-    if "MUJOCO_GL" not in os.environ:
+    if not os.environ.get("MUJOCO_GL", "").strip():
         os.environ["MUJOCO_GL"] = next(filter(_works, PROBES), DISABLED)
     backend = os.environ["MUJOCO_GL"].lower().strip()
     if backend not in (*VALID, *_SYNONYMS):

@@ -38,6 +38,14 @@ def test_egl_is_preferred_and_osmesa_is_the_fallback(probe, unset):
     assert gl.choose_backend() == "osmesa"
 
 
+@pytest.mark.parametrize("blank", ["", " "])
+def test_a_blank_choice_is_none(probe, unset, blank):
+    """MuJoCo itself would take a window, for which containers have no display."""
+    unset.setenv("MUJOCO_GL", blank)
+    probe("")
+    assert gl.choose_backend() == os.environ["MUJOCO_GL"] == "egl"
+
+
 def test_the_users_choice_stands(probe, unset, tmp_path):
     unset.setenv("MUJOCO_GL", "glfw")
     probe("from pathlib import Path; Path(__file__).with_name('probed').touch()")
