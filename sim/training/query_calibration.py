@@ -1,7 +1,6 @@
 """Calibrates the probabilities of `lexis query` for an encoder, on tuning houses, and measures how reliable they are."""
 
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,11 +16,8 @@ from lexis.query.calibration import Calibration, familiarity, load_calibration, 
 from sim.errors import SimError
 from sim.training.houses import TUNING_SEEDS, HouseDraw, draw_houses
 from sim.training.query_questions import DOUBTFUL, NO, YES, QuestionBatch, ask, embedded, room_views
-from worlds.errors import WorldsError
 from worlds.labels import ROOM_LABELS
 
-HOUSES = 24
-"""Default number of houses to which a calibration is fitted."""
 _START = (0.2, 0.0, np.log(0.05))
 _BOUNDS = ((-2.0, 2.0), (-2.0, 2.0), (np.log(1e-3), np.log(10.0)))
 """Bounds of base, slope and logarithm of the temperature."""
@@ -51,8 +47,7 @@ def asked_in(houses: Iterable[HouseDraw], encoder: TextEncoder, seed: int) -> li
     """Walk through each house and ask questions about its rooms, in trained words. Houses without a walk are left out."""
     asked = []
     for number, draw in enumerate(houses):
-        with suppress(SimError, WorldsError):
-            views = room_views(draw)
+        if (views := room_views(draw)) is not None:
             asked.append(ask(views, embedded(views, encoder), encoder, np.random.default_rng([seed, number])))
     return asked
 

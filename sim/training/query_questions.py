@@ -8,6 +8,7 @@ from jaxtyping import Float32, Float64, Int, UInt8
 
 from lexis.perception import TextEncoder
 from lexis.query.answers import best_views_mean, embed_questions
+from sim.errors import SimError
 from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
 from sim.training.frames import THINGS, frames_at
@@ -26,6 +27,7 @@ from sim.training.phrases import (
     framed,
 )
 from sim.training.viewpoints import LEXIS_VIEWS, evenly_along
+from worlds.errors import WorldsError
 from worlds.labels import ROOM_LABELS
 from worlds.truth import room_at
 
@@ -76,9 +78,15 @@ class QuestionBatch:
     """Whether each room is a right answer to each question: `YES`, `NO` or `DOUBTFUL`."""
 
 
-def room_views(draw: HouseDraw) -> RoomViews:
-    """Walk through a house as `lexis-sim run` does, and render images. Raises `SimError` if no walk is possible."""
-    walked = walk(Scenario(preset=draw.preset, seed=draw.seed))
+def room_views(draw: HouseDraw) -> RoomViews | None:
+    """Walk through a house as `lexis-sim run` does, and render images; None if the house or the walk is impossible.
+
+    Raises `GraphicsError` if nothing can be rendered.
+    """
+    try:
+        walked = walk(Scenario(preset=draw.preset, seed=draw.seed))
+    except (SimError, WorldsError):
+        return None
     T_W_B = walked.tour.T_W_B[evenly_along(walked.tour.T_W_B[:, :3, 3], _SPACING_M, _MOST)]
     room = np.unique(room_at(walked.house, T_W_B[:, :3, 3]), return_inverse=True)[1]
     frames = frames_at(walked.house, T_W_B, LEXIS_VIEWS)

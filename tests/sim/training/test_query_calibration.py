@@ -11,12 +11,12 @@ from sklearn.metrics import roc_auc_score
 from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.query.calibration import Calibration, familiarity, find_calibration, load_calibration
 from sim.cli import main
-from sim.errors import SimError
+from sim.errors import GraphicsError, SimError
 from sim.training import query_calibration, query_questions
 from sim.training.frames import THINGS
 from sim.training.houses import TUNING_SEEDS, HouseDraw
 from sim.training.phrases import HOLDS_HELD_OUT
-from sim.training.query_calibration import fit_calibration, measure, tuning_houses, write_calibration
+from sim.training.query_calibration import asked_in, fit_calibration, measure, tuning_houses, write_calibration
 from sim.training.query_questions import (
     ACTIVITY,
     DOUBTFUL,
@@ -31,6 +31,13 @@ from sim.training.query_questions import (
     room_views,
 )
 from worlds.labels import ROOM_LABELS
+
+
+def raising(error):
+    def fails(*arguments):
+        raise error
+
+    return fails
 
 
 class HashingEncoder:
@@ -127,6 +134,16 @@ def test_houses_to_fit_to_are_kept_for_tuning_and_the_first_ones_stay():
     draws = tuning_houses(20, 0)
     assert all(draw.seed in TUNING_SEEDS and draw.openness is None for draw in draws)
     assert tuning_houses(5, 0) == draws[:5] != tuning_houses(5, 1)
+
+
+def test_a_house_without_a_walk_is_left_out_but_a_machine_that_cannot_render_is_an_error(monkeypatch):
+    draw = HouseDraw("uh2-apt", TUNING_SEEDS[0])
+    with monkeypatch.context() as patch:
+        patch.setattr(query_questions, "walk", raising(SimError("no walk")))
+        assert asked_in([draw], HashingEncoder(), 0) == []
+    monkeypatch.setattr(query_questions, "frames_at", raising(GraphicsError("no OpenGL")))
+    with pytest.raises(GraphicsError, match="no OpenGL"):
+        asked_in([draw], HashingEncoder(), 0)
 
 
 def test_a_calibration_is_written_beside_its_weights_only_once(views, tmp_path, monkeypatch):
