@@ -14,9 +14,11 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 import torch
 from jaxtyping import Float, Float32, Int
+from safetensors import SafetensorError
 from safetensors.torch import load_file
 from torch import Tensor, nn
 
+from lexis.errors import one_line
 from sim.errors import SimError
 
 TEACHER_WIDTH = 384
@@ -45,15 +47,22 @@ class Teacher:
     """MiniLM, a sentence encoder. It embeds sentences as unit vectors of 384 dimensions; paraphrases get similar vectors."""
 
     def __init__(self, folder: Path) -> None:
-        """Load `model.safetensors` and `vocab.txt` from `folder`. Raises `SimError` if one of them is missing."""
+        """Load `model.safetensors` and `vocab.txt` from `folder`. Raises `SimError` if one is missing or is not MiniLM's."""
         for name in ("model.safetensors", "vocab.txt"):
             if not (folder / name).is_file():
                 raise SimError(
                     f"sentence encoder: {folder / name} is missing; valid: a folder with MiniLM's weights and vocab.txt"
                 )
-        self._weights = load_file(folder / "model.safetensors")
-        words = (folder / "vocab.txt").read_text(encoding="utf-8").splitlines()
-        self._vocabulary = {word: index for index, word in enumerate(words)}
+        try:
+            self._weights = load_file(folder / "model.safetensors")
+            words = (folder / "vocab.txt").read_text(encoding="utf-8").splitlines()
+            self._vocabulary = {word: index for index, word in enumerate(words)}
+            self.encode(("room",))  # shows that all weights and the marks of the vocabulary are there
+        except (OSError, SafetensorError, LookupError, ValueError, RuntimeError) as error:
+            reason = f"{type(error).__name__}: {one_line(error, 120)}"
+            raise SimError(
+                f"sentence encoder: {folder} cannot be used: {reason}; valid: a folder with MiniLM's weights and vocab.txt"
+            ) from None
 
     @property
     def words(self) -> tuple[str, ...]:

