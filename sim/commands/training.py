@@ -41,16 +41,12 @@ def add_to(commands: Commands) -> None:
     train.add_argument(
         "--teacher", type=folder, help="folder with MiniLM's weights (default: those of the extra 'training')"
     )
-    train.add_argument("--out", type=Path, help="file for the weights (default: those in the package)")
+    train.add_argument("--out", type=Path, help="file for the weights, .safetensors (default: those in the package)")
 
 
 def _train(arguments: argparse.Namespace) -> int:
     from sim.training.command import MINI_WEIGHTS, TrainingRun, train_encoder
 
-    out: Path = arguments.out or MINI_WEIGHTS
-    make_output_folder(arguments.work)
-    make_output_folder(out.parent)
-    check_output_file(out)
     run = TrainingRun(
         houses=arguments.houses,
         settling_houses=arguments.settling_houses,
@@ -58,10 +54,13 @@ def _train(arguments: argparse.Namespace) -> int:
         batch=arguments.batch,
         seed=arguments.seed,
         work=arguments.work,
-        out=out,
+        out=arguments.out or MINI_WEIGHTS,
         workers=arguments.workers,
         start=arguments.start,
         teacher=arguments.teacher,
     )
+    make_output_folder(run.work)
+    make_output_folder(run.out.parent)
+    check_output_file(run.out)
     train_encoder(run, Console())
     return 0

@@ -24,7 +24,7 @@ from lexis.files.replace import replaced_file
 from lexis.settings import Settings
 from sim.errors import SimError
 from sim.training.align import WORDINGS, AlignLearner
-from sim.training.dense import DenseLearner
+from sim.training.dense import DenseLearner, DenseTower
 from sim.training.export import export, start_trunk_from
 from sim.training.fit import Progress, Schedule, fit
 from sim.training.frames import BARE, Frames, rendered
@@ -69,7 +69,7 @@ class TrainingRun(Settings, place="training", error=SimError):
     work: Path = Path("encoder-training")
     """Folder for frames, text tower and checkpoints. An interrupted training resumes from the files in it."""
     out: Path = MINI_WEIGHTS
-    """File of the weights; the model's configuration is written beside it."""
+    """File of the weights, whose name ends in ".safetensors"; the model's configuration is written beside it."""
     workers: Annotated[int, Ge(1)] = 2
     """Number of rendering processes, and number of threads for training."""
     start: Path | None = None
@@ -90,15 +90,20 @@ class TrainingRun(Settings, place="training", error=SimError):
                 self.refuse(name, "at least 1 each")
         if self.settling_houses is not None and self.settling_houses < self.houses:
             self.refuse("settling_houses", f"at least the number of houses to train on, {self.houses}")
+        if self.out.suffix != MINI_WEIGHTS.suffix:
+            raise SimError(f"training.out is {self.out}; valid: a name that ends in {MINI_WEIGHTS.suffix}")
 
 
 def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
     """Run the steps that are not done yet, and write weights and configuration. Return the progress after their epochs.
 
-    Raises `SimError` if the work folder belongs to a run with other settings.
+    Raises `SimError` if the work folder belongs to a run with other settings, or if `run.start` holds no image tower.
     """
     run.work.mkdir(parents=True, exist_ok=True)
     _check_settings(run)
+    if run.start is not None:
+        start_trunk_from(run.start, DenseTower())  # checks the file, which is used only after hours
+    _keep_settings(run)
     torch.set_num_threads(run.workers)
     text = _text_tower(run, console)
     tuning = _frames(run, console, "tuning", run.tuning_houses, TUNING_SEEDS)
@@ -138,20 +143,24 @@ def _schedules(run: TrainingRun) -> tuple[Schedule, Schedule]:
 
 
 def _check_settings(run: TrainingRun) -> None:
+    """Raise `SimError` if the work folder holds the settings of another run, or something else in their place."""
     path = run.work / _SETTINGS
-    asked = json.dumps(_deciding(run))
     if not path.exists():
-        with replaced_file(path) as beside:
-            beside.write_text(asked + "\n", encoding="utf-8")
         return
-    before = read_json(path, _SETTINGS_FILE)
+    before, asked = read_json(path, _SETTINGS_FILE), json.loads(json.dumps(_deciding(run)))
     if not isinstance(before, dict):
         raise _SETTINGS_FILE.refusal(path, "is no object")
-    differs = [
-        f"{key} {before.get(key)}, not {value}" for key, value in json.loads(asked).items() if before.get(key) != value
-    ]
+    differs = [f"{key} {before.get(key)}, not {value}" for key, value in asked.items() if before.get(key) != value]
     if differs:
         raise SimError(f"{run.work} belongs to a run with {'; '.join(differs)}; valid: the same settings, or another folder")
+
+
+def _keep_settings(run: TrainingRun) -> None:
+    """Write the settings into the work folder, unless they are there."""
+    path = run.work / _SETTINGS
+    if not path.exists():
+        with replaced_file(path) as beside:
+            beside.write_text(json.dumps(_deciding(run)) + "\n", encoding="utf-8")
 
 
 def _deciding(run: TrainingRun) -> dict[str, Any]:

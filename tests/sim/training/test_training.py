@@ -17,6 +17,7 @@ from lexis.encoder.open_clip_encoder import OpenClipEncoder, load_encoder
 from lexis.encoder.preprocessing import squashing
 from lexis.evaluation import calibration_error
 from lexis.query.calibration import load_calibration
+from sim.cli import main
 from sim.errors import SimError
 from sim.training.align import AlignLearner, room_embeddings
 from sim.training.batches import STRETCH, batches, chosen_once
@@ -230,6 +231,21 @@ def test_a_work_folder_is_of_one_run_whatever_workers_teacher_and_output(tmp_pat
 def test_the_projection_settles_on_no_fewer_houses_than_the_tower_is_trained_on():
     with pytest.raises(SimError, match=r"settling_houses.*at least the number of houses to train on, 3"):
         TrainingRun(houses=3, settling_houses=2)
+
+
+@pytest.mark.parametrize("name", ["mini", "mini.pt", "mini.json"])  # the last one is the file of the configuration
+def test_weights_that_could_not_be_loaded_again_are_refused_before_the_work(name, tmp_path, capsys):
+    assert main(["train-encoder", "--work", str(tmp_path / "work"), "--out", str(tmp_path / name)]) == 2
+    assert "valid: a name that ends in .safetensors" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_weights_to_start_from_are_read_before_the_work(tmp_path):
+    for start in (tmp_path / "none.safetensors", tmp_path):
+        run = TrainingRun(1, 1, work=tmp_path / "work", start=start)
+        with pytest.raises(SimError, match=f"{start}: no image tower to start from"):
+            train_encoder(run, Console(quiet=True))
+    assert list(run.work.iterdir()) == []  # another start may be given
 
 
 def test_settling_finds_rooms_by_text_and_leaves_the_trunk_unchanged(frames, text):
