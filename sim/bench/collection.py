@@ -71,17 +71,17 @@ def _commit() -> str:
     """Name the commit of this package, with a hash of uncommitted changes; its version if it is not in a repository."""
     if _git("ls-files", "--error-unmatch", __file__) is None:  # not in a repository, or installed into somebody else's
         return f"unknown, version {version('lexis-sim')}"
-    commands = ("rev-parse", "HEAD"), ("diff", "HEAD"), ("ls-files", "--others", "--exclude-standard", ":/*.py")
-    commit, changes, added = (_git(*words) or "" for words in commands)
-    changes += "".join(f"{name}\n{(_HERE / name).read_text(encoding='utf-8')}" for name in added.splitlines())
-    changed = hashlib.sha256(changes.encode()).hexdigest()[:12]
-    return commit.strip() + (f" with changes {changed}" if changes else "")
+    commands = ("rev-parse", "HEAD"), ("diff", "HEAD"), ("ls-files", "-z", "--others", "--exclude-standard", ":/*.py")
+    commit, changes, added = (_git(*words) or b"" for words in commands)
+    changes += b"".join(b"%s\n%s" % (name, (_HERE / os.fsdecode(name)).read_bytes()) for name in added.split(b"\0")[:-1])
+    changed = hashlib.sha256(changes).hexdigest()[:12]
+    return commit.decode().strip() + (f" with changes {changed}" if changes else "")
 
 
-def _git(*arguments: str) -> str | None:
+def _git(*arguments: str) -> bytes | None:
     """Output of git for the repository of this package; None if there is no repository or no git."""
     try:
-        return subprocess.run(("git", *arguments), cwd=_HERE, capture_output=True, text=True, check=True).stdout
+        return subprocess.run(("git", *arguments), cwd=_HERE, capture_output=True, check=True).stdout
     except (OSError, subprocess.CalledProcessError):
         return None
 
@@ -90,7 +90,7 @@ def _run(benchmark: Benchmark, out: Path) -> BenchmarkRun:
     """Run a benchmark and write its file, unless the file is there. The file states the commit at which the run began."""
     beginning = f"lexis-sim bench {shlex.join(benchmark.arguments)}\n{source()}\n"
     file = out / f"{benchmark.name}.txt"
-    if file.is_file() and file.read_text(encoding="utf-8").startswith(beginning):
+    if file.is_file() and file.read_bytes().startswith(beginning.encode()):
         return BenchmarkRun(benchmark, None)
     start = time.perf_counter()
     command = (sys.executable, "-m", "sim.cli", "bench", *benchmark.arguments)

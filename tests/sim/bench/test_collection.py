@@ -1,9 +1,11 @@
 """`lexis-sim bench all`: every benchmark of the list exists, and a collection that was interrupted is continued."""
 
+import subprocess
 from pathlib import Path
 
 import pytest
 
+from sim.bench import collection
 from sim.bench.benchmark_list import FULL, QUICK, Benchmark, benchmarks
 from sim.bench.collection import collect, source
 from sim.cli import main, parser
@@ -56,6 +58,28 @@ def test_a_finished_benchmark_is_kept_and_one_from_elsewhere_is_run_again(tmp_pa
     file.write_text(text.replace("commit ", "commit of another day "))
     (other,) = collect([pose_graph(graph)], tmp_path, workers=2)
     assert other.seconds is not None and file.read_text().startswith(text[: text.index("took ")])
+
+
+def test_a_file_of_somebody_else_is_no_finished_benchmark(tmp_path, graph):
+    (tmp_path / "pose-graph.txt").write_bytes(b"\xff\xfe")  # not even text
+    (first,) = collect([pose_graph(graph)], tmp_path, workers=1)
+    assert first.seconds is not None and first.error == ""
+
+
+def test_changes_of_any_name_and_encoding_are_part_of_the_source(tmp_path, monkeypatch):
+    def git(*arguments):
+        subprocess.run(["git", "-c", "user.name=a", "-c", "user.email=a@b", *arguments], cwd=tmp_path, check=True)
+
+    code = tmp_path / "collection.py"
+    code.write_bytes(b"x = 1\n")
+    git("init", "-q"), git("add", "."), git("commit", "-q", "-m", "first")
+    monkeypatch.setattr(collection, "_HERE", tmp_path)
+    monkeypatch.setattr(collection, "__file__", str(code))
+    found = [source()]
+    for changed, content in ((tmp_path / "möbel.py", b"y"), (tmp_path / "möbel.py", b"z"), (code, b"# caf\xe9\n")):
+        changed.write_bytes(content)
+        found.append(source())
+    assert len(set(found)) == 4 and "changes" not in found[0] and all("with changes" in each for each in found[1:])
 
 
 def test_a_failed_benchmark_says_why_and_the_others_go_on(tmp_path, graph, capsys, monkeypatch):
