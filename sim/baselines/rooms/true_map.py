@@ -43,10 +43,11 @@ class TrueMap:
     def segmented(self, segment: Callable[[Free, float], Segments]) -> Int[np.ndarray, "storeys nx ny"]:
         """Segment every storey. Segments are numbered from 1, with different numbers on different storeys."""
         levels: list[Segments] = []
+        below = 0
         for free in self.free:
             found = segment(free, RESOLUTION_M)
-            below = levels[-1].max(initial=0) if levels else 0
             levels.append(np.where(found > 0, found + below, 0).astype(np.int32))
+            below += int(found.max(initial=0))
         return np.stack(levels)
 
     def floors_at(self, points: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "n"]:

@@ -8,6 +8,7 @@ import pytest
 
 from lexis.evaluation.partitions import iou, overlap
 from sim.baselines.rooms import DistanceTransform, HydraPlaces, Morphological, Voronoi
+from sim.baselines.rooms.cells import components
 from sim.baselines.rooms.true_map import RESOLUTION_M, TrueMap
 from worlds.house import build_house
 from worlds.presets import sample_house
@@ -105,3 +106,11 @@ def test_places_that_reach_no_room_become_a_segment_of_their_own():
     found = HydraPlaces().segments(free, RESOLUTION_M)
     strip = set(found[8:12, -20:-4].ravel())
     assert len(strip) == 1 and 0 not in strip and strip.isdisjoint(found[:, :100][free[:, :100]])
+
+
+def test_no_two_storeys_share_a_segment_even_with_an_empty_storey_between_them():
+    free = np.zeros((3, 4, 4), bool)
+    free[0, 0, 0] = free[0, 2, 2] = free[2, 3, 3] = True
+    axis = RESOLUTION_M * np.arange(4)
+    found = TrueMap(build_house(sample_house("home", 900)), axis, axis, free).segmented(lambda cells, _: components(cells))
+    assert [np.unique(level).tolist() for level in found] == [[0, 1, 2], [0], [0, 3]]
