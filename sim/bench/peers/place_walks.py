@@ -22,6 +22,7 @@ from sim.baselines.places.place_method import SeenKeyframes
 from sim.harness import Run, Scenario, run
 from sim.harness.adapters import Lexis
 from sim.harness.adapters.lexis import load
+from sim.harness.walk import with_walk_m
 from sim.harness.world_tests import RENDER_FRAME_RATE_HZ
 
 WALK_M = 250.0
@@ -107,12 +108,13 @@ def record_walks(
 ) -> Iterator[PlaceWalk]:
     """Walk through a house of every preset and seed, and render every walk once.
 
-    `length_m` is the length of each walk [m], and `rate_hz` the number of frames per second [Hz]; None: the usual one.
+    `length_m` is the length of each walk [m], see `with_walk_m`, and `rate_hz` the number of frames per second [Hz]; None:
+    the usual one.
     """
     rate_hz = rate_hz or RENDER_FRAME_RATE_HZ
     for preset in presets:
         for seed in seeds:
-            yield record_walk(Scenario(preset=preset, seed=seed, length_m=length_m, frame_rate_hz=rate_hz))
+            yield record_walk(with_walk_m(Scenario(preset=preset, seed=seed, frame_rate_hz=rate_hz), length_m))
 
 
 def record_walk(scenario: Scenario) -> PlaceWalk:

@@ -300,7 +300,7 @@ BENCHMARKS = (
                 "--length",
                 type=number(10.0, 1e4),
                 default=250.0,
-                help="length of every walk in metres (default: %(default)s)",
+                help="length of the walks in metres; longer where the rooms of a house demand it (default: %(default)s)",
             ),
             RATE,
             FILES,

@@ -1,5 +1,7 @@
 """A rendered walk is recorded as LEXIS sees it: one set of descriptors per keyframe, and LEXIS's own candidates."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.special import logit
@@ -8,8 +10,9 @@ from lexis.config import PlaceRecognitionConfig
 from sim.baselines.places import EmbeddingSimilarity, LabelledRoom, RevisitProbability
 from sim.bench.peers import place_walks as module
 from sim.bench.peers.place_figures import answers, ranked
-from sim.bench.peers.place_walks import record_walk
+from sim.bench.peers.place_walks import record_walk, record_walks
 from sim.harness import Scenario
+from sim.harness.walk import with_walk_m
 from sim.render.rig import RigConfig
 from worlds.presets import sample_from_rooms
 
@@ -56,3 +59,11 @@ def test_the_method_of_the_paper_ranks_by_similarity_within_a_room(recorded):
     everywhere, in_room = EmbeddingSimilarity().scores(seen), LabelledRoom().scores(seen)
     np.testing.assert_array_equal(in_room[seen.in_room], everywhere[seen.in_room])
     assert np.isneginf(in_room[~seen.in_room]).all() and seen.in_room.any() and (seen.eligible & ~seen.in_room).any()
+
+
+def test_walks_are_as_long_as_asked_or_as_a_house_demands(monkeypatch):
+    monkeypatch.setattr(module, "record_walk", lambda scenario: scenario)
+    usual = Scenario(preset="uh2-apt", seed=500, frame_rate_hz=10.0)
+    assert list(record_walks(["uh2-apt"], [500], 250.0, 10.0)) == [replace(usual, length_m=250.0)]
+    (short,) = record_walks(["uh2-apt"], [500], 10.0, 10.0)
+    assert short == with_walk_m(usual, 10.0) and short.length_m > 50.0
