@@ -102,11 +102,14 @@ def _check(arguments: argparse.Namespace) -> None:
     from sim.bench.encoders.times import check_architecture
     from sim.bench.row_files import PICTURES, check_files
     from sim.errors import SimError
+    from sim.output_files import make_output_folder
     from sim.training.houses import TEST_SEEDS
 
     if arguments.seed + arguments.houses > len(TEST_SEEDS):
         valid = f"at most {len(TEST_SEEDS)}, the number of test houses"
         raise SimError(f"--seed {arguments.seed} with --houses {arguments.houses}: their sum is too large; valid: {valid}")
+    if arguments.work is not None:
+        make_output_folder(arguments.work)
     for architecture in arguments.architectures:
         check_architecture(architecture)
     check_files(arguments.csv, valid=(".csv",))
