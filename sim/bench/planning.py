@@ -64,7 +64,7 @@ def drive_houses(
     """
     for driver in drivers:
         if driver not in DRIVERS:
-            raise SimError(f"no driver {driver!r}; valid: {', '.join(DRIVERS)}")
+            raise SimError(f"no driver {driver!r}; valid: {', '.join(map(repr, DRIVERS))}")
     if pictures is not None:
         make_output_folder(pictures)
     slam = Lexis(config.encoder)

@@ -62,6 +62,7 @@ from worlds.spec import HouseSpec
         (["house", "check", "broken.json"], "broken.json"),
         (["bench", "speed", "--preset", "castle"], "home"),
         (["bench", "planning", "--pictures", "file.txt"], "file.txt: is a file; valid: the name of a folder"),
+        (["bench", "planning", "--drivers", "LEXIS, deaf"], "valid: 'truth', 'LEXIS', 'odometry', 'LEXIS, blind'"),
         (["bench", "encoders", "--work", "/proc/nowhere"], "/proc/nowhere: cannot be written"),
         (["bench", "all", "--out", "a" * 300], "File name too long; valid: the name of a folder"),
         (["bench", "openness", "--out", "a" * 300 + ".csv"], "cannot be written: File name too long"),
