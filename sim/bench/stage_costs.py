@@ -8,6 +8,7 @@ import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import as_completed
 from dataclasses import astuple, dataclass, fields
+from warnings import catch_warnings
 
 import numpy as np
 
@@ -89,7 +90,10 @@ def measure_house(preset: str, seed: int) -> list[StageRow]:
 
 
 def gains(rows: Sequence[StageRow]) -> dict[str, StageGain]:
-    """Average the paired differences to the unchanged run, by substitution. `UNCHANGED` has the figures themselves."""
+    """Average the paired differences to the unchanged run, by substitution. `UNCHANGED` has the figures themselves.
+
+    Each figure is over the houses that have it; NaN if there are none.
+    """
     unchanged = {(row.preset, row.seed): _values(row) for row in rows if row.replaced == UNCHANGED}
     found = {}
     for (name,), mine in grouped(rows, "replaced").items():
@@ -97,8 +101,10 @@ def gains(rows: Sequence[StageRow]) -> dict[str, StageGain]:
         if name != UNCHANGED:
             values = values - [unchanged[row.preset, row.seed] for row in mine]
         known = np.isfinite(values).sum(axis=0)
-        error = np.where(known > 1, np.nanstd(values, axis=0) / np.sqrt(np.maximum(known - 1, 1)), np.nan)
-        found[name] = StageGain(len(mine), Figures(*np.nanmean(values, axis=0).tolist()), Figures(*error.tolist()))
+        with catch_warnings(action="ignore", category=RuntimeWarning):  # numpy warns of a figure that no house has
+            mean, std = np.nanmean(values, axis=0), np.nanstd(values, axis=0)
+        error = np.where(known > 1, std / np.sqrt(np.maximum(known - 1, 1)), np.nan)
+        found[name] = StageGain(len(mine), Figures(*mean.tolist()), Figures(*error.tolist()))
     return found
 
 

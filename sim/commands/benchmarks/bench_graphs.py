@@ -18,6 +18,7 @@ from sim.commands.benchmarks.bench_options import (
     HOUSES,
     PLOT,
     PRESET,
+    known,
     mean_std_text,
     printing,
     seeds_of,
@@ -105,6 +106,7 @@ def _rigs(arguments: argparse.Namespace) -> Iterator[Table]:
     from lexis.config import read_config
     from sim.bench.rigs import measure_rigs, summary
     from sim.bench.row_files import check_files, write_rows
+    from sim.report.figures import shown
 
     check_files(arguments.csv, valid=(".csv",))
     seeds, count = seeds_of(arguments), len(arguments.rigs) * arguments.houses
@@ -118,7 +120,8 @@ def _rigs(arguments: argparse.Namespace) -> Iterator[Table]:
     table = Table("rig", "seed", *headers, title=title)
     for row in (*rows, *summary(rows)):
         table.add_row(
-            *(row.rig, "all" if row.seed < 0 else str(row.seed), str(row.revisits), f"{row.recall:.2f}", str(row.trusted)),
+            *(row.rig, "all" if row.seed < 0 else str(row.seed), str(row.revisits)),
+            *(shown(known(row.recall), "{:.2f}"), str(row.trusted)),
             *(str(row.false), f"{row.labels:.3f}", f"{row.rooms:.3f}", f"{row.ate_m:.3f}", f"{row.keyframe_ms:.1f}"),
         )
     yield table

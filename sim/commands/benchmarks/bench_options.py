@@ -1,10 +1,12 @@
 """Options that several benchmarks share, and the way in which all of them print their tables."""
 
 import argparse
+import math
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import astuple
 from pathlib import Path
-from typing import TypeAlias, TypeVar
+from typing import TYPE_CHECKING, TypeAlias
 
 from rich.console import Console
 from rich.table import Table
@@ -23,7 +25,9 @@ from sim.fidelity import FIDELITIES
 from sim.report.figures import shown
 from worlds.presets import PRESETS
 
-_Item = TypeVar("_Item")
+if TYPE_CHECKING:
+    from sim.bench.stage_costs import StageGain
+
 Tables: TypeAlias = Callable[[argparse.Namespace], Iterator[Table]]
 
 PRESET = argument("--preset", choices=PRESETS, default="home", metavar="NAME", help=PRESET_HELP)
@@ -55,6 +59,24 @@ def seeds_of(arguments: argparse.Namespace) -> range:
 def mean_std_text(mean: float | None, std: float | None, form: str) -> str:
     """Return the text of a mean and its standard deviation, each in the format `form`, or a dash if both are None."""
     return shown(mean, form) if mean is None else f"{shown(mean, form)} ± {shown(std, form)}"
+
+
+def known(value: float) -> float | None:
+    """Return a figure, or None for NaN, so that `shown` gives a dash for it."""
+    return None if math.isnan(value) else value
+
+
+def gain_texts(name: str, gain: "StageGain") -> Iterator[str]:
+    """Yield the texts of a gain in each figure, with a sign unless `name` says that nothing was replaced.
+
+    A figure that no house has becomes a dash, and so does the standard error of a single house.
+    """
+    from sim.bench.stage_costs import UNCHANGED
+
+    sign = "" if name == UNCHANGED else "+"
+    for mean, error in zip(astuple(gain.mean), astuple(gain.error), strict=True):
+        text = shown(known(mean), f"{{:{sign}.3f}}")
+        yield text if math.isnan(mean) else f"{text} ± {shown(known(error), '{:.3f}')}"
 
 
 def printing(tables: Tables) -> Command:

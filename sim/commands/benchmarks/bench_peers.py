@@ -2,7 +2,7 @@
 
 import argparse
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import astuple, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rich.table import Table
@@ -17,6 +17,7 @@ from sim.commands.benchmarks.bench_options import (
     PRESET,
     RATE,
     SEVERAL_PRESETS,
+    gain_texts,
     mean_std_text,
     printing,
     seeds_of,
@@ -222,11 +223,7 @@ def _settings(arguments: argparse.Namespace) -> Iterator[Table]:
     title = f"{', '.join(presets)}, seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: change, mean ± standard error"
     table = Table("setting", "labels", "room PQ", "ATE, m", "right plans", title=title)
     for name, found in gains(rows).items():
-        sign = "" if name == UNCHANGED else "+"
-        pairs = zip(astuple(found.mean), astuple(found.error), strict=True)
-        table.add_row(
-            "default" if name == UNCHANGED else name, *(f"{mean:{sign}.3f} ± {error:.3f}" for mean, error in pairs)
-        )
+        table.add_row("default" if name == UNCHANGED else name, *gain_texts(name, found))
     yield table
 
 

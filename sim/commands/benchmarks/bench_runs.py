@@ -20,6 +20,7 @@ from sim.commands.benchmarks.bench_options import (
     PRESET,
     RATE,
     SEVERAL_PRESETS,
+    gain_texts,
     mean_std_text,
     printing,
     seeds_of,
@@ -130,7 +131,7 @@ def _certainty(arguments: argparse.Namespace) -> Iterator[Table]:
 
 def _stages(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.row_files import check_files, write_rows
-    from sim.bench.stage_costs import UNCHANGED, gains, measure_stages
+    from sim.bench.stage_costs import gains, measure_stages
 
     check_files(arguments.csv, valid=(".csv",))
     seeds, presets = seeds_of(arguments), arguments.presets
@@ -140,9 +141,7 @@ def _stages(arguments: argparse.Namespace) -> Iterator[Table]:
     title = f"{', '.join(presets)}, seeds {seeds[0]} to {seeds[-1]}, features: change, mean ± standard error over houses"
     table = Table("replaced", "houses", "labels", "room PQ", "ATE, m", "right plans", title=title)
     for name, found in gains(rows).items():
-        sign = "" if name == UNCHANGED else "+"
-        pairs = zip(astuple(found.mean), astuple(found.error), strict=True)
-        table.add_row(name, str(found.houses), *(f"{mean:{sign}.3f} ± {error:.3f}" for mean, error in pairs))
+        table.add_row(name, str(found.houses), *gain_texts(name, found))
     yield table
     if arguments.csv:
         write_rows(rows, arguments.csv)

@@ -29,6 +29,12 @@ def test_a_house_without_plans_does_not_count_in_their_error():
     assert np.isnan(gains(rows[1:])[UNCHANGED].error.plans) and found.error.labels == 0.0
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_figure_that_no_house_has_is_nan_without_a_warning():
+    found = gains([replace(row(seed, UNCHANGED, 0.5), plans=np.nan) for seed in range(2)])[UNCHANGED]
+    assert np.isnan([found.mean.plans, found.error.plans]).all() and found.mean.labels == 0.5
+
+
 def test_the_order_of_houses_does_not_matter():
     rows = [row(seed, name, labels) for seed in range(4) for name, labels in ((UNCHANGED, 0.1 * seed), ("truth", 0.3))]
     forward, backward = (gains(order)["truth"] for order in (rows, rows[::-1]))

@@ -1,6 +1,7 @@
 """`lexis-sim`: bad input gives one line and exit status 2, and leaves no files behind."""
 
 import json
+import math
 import re
 import subprocess
 import sys
@@ -17,8 +18,10 @@ from sim.bench.kernels import KernelRow
 from sim.bench.peers.difficulty_sweep import SweepRow
 from sim.bench.peers.labels import LabelRow
 from sim.bench.peers.room_methods import MethodRow
+from sim.bench.rigs import RigRow
 from sim.bench.segmentation import SegmentationRow
 from sim.bench.speed import Section, SpeedFigure
+from sim.bench.stage_costs import StageRow
 from sim.cli import main
 from sim.commands.run import DEMO_SEED
 from sim.errors import SimError
@@ -184,6 +187,9 @@ def test_rooms_against_openness_are_measured_at_the_fidelity_that_is_asked_for(
         ("rooms", {"peers.room_methods.compare_methods": [MethodRow("a", *[None] * 5)]}),
         ("openness", {"peers.difficulty_sweep.sweep": [SweepRow("a", 0.0, 1, *[None] * 4)]}),
         ("table2", {"peers.labels.compare_labels": [[LabelRow("home", 1, "a", None, None)]]}),
+        ("stages", {"stage_costs.measure_stages": [[StageRow("home", 0, "nothing", *[math.nan] * 4)]]}),
+        ("settings", {"peers.responses.measure_responses": [[StageRow("home", 0, "nothing", *[math.nan] * 4)]]}),
+        ("rigs", {"rigs.measure_rigs": [RigRow("wide", 1, 0, 0, 3, 0, 0.9, 0.9, 0.1, 9.0)]}),
         ("kernels", {"kernels.mapped_houses": [], "kernels.summarised": [KernelRow("local", 0.0, "dcs", 1, *[None] * 7)]}),
     ],
 )
