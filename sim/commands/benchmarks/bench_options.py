@@ -92,5 +92,5 @@ def printing(tables: Tables) -> Command:
 
 
 def console() -> Console:
-    """Return standard output as a console. It is 200 columns wide if it is no terminal; rich would cut figures off at 80."""
-    return Console(width=None if sys.stdout.isatty() else 200)
+    """Return standard output as a console. It is 250 columns wide if it is no terminal; rich would cut figures off at 80."""
+    return Console(width=None if sys.stdout.isatty() else 250)
