@@ -54,6 +54,18 @@ def argument(*names: str, **options: Any) -> Argument:
     return lambda parser: parser.add_argument(*names, **options)
 
 
+class EachOnce(argparse.Action):
+    """Stores a list of names, and refuses a name that is given twice: it would count twice in every mean."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, option_string: str | None = None
+    ) -> None:
+        """Store the names. Raises `ArgumentError` if one of them is given twice."""
+        if twice := [name for k, name in enumerate(values) if name in values[:k]]:
+            raise argparse.ArgumentError(self, f"{twice[0]!r:.60} is given twice; valid: each name once")
+        setattr(namespace, self.dest, values)
+
+
 def number(low: float, high: float, lowest: str = "") -> Callable[[str], float]:
     """Make a converter for `type=` that accepts numbers from `low` to `high`.
 

@@ -11,7 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from lexis.command_line import positive, seed
-from sim.commands.arguments import argument, folder, seeing_encoder
+from sim.commands.arguments import EachOnce, argument, folder, seeing_encoder
 from sim.report.figures import MISSING, shown
 from worlds.presets import PRESETS
 
@@ -27,6 +27,7 @@ ARGUMENTS = (
     argument(
         "--presets",
         nargs="+",
+        action=EachOnce,
         choices=PRESETS,
         default=["home"],
         metavar="NAME",
@@ -36,6 +37,7 @@ ARGUMENTS = (
     argument(
         "--encoders",
         nargs="+",
+        action=EachOnce,
         type=seeing_encoder,
         default=["mini"],
         metavar="MODEL",

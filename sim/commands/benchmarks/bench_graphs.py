@@ -10,7 +10,7 @@ from rich.table import Table
 
 from lexis.command_line import positive
 from sim.commands.action import Action
-from sim.commands.arguments import PINHOLE_RIGS, SEED, argument, number
+from sim.commands.arguments import PINHOLE_RIGS, SEED, EachOnce, argument, number
 from sim.commands.benchmarks.bench_options import (
     CONFIG,
     CSV,
@@ -194,7 +194,13 @@ BENCHMARKS = (
         "lexis-sim bench rigs --rigs wide front-rear four --houses 5 --seed 500",
         (
             argument(
-                "--rigs", nargs="+", choices=PINHOLE_RIGS, default=["wide", "front-rear"], metavar="RIG", help=RIG_HELP
+                "--rigs",
+                nargs="+",
+                action=EachOnce,
+                choices=PINHOLE_RIGS,
+                default=["wide", "front-rear"],
+                metavar="RIG",
+                help=RIG_HELP,
             ),
             PRESET,
             HOUSES,

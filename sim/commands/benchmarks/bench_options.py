@@ -17,6 +17,7 @@ from sim.commands.arguments import (
     FEATURE_MODEL_HELP,
     FIDELITY_HELP,
     PRESET_HELP,
+    EachOnce,
     argument,
     number,
     seeing_encoder,
@@ -31,7 +32,9 @@ if TYPE_CHECKING:
 Tables: TypeAlias = Callable[[argparse.Namespace], Iterator[Table]]
 
 PRESET = argument("--preset", choices=PRESETS, default="home", metavar="NAME", help=PRESET_HELP)
-SEVERAL_PRESETS = argument("--presets", nargs="+", choices=PRESETS, default=["home"], metavar="NAME", help=PRESET_HELP)
+SEVERAL_PRESETS = argument(
+    "--presets", nargs="+", action=EachOnce, choices=PRESETS, default=["home"], metavar="NAME", help=PRESET_HELP
+)
 FIDELITY = argument("--fidelity", choices=FIDELITIES, default="features", help=FIDELITY_HELP)
 RATE = argument(
     "--rate", type=number(2.0, 120.0), metavar="HZ", help="frames per second (default: the usual number of the fidelity)"

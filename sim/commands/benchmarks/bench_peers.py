@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 
 from sim.commands.action import Action
-from sim.commands.arguments import SEED, argument, number
+from sim.commands.arguments import SEED, EachOnce, argument, number
 from sim.commands.benchmarks.bench_options import (
     CSV,
     FIDELITY,
@@ -237,7 +237,14 @@ BENCHMARKS = (
             SEVERAL_PRESETS,
             HOUSES,
             FIDELITY,
-            argument("--sections", nargs="+", default=[], metavar="NAME", help="only these sections, such as sight"),
+            argument(
+                "--sections",
+                nargs="+",
+                action=EachOnce,
+                default=[],
+                metavar="NAME",
+                help="only these sections, such as sight",
+            ),
             FILES,
             SEED,
         ),

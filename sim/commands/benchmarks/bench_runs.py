@@ -8,7 +8,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from sim.commands.action import Action
-from sim.commands.arguments import FIDELITY_HELP, SEED, argument, folder
+from sim.commands.arguments import FIDELITY_HELP, SEED, EachOnce, argument, folder
 from sim.commands.benchmarks.bench_options import (
     CONFIG,
     CSV,
@@ -284,7 +284,13 @@ BENCHMARKS = (
             OPENNESS,
             ENCODER,
             argument("--fidelity", choices=FIDELITIES, default="render", help=FIDELITY_HELP),
-            argument("--drivers", nargs="+", metavar="NAME", help="only these drivers, such as LEXIS (default: all)"),
+            argument(
+                "--drivers",
+                nargs="+",
+                action=EachOnce,
+                metavar="NAME",
+                help="only these drivers, such as LEXIS (default: all)",
+            ),
             argument("--pictures", type=folder, metavar="DIR", help="draw failed drives of LEXIS here"),
             SEED,
         ),

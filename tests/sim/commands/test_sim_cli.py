@@ -66,6 +66,8 @@ from worlds.spec import HouseSpec
         (["bench", "speed", "--preset", "castle"], "home"),
         (["bench", "planning", "--pictures", "file.txt"], "file.txt: is a file; valid: the name of a folder"),
         (["bench", "planning", "--drivers", "LEXIS, deaf"], "valid: 'truth', 'LEXIS', 'odometry', 'LEXIS, blind'"),
+        (["bench", "stages", "--presets", "home", "ori", "home"], "--presets: 'home' is given twice; valid: each name once"),
+        (["bench", "rigs", "--rigs", "four", "four"], "--rigs: 'four' is given twice"),
         (["bench", "encoders", "--work", "/proc/nowhere"], "/proc/nowhere: cannot be written"),
         (["bench", "all", "--out", "a" * 300], "File name too long; valid: the name of a folder"),
         (["bench", "openness", "--out", "a" * 300 + ".csv"], "cannot be written: File name too long"),
