@@ -109,7 +109,10 @@ def failing_scenario(family: Family, seed: int, number: int, most_rooms: int) ->
                 return scenario
         except (SimError, WorldsError, LexisError):  # a walk too short for the house, or no room for so many storeys
             continue
-    raise SimError(f"scenario {number}: none of {_DRAWS} drawn scenarios fails by {family.bug!r}; valid: another seed")
+    raise SimError(
+        f"scenario {number}: none of {_DRAWS} drawn scenarios of up to {most_rooms} rooms fails by {family.bug!r}; "
+        "valid: more rooms, or another seed"
+    )
 
 
 def _drawn(family: Family, most_rooms: int, rng: np.random.Generator) -> Scenario:

@@ -11,6 +11,7 @@ from sim.bench.failing_scenarios import FAMILIES, failing_scenario
 from sim.bench.planted_bugs import BUGS, MENDED, no_bug, planted
 from sim.bench.shrinking import ProofPlan, broken_laws, broken_replays, family_of, summaries
 from sim.cli import main
+from sim.errors import SimError
 from sim.faults.poses import OdometryNaN
 from sim.harness import Scenario, evaluate, reduce, write_run
 from sim.harness.reductions import size
@@ -35,6 +36,12 @@ def test_there_is_a_family_for_every_bug_and_scenarios_take_turns():
 def test_scenarios_are_drawn_again_and_differ_by_number():
     first, again, other = (failing_scenario(OPEN_PLAN, 0, number, 2) for number in (0, 0, 16))
     assert first == again != other
+
+
+def test_too_few_rooms_for_a_bug_are_named(monkeypatch):
+    monkeypatch.setattr("sim.bench.failing_scenarios._DRAWS", 1)
+    with pytest.raises(SimError, match=r"of up to 1 rooms fails by 'twins'; valid: more rooms"):
+        failing_scenario(next(each for each in FAMILIES if each.bug == "twins"), 0, 0, 1)
 
 
 @pytest.mark.slow
