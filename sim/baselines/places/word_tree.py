@@ -1,4 +1,4 @@
-"""A vocabulary tree of binary descriptors (Nistér and Stewénius 2006; Gálvez-López and Tardós 2012, Sec. III).
+"""A vocabulary tree of binary descriptors (Nistér and Stewénius 2006; Gálvez-López and Tardós 2012, Sec. IV).
 
 Each node splits its descriptors into `branching` clusters by k-medians in Hamming distance, with k-means++ seeds. The leaves
 are the words. A descriptor finds its word by descending to the nearest child on every level.
