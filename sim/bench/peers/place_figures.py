@@ -54,10 +54,11 @@ class MatchRow:
     false_look_alike: int
     false_other_floor: int
     false_elsewhere: int
-    recall_at_1: float
-    """Share of the queries with a right match for which it is the first candidate, if all queries are answered."""
-    recall_at_3: float
-    recall_at_5: float
+    recall_at_1: float | None
+    """Share of the queries with a right match for which it is the first candidate, if all queries are answered; None if no
+    query has a right match."""
+    recall_at_3: float | None
+    recall_at_5: float | None
 
 
 FALSE_FIELDS = ("false_opposite", "false_same_room", "false_look_alike", "false_other_floor", "false_elsewhere")
@@ -132,7 +133,7 @@ def figures(walk: PlaceWalk, method: str, scores: Scores, least: float) -> Place
     false = np.array([bool(ids) for _, ids in given]) & ~hits.any(axis=1)
     where = np.bincount(whereabouts(walk, rows[false], ranking.keyframes[false, 0]), minlength=len(PLACES))
     possible = (walk.right & eligible).any(axis=1)
-    recall = [float(hits[possible, :n].any(axis=1).mean()) if possible.any() else np.nan for n in REQUIRED]
+    recall = [float(hits[possible, :n].any(axis=1).mean()) if possible.any() else None for n in REQUIRED]
     numbers = [number for each in counts for number in (each.tp, each.fp, each.possible)]
     row = MatchRow(walk.preset, walk.seed, method, *numbers, *where.tolist(), *recall)
     return PlaceFigures(row, ranking.scores[:, 0], hits[:, 0], hits.sum(axis=1))

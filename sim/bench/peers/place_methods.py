@@ -23,6 +23,7 @@ from sim.baselines.places.vlad import Kind, Vlad
 from sim.baselines.places.word_tree import WordTree
 from sim.bench.peers.place_figures import FALSE_FIELDS, REQUIRED, Curve, PlaceFigures, curve, figures
 from sim.bench.peers.place_walks import PlaceWalk
+from sim.bench.row_files import mean_and_std
 
 _SEED = 5
 ORB_LEVELS = 5
@@ -94,8 +95,8 @@ class PlaceTotal:
     """Counts for N = 1, 3 and 5."""
     false_places: tuple[int, ...]
     """Numbers of false positives at N = 1 by the place of the best match; see `PLACES`."""
-    recalls: tuple[float, ...]
-    """Recall among the first 1, 3 and 5 candidates, if all queries are answered."""
+    recalls: tuple[float | None, ...]
+    """Recall among the first 1, 3 and 5 candidates, if all queries are answered; None without a revisit."""
     curve: Curve
     """Precision against recall over the queries of all walks."""
 
@@ -133,5 +134,5 @@ def _total(found: Sequence[PlaceFigures]) -> PlaceTotal:
 
     counts = tuple(Counts(*(sum(of(f"{name}_{n}")) for name in ("tp", "fp", "possible"))) for n in REQUIRED)
     false = tuple(sum(of(name)) for name in FALSE_FIELDS)
-    recalls = tuple(float(np.nanmean(of(f"recall_at_{n}"))) for n in REQUIRED)
+    recalls = tuple(mean_and_std(getattr(each.row, f"recall_at_{n}") for each in found)[0] for n in REQUIRED)
     return PlaceTotal(counts, false, recalls, curve(found))

@@ -154,12 +154,15 @@ def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _matches(methods: "Mapping[str, PlaceTotal]", title: str) -> Table:
+    from sim.report.figures import shown
+
     headers = (*_AT_N, "recall at 1 / 3 / 5", "at full precision", "average precision")
     table = Table("method", *headers, title=f"{title}: true / false matches")
     for name, total in methods.items():
         cells = (f"{each.tp} / {each.fp} of {each.possible}" for each in total.counts)
-        recalls = " / ".join(f"{each:.2f}" for each in total.recalls)
-        precision = (f"{each:.2f}" for each in (total.curve.at_full_precision, total.curve.average_precision))
+        recalls = " / ".join(shown(each, "{:.2f}") for each in total.recalls)
+        figures = (total.curve.at_full_precision, total.curve.average_precision)
+        precision = (shown(each if total.counts[0].possible else None, "{:.2f}") for each in figures)
         table.add_row(name, *cells, recalls, *precision)
     return table
 

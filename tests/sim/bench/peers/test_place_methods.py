@@ -1,6 +1,7 @@
 """The benchmark: every method answers the same queries, counts are summed, and files hold rows and drawings."""
 
 import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -73,6 +74,17 @@ def test_the_command_prints_what_was_found_on_the_walks(found, options, shown, r
     assert main(["bench", "fig5", "--presets", "home", "--houses", "2", *files, *options]) == 0
     printed = capsys.readouterr().out
     assert shown in printed and "sequences" in printed and (tmp_path / "rows.csv").exists() == (not options)
+
+
+@pytest.mark.filterwarnings("error")
+def test_without_a_revisit_there_is_no_recall_and_no_precision(found, rng, monkeypatch, tmp_path, capsys):
+    walk = walk_of(two_laps(rng, noise=0.5))
+    never = replace(walk, right=np.zeros_like(walk.right))
+    monkeypatch.setattr("sim.bench.peers.place_walks.record_walks", lambda *_: iter([never]))
+    assert main(["bench", "fig5", "--houses", "1", "--out", str(tmp_path / "rows.csv")]) == 0
+    printed = capsys.readouterr().out
+    assert "nan" not in printed and "0.00" not in printed and printed.count("– / – / –") == 2
+    assert all(line.endswith(",,,") for line in (tmp_path / "rows.csv").read_text().splitlines()[1:])
 
 
 def test_tuning_writes_no_files(tmp_path, capsys):
