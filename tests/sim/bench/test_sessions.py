@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from lexis.types import Observation
-from sim.bench.sessions import Day, starts
+from sim.bench.sessions import NEAR_M, Day, Start, return_to, starts, summary, walked_day
+from worlds.presets import sample_from_rooms
 
 STILL = Observation(0, 0.0, np.zeros((1, 1, 3), np.uint8), np.eye(4), np.eye(6))
 
@@ -25,3 +26,18 @@ def walk(length_m, step_m=0.5):
 def test_enough_of_the_walk_follows_every_start(length_m, at_m):
     day = walk(length_m)
     assert [day.observations[i].T_O_B[0, 3] for i in starts(day, every_m=10.0, length_m=15.0)] == at_m
+
+
+def test_a_session_is_joined_to_its_own_house_where_the_robot_truly_is_and_to_no_twin():
+    house = sample_from_rooms(("kitchen", "bedroom"), seed=21)
+    first, second = walked_day(house, 1), walked_day(house, 2)
+    at = starts(second, every_m=10.0, length_m=15.0)[0]
+    (own, joined), (twin, apart) = (return_to(first, second, at, 15.0, twin=twin) for twin in (False, True))
+    assert joined.joined_m <= NEAR_M and joined.error_m < 0.3 and apart == Start(None, None)
+    assert len(own.keyframes) == len(twin.keyframes) > len(first.map.keyframes)
+
+
+def test_the_summary_counts_same_houses_and_twins_apart():
+    same = [Start(2.0, 0.1), Start(12.0, 0.4), Start(4.0, 0.2)]
+    found = summary(iter([(1, False, same[:2]), (1, True, [Start(None, None)]), (2, False, same[2:])]))
+    assert found == {"the same": (3, 3, 2, 4.0, 0.4), "a twin": (1, 0, 0, None, None)}
