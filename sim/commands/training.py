@@ -47,6 +47,10 @@ def add_to(commands: Commands) -> None:
 def _train(arguments: argparse.Namespace) -> int:
     from sim.training.command import MINI_WEIGHTS, TrainingRun, train_encoder
 
+    out: Path = arguments.out or MINI_WEIGHTS
+    make_output_folder(arguments.work)
+    make_output_folder(out.parent)
+    check_output_file(out)
     run = TrainingRun(
         houses=arguments.houses,
         settling_houses=arguments.settling_houses,
@@ -54,13 +58,10 @@ def _train(arguments: argparse.Namespace) -> int:
         batch=arguments.batch,
         seed=arguments.seed,
         work=arguments.work,
-        out=arguments.out or MINI_WEIGHTS,
+        out=out,
         workers=arguments.workers,
         start=arguments.start,
         teacher=arguments.teacher,
     )
-    make_output_folder(run.work)
-    make_output_folder(run.out.parent)
-    check_output_file(run.out)
     train_encoder(run, Console())
     return 0

@@ -58,7 +58,7 @@ from worlds.spec import HouseSpec
         (["record", "--out", f"occupied/{300 * 'a'}/recording"], "File name too long; valid: the name of a folder"),
         (["demo", "--out", "/proc/nowhere"], "cannot be written"),
         (["train-encoder", "--work", "/proc/nowhere"], "/proc/nowhere: cannot be written"),
-        (["train-encoder", "--work", "occupied", "--out", "file.txt/mini.safetensors"], "file.txt: cannot be written"),
+        (["train-encoder", "--work", "occupied", "--out", "file.txt/mini"], "file.txt: cannot be written"),
         (["house", "generate", "--rooms", "kitchen,dungeon", "-o", "h.json"], "valid: kitchen"),
         (["house", "generate", "--rooms", "", "-o", "h.json"], "valid"),
         (["house", "generate", "-o", "no/such/folder/h.json"], "valid"),
