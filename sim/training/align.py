@@ -159,11 +159,13 @@ def _in_parts(frames: Frames, tower: Callable[[Tensor], Tensor]) -> Tensor:
 def _search_loss(logits: Float[Tensor, "b captions"], shown: Float[Tensor, "b captions"]) -> Tensor:
     """Return the cross-entropy of finding, for each caption, the images of the batch that show it (where `shown` is 1).
 
-    The loss is the mean over all captions that some image shows, so that rare things count as much as common ones.
+    The loss is the mean over all captions that some image shows, so that rare things count as much as common ones; it is 0
+    if no image shows any of them, as may happen in a small batch.
     """
     counts = shown.sum(dim=0)
     found = (shown * nn.functional.log_softmax(logits, dim=0)).sum(dim=0)
-    return -(found[counts > 0] / counts[counts > 0]).mean()
+    some = counts > 0
+    return -(found[some] / counts[some]).mean() if some.any() else logits.sum() * 0.0
 
 
 def _wordings(

@@ -19,7 +19,7 @@ from lexis.evaluation import calibration_error
 from lexis.query.calibration import load_calibration
 from sim.cli import main
 from sim.errors import SimError
-from sim.training.align import AlignLearner, room_embeddings
+from sim.training.align import AlignLearner, _search_loss, room_embeddings
 from sim.training.batches import STRETCH, batches, chosen_once
 from sim.training.command import TrainingRun, train_encoder
 from sim.training.dense import DenseLearner, accuracy_among_present
@@ -231,6 +231,14 @@ def test_a_work_folder_is_of_one_run_whatever_workers_teacher_and_output(tmp_pat
 def test_the_projection_settles_on_no_fewer_houses_than_the_tower_is_trained_on():
     with pytest.raises(SimError, match=r"settling_houses.*at least the number of houses to train on, 3"):
         TrainingRun(houses=3, settling_houses=2)
+
+
+def test_a_batch_without_any_thing_costs_nothing_instead_of_spoiling_all_weights():
+    logits = torch.randn(2, 3, requires_grad=True)
+    for shown, is_zero in (([[0, 0, 0], [0, 0, 0]], True), ([[0, 1, 0], [0, 0, 0]], False)):
+        loss = _search_loss(logits, torch.tensor(shown, dtype=torch.float32))
+        (slope,) = torch.autograd.grad(loss, logits)
+        assert torch.isfinite(slope).all() and (loss.item() == 0.0) == (not slope.any()) == is_zero
 
 
 @pytest.mark.parametrize("name", ["mini", "mini.pt", "mini.json"])  # the last one is the file of the configuration
