@@ -32,7 +32,10 @@ FIDELITY_HELP = f"{_FEATURES_HELP} (default: %(default)s)"
 ORACLE_HELP = "oracle: told the truth, for tests of what comes after the encoder; with --fidelity features"
 FEATURE_MODEL_HELP = "model for --fidelity features, as 'lexis-sim fit-features' writes it (default: that of mini)"
 TOUR_HELP = "path of the walk; both-ways: through every room and back along the same path (default: %(default)s)"
-LENGTH_HELP = "length of the walk in metres (default: 140 for the preset home, otherwise the shortest tour of all rooms)"
+LENGTH_HELP = (
+    "length of the walk in metres (default: 140 for the preset home, otherwise once through every room, and then again "
+    "through the lowest storey)"
+)
 SWAY_HELP = "how the body swings as it walks (default: %(default)s)"
 START_HELP = "swing on the spot for five seconds before the walk, which lets visual-inertial systems initialise"
 _TOURS = {kind.replace(" ", "-"): kind for kind in TOUR_KINDS}
