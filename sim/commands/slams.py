@@ -100,8 +100,8 @@ def replay_of(arguments: argparse.Namespace) -> "Replay":
         )
     if arguments.slam is not None:
         imports = "from sim.commands.slams import slam_factory\nfrom sim.harness import run"
-        new_slam = f"slam_factory({arguments.slam!r})"
-        return Replay(imports, f"run(scenario, {new_slam}())", new_slam)
+        before = f"    new_slam = slam_factory({arguments.slam!r})\n"
+        return Replay(imports, "run(scenario, new_slam())", "new_slam", before)
     return LEXIS_REPLAY
 
 

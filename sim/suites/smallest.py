@@ -35,7 +35,7 @@ from sim.suites.smallest import finding_of
 
 
 def test_replay():
-    scenario = Scenario.load(Path(__file__).with_name("scenario.json"))
+{before}    scenario = Scenario.load(Path(__file__).with_name("scenario.json"))
     found = finding_of({part!r}, {check!r}, scenario, {new_slam})
     assert found.holds is True, found.measured
 '''
@@ -132,7 +132,8 @@ def _written(verdict: CheckVerdict, slam: SlamUnderSearch, out: Path) -> tuple[s
             reduction.scenario.save(beside / SCENARIO)
             (beside / WHY).write_text(_why(verdict, smallest.measured, reduction), encoding="utf-8")
             (beside / TEST_REPLAY).write_text(
-                _REPLAY.format(**names, imports=imports, new_slam=slam.replay.new_slam), encoding="utf-8"
+                _REPLAY.format(**names, imports=imports, before=slam.replay.before, new_slam=slam.replay.new_slam),
+                encoding="utf-8",
             )
         found, interrupted = f"replay: pytest {folder / TEST_REPLAY}", reduction.ended == "interrupted"
     old, new = reduction.sizes

@@ -24,6 +24,9 @@ class Replay:
     run: str = "run(scenario)"
     new_slam: str = "None"
     """An expression for a function that makes the SLAM, or for a program; "None" for LEXIS."""
+    before: str = ""
+    """Lines of the test before it reads the scenario; "" for none. They import the module of a SLAM, because this module may
+    declare the furniture of the scenario."""
 
 
 LEXIS_REPLAY = Replay()
@@ -85,7 +88,7 @@ from sim.harness import Scenario, try_plans
 
 
 def test_replay():
-    scenario = Scenario.load(Path(__file__).with_name("scenario.json"))
+{replay.before}    scenario = Scenario.load(Path(__file__).with_name("scenario.json"))
     try_plans({replay.run})
 '''
 
@@ -103,7 +106,7 @@ from sim.harness import {imports}
 
 
 def test_replay():
-    scenario = Scenario.load(Path(__file__).with_name("scenario.json"))
+{replay.before}    scenario = Scenario.load(Path(__file__).with_name("scenario.json"))
     finished = {replay.run}
     result = evaluate(finished{trials})
     wanted = Claim.parse("{claim.opposite}")

@@ -106,6 +106,15 @@ def test_a_copy_in_another_process_imports_the_module_of_the_slam(folder):
     assert "own_slam_here" in sys.modules
 
 
+def test_a_replay_imports_the_module_of_the_slam_before_it_reads_the_scenario(folder, monkeypatch):
+    """A module may declare furniture, without which the scenario is refused."""
+    assert status_of(["check", "--scenario", "scenario.json", "--slam", "own_slam_here:Lost", "--out", "out"]) == 1
+    del sys.modules["own_slam_here"]
+    monkeypatch.setattr(Scenario, "load", lambda path: SCENARIO if "own_slam_here" in sys.modules else None)
+    with pytest.raises(ZeroDivisionError):
+        runpy.run_path(str(folder / "out" / "test_replay.py"))["test_replay"]()
+
+
 def test_a_fault_without_effect_and_a_part_of_the_walk_are_warned_of(folder, capsys):
     assert status_of(["check", "--scenario", "scenario.json", "--slam", "own_slam_here:Third"]) == 0
     assert "warning: The map covers " in capsys.readouterr().out
