@@ -56,14 +56,17 @@ EXPECT_FAILURE_HELP = (
     'with --suite: a check that is known to fail, as the output names it, or a pattern such as "revisits: trajectory.*"; it '
     "does not count as failed, but has to fail; may be repeated"
 )
+KNOWN_FAILURES_HELP = (
+    "with --suite: a file of --json; the checks that fail there are known to fail, as if each were given to --expect-failure"
+)
 REFERENCE_HELP = (
     "with --suite and --out: a SLAM without the failures, such as sim.harness.adapters:Lexis; where it passes, a smaller "
     "scenario counts only if it passes there, too"
 )
 WORKERS_HELP = "with --suite: number of processes (default: all processor cores)"
 _OPTIONS = (
-    *("reference", "images", "no_laws", "exitfirst", "json", "against", "limit", "expect_failure", "picture", "budget"),
-    "workers",
+    *("reference", "images", "no_laws", "exitfirst", "json", "against", "limit", "expect_failure", "known_failures"),
+    *("picture", "budget", "workers"),
 )
 _EXPECTED = "as --expect-failure says"
 _MOST_WORKERS = 256
@@ -79,6 +82,7 @@ def add_suite(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--against", type=Path, metavar="FILE", help=AGAINST_HELP)
     parser.add_argument("--limit", action="append", type=_limit, metavar="FIGURE=VALUE", help=LIMIT_HELP)
     parser.add_argument("--expect-failure", action="append", metavar="CHECK", help=EXPECT_FAILURE_HELP)
+    parser.add_argument("--known-failures", type=Path, metavar="FILE", help=KNOWN_FAILURES_HELP)
     parser.add_argument("--picture", type=Path, metavar="FILE", help=PICTURE_HELP)
     parser.add_argument("--budget", type=duration_s, metavar="TIME", help=BUDGET_HELP)
     parser.add_argument("--reference", metavar="MODULE:CLASS", help=REFERENCE_HELP)
@@ -105,12 +109,12 @@ def run_suite(arguments: argparse.Namespace) -> int:
     new_slam, workers = _new_slam(arguments), arguments.workers or os.cpu_count() or 1
     suite, reference = _suite(arguments), _reference(arguments)
     _check_output_files(arguments)
+    expected = _expected_failures(arguments)
     before = None if arguments.against is None else EarlierResults.read(arguments.against)
     if before is not None:
         before.refuse_other_scenarios(runnable(suite, new_slam), arguments.seed)
     with progress_bar("checking by the suite") as progress:
         budget_s = math.inf if arguments.budget is None else arguments.budget
-        expected = dict.fromkeys(arguments.expect_failure or (), _EXPECTED)
         stop = bool(arguments.exitfirst)
         report = check_slam(new_slam, suite, arguments.seed, workers, stop, progress, budget_s, expected)
     comparison = None if before is None else before.compared_with(report)
@@ -134,6 +138,14 @@ def run_suite(arguments: argparse.Namespace) -> int:
         _draw(report, workers, arguments.picture)
     _search_smallest(report, new_slam, reference, arguments)
     return 0 if report.ok and not worse and (before is None or comparison is not None) else 1
+
+
+def _expected_failures(arguments: argparse.Namespace) -> dict[str, str]:
+    """Return the reason for each check that is known to fail."""
+    from sim.suites.expected_failures import known_failures
+
+    given = dict.fromkeys(arguments.expect_failure or (), _EXPECTED)
+    return given if arguments.known_failures is None else known_failures(arguments.known_failures) | given
 
 
 def _check_output_files(arguments: argparse.Namespace) -> None:

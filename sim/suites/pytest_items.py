@@ -78,7 +78,7 @@ def slam_checks(
         check_slam_factory("slam_checks: new_slam", new_slam)
     chosen = runnable(suite_named(suite), new_slam)
     items = [Item(part, check) for part in chosen.parts for check in (COMPLETES, *(each.name for each in part.checks))]
-    expected = expected_failures_of("slam_checks", expected_failures, [item.name for item in items])
+    expected = expected_failures_of(expected_failures, [item.name for item in items])
     marks = {part.name: (_tier(part), pytest.mark.xdist_group(part.name)) for part in chosen.parts}
     parameters = [pytest.param(item, id=item.name, marks=marks[item.part.name]) for item in items]
 

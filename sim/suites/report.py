@@ -217,7 +217,7 @@ class SuiteReport:
         Raises `SimError` if a pattern stands for no check and no mean, or if a reason is no text.
         """
         names = [each.name for each in self._all_verdicts()]
-        return replace(self, expected=expected_failures_of("check_slam", reasons, names))
+        return replace(self, expected=expected_failures_of(reasons, names))
 
     def expectation(self, name: str) -> ExpectedFailure | None:
         """Return the entry that expects a check or a mean to fail; None without one."""

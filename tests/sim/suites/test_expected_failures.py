@@ -1,6 +1,7 @@
 """Checks that are expected to fail do not fail a suite, and have to fail."""
 
 import json
+import re
 from dataclasses import replace
 from functools import cache
 
@@ -64,6 +65,24 @@ def test_the_command_expects_failures(tmp_path, capsys, monkeypatch):
     assert main([*command, "--expect-failure", ORIGIN, "--json", str(tmp_path / "all.json")]) == 0
     assert "expected         0 of 1   wanted: 100%  flat: origin" in capsys.readouterr().out
     assert json.loads((tmp_path / "all.json").read_text())["ok"] is True
+    assert main([*command, "--json", str(tmp_path / "before.json")]) == 1
+    assert main([*command, "--known-failures", str(tmp_path / "before.json")]) == 0
+    assert main([*command, "--known-failures", str(tmp_path / "scenario.json")]) == 2
     assert main([*command, "--expect-failure", ORIGIN, "--expect-failure", "flat: the run completes"]) == 1
     said = "failed: flat: the run completes: expected to fail (as --expect-failure says), but it holds now: remove "
     assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("pattern", "guess"),
+    [
+        ("origin", "flat: origin"),
+        ("labels.accuracy", "flat: labels.accuracy*"),
+        ("flat: labels.accuracy", "flat: labels.accuracy*"),
+        ("flt: origin", "flat"),
+        ("flat:origin", "flat: origin"),
+    ],
+)
+def test_a_wrong_name_is_refused_with_the_name_that_was_probably_meant(pattern, guess):
+    with pytest.raises(SimError, match=rf"^expected_failures: no check '{pattern}' \(did you mean {re.escape(repr(guess))}"):
+        report(Oracle, (pattern,))
