@@ -105,7 +105,8 @@ def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type
             raise
         _drop_output()
         return _bad_input(parser, f"standard output cannot be written: {error.strerror}; valid: a place with room for it")
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as error:
+        print(f"interrupted: {error}" if error.args else "interrupted", file=sys.stderr)
         return _INTERRUPTED
 
 

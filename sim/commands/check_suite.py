@@ -132,8 +132,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
     if worse:
         print(f"failed: {', '.join(worse)} worse than in {arguments.against}", file=sys.stderr)
     if report.interrupted:
-        print("interrupted: the results are those of the scenarios before Ctrl-C", file=sys.stderr)
-        raise KeyboardInterrupt
+        raise KeyboardInterrupt("the results are those of the scenarios before Ctrl-C")
     if arguments.picture is not None:
         _draw(report, workers, arguments.picture)
     _search_smallest(report, new_slam, reference, arguments)
@@ -177,7 +176,7 @@ def _lines(report: "SuiteReport", failed_alone: bool) -> Iterator[str]:
     """
     from sim.suites.figure_table import figure_table
 
-    if failed_alone and not report.ok:
+    if failed_alone and (report.failed or report.failed_means):
         yield from (_verdict_line(verdict, report) for verdict in report.failed)
         yield from (_mean_line(mean, report) for mean in report.failed_means)
     else:

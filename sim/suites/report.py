@@ -227,9 +227,10 @@ class SuiteReport:
     def ok(self) -> bool:
         """Whether no check and no claim about a mean fails, except those that are expected to, which all fail.
 
-        An undecided check or claim does not count as failed: it would take more scenarios to decide.
+        An undecided check or claim does not count as failed: it would take more scenarios to decide. A suite that Ctrl-C has
+        ended is not ok.
         """
-        return not self.failed and not self.failed_means and not self.unmet_expectations
+        return not (self.interrupted or self.failed or self.failed_means or self.unmet_expectations)
 
     @property
     def shortage(self) -> str | None:

@@ -119,9 +119,12 @@ def test_results_before_ctrl_c_are_written_and_told(tmp_path, capsys, monkeypatc
     monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": FLAT})
     monkeypatch.setattr("sim.suites.examination.examine", interrupted)
     assert main(["check", "--suite", "flat", "--workers", "1", *ODOMETRY, "--json", str(tmp_path / "all.json")]) == 130
-    assert "1 of 2 scenarios were examined" in capsys.readouterr().out
+    printed = capsys.readouterr()
+    assert "1 of 2 scenarios were examined" in printed.out
+    assert printed.err == "interrupted: the results are those of the scenarios before Ctrl-C\n"
     assert len(load_results(tmp_path / "all.json")) == 1
-    assert json.loads((tmp_path / "all.json").read_text())["interrupted"] is True
+    written = json.loads((tmp_path / "all.json").read_text())
+    assert written["interrupted"] is True and written["ok"] is False
 
 
 def broken_pipe(*_, **__):
