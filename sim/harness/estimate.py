@@ -89,7 +89,7 @@ class Estimate:
     """
 
     frames: Int[np.ndarray, "n"]
-    """`Observation.index` of every frame about which the SLAM makes claims, ascending."""
+    """`Observation.index` of every frame about which the SLAM makes claims, ascending and each once."""
     T_W_B: Poses | None = None
     """Poses of the body in the SLAM's own world frame. To compute figures, this frame is aligned with the true world
     frame."""
@@ -162,17 +162,18 @@ class Estimate:
 
 
 def _checked_frames(frames: object) -> int:
-    """Return the number of frames. Raises `ClaimError` unless `frames` contains indices from 0 in ascending order."""
+    """Return the number of frames. Raises `ClaimError` unless `frames` contains indices from 0, ascending and each once."""
     if not isinstance(frames, np.ndarray) or frames.dtype.kind not in "iu" or frames.ndim != 1:
         raise ClaimError(f"estimate: frames is {_form_of(frames)}; valid: an array of whole numbers, one for each frame")
-    valid = "valid: one or more indices of observations, from 0 and ascending"
+    valid = "valid: one or more indices of observations, from 0 and ascending, each once"
     if len(frames) == 0:
         raise ClaimError(f"estimate: frames is empty; {valid}")
     if (below := np.flatnonzero(frames < 0)).size:
         raise ClaimError(f"estimate: frames has {frames[below[0]]} in row {below[0]}; {valid}")
     if (falls := 1 + np.flatnonzero(frames[1:] <= frames[:-1])).size:
         row = falls[0]
-        raise ClaimError(f"estimate: frames has {frames[row]} after {frames[row - 1]} in row {row}; {valid}")
+        late = "faults may deliver observations late or twice"
+        raise ClaimError(f"estimate: frames has {frames[row]} after {frames[row - 1]} in row {row}; {valid} ({late})")
     return len(frames)
 
 

@@ -60,7 +60,9 @@ class MeanVerdict:
         return "holds" if low >= 0.0 else "fails" if high < 0.0 else "undecided"
 
     def __str__(self) -> str:
-        mean = "without a value" if self.mean is None else f"fulfilled by {self.mean:.3g} on average"
+        mean = "without a value"
+        if self.mean is not None:
+            mean = f"{'fulfilled' if self.mean >= 0.0 else 'missed'} by {abs(self.mean):.3g} on average"
         low, high = self.interval
         bounds = f"at least {low:.3g}, at most {high:.3g} with {percent(self.confidence)} confidence"
         return f"in {counted(len(self.margins), 'house')} {mean} ({bounds}): {self.outcome}"

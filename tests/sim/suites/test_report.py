@@ -109,7 +109,7 @@ def test_a_mean_that_is_too_low_fails_the_suite_though_every_check_holds():
     report = with_accuracies(*[0.89, 0.88] * 5)
     assert not report.ok and not report.failed
     assert [each.name for each in report.failed_means] == ["all parts: mean labels.accuracy >= 0.9"]
-    assert "fulfilled by -0.015 on average" in str(report) and report.data()["means"][0]["outcome"] == "fails"
+    assert "missed by 0.015 on average" in str(report) and report.data()["means"][0]["outcome"] == "fails"
     assert with_accuracies(*[0.91, 0.92] * 5).ok
 
 

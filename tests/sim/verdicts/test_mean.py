@@ -55,7 +55,7 @@ def test_a_few_houses_decide_nothing():
 
 
 def test_a_mean_that_violates_the_claim_is_told_with_its_bounds():
-    with pytest.raises(AssertionError, match=r"labels.accuracy >= 0.9 in 8 houses fulfilled by -0.1 on average"):
+    with pytest.raises(AssertionError, match=r"labels.accuracy >= 0.9 in 8 houses missed by 0.1 on average"):
         assert_mean(results(*[0.79, 0.81] * 4), "labels.accuracy >= 0.9")
     assert assert_mean(results(*[0.79, 0.81] * 4), Claim.parse("labels.accuracy < 0.9")).outcome == "holds"
 
