@@ -113,7 +113,11 @@ def _claims_kept(scenario: "Scenario", arguments: argparse.Namespace) -> Iterato
     try:
         yield
     except ClaimError as error:
-        _write_crash("The claims of the SLAM are not valid", Crash(scenario, error, None, arguments.slam or ""), arguments)
+        _write_crash(
+            "The claims of the SLAM are not valid",
+            Crash(scenario, error, None, arguments.slam or arguments.program or ""),
+            arguments,
+        )
         raise
 
 

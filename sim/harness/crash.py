@@ -93,7 +93,7 @@ def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None
         except ClaimError:
             raise
         except ProgramError as error:
-            return Crash(scenario, error, None)
+            return Crash(scenario, error, None, last.slam_name)
         except (SimError, EncoderError):
             raise
         except USER_ERRORS as error:

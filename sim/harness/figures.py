@@ -41,7 +41,7 @@ from sim.harness.results import (
 )
 from sim.harness.runner import Run, run
 from sim.harness.scenario import Scenario
-from sim.harness.slam_under_test import SlamUnderTest
+from sim.harness.slam_under_test import CommandSlam, SlamUnderTest
 from worlds.truth import ambiguity_at, floor_area, openness
 
 _ROUNDING_M = 1e-9
@@ -79,7 +79,7 @@ def evaluate(run: Run, trials: Sequence[Trial] = ()) -> RunResult:
         seed=scenario.seed,
         preset=None if scenario.house else scenario.preset,
         fidelity=scenario.fidelity,
-        slam=type(run.slam).__name__,
+        slam=run.slam.command if isinstance(run.slam, CommandSlam) else type(run.slam).__name__,
         encoder=run.estimate.encoder,
         odometry=scenario.odometry,
         house=_house(run),

@@ -28,6 +28,8 @@ class LastRun:
     """The scenario of the last run; None if no run has begun."""
     slam: object = None
     """The SLAM of the last run; None if no run has begun, and while a program is run instead of a SLAM."""
+    command: str = ""
+    """The command of the program that is run instead of a SLAM; "" without one."""
     done: float | None = None
     """Share of the walk before the frame that the SLAM processes or has processed last, in [0, 1]; None until the SLAM is
     started."""
@@ -51,13 +53,13 @@ class LastRun:
 
     def forget(self) -> None:
         """Forget the previous run, whose SLAM must not be blamed for what happens before the next run begins."""
-        self.scenario, self.slam, self.done, self.in_slam = None, None, None, False
+        self.scenario, self.slam, self.command, self.done, self.in_slam = None, None, "", None, False
         self.run, self.result, self.trials = None, None, ()
 
     @property
     def slam_name(self) -> str:
-        """Module and class of the SLAM; "" without a SLAM."""
-        return "" if self.slam is None else qualified_name(self.slam)
+        """Module and class of the SLAM, or the command of a program; "" without either."""
+        return self.command if self.slam is None else qualified_name(self.slam)
 
     def evaluated(self, run: "Run", result: "RunResult", trials: "Sequence[Trial]") -> None:
         """Record the figures of a run, unless another run has begun since."""

@@ -103,7 +103,7 @@ def run_command(
             words = [word.replace(placeholder, str(folder)) for word in words]
         with timed("render_s"):
             frames = _recorded(take, folders[DATASET], format, images, progress)
-        last.done = 0.0
+        last.done, last.command = 0.0, command
         with timed("slam_s"):
             printed = _execute(words, work, timeout_s, memory_mb)
         try:

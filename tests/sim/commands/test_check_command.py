@@ -253,6 +253,8 @@ def test_a_program_that_fails_is_told_once(folder, capsys):
     assert status_of(["check", "--scenario", "small.json", "--command", command]) == 1
     told = f"no vocabulary\nfailed: command: {sys.executable} ended with exit status 3: no vocabulary\n"
     assert capsys.readouterr().err == told
+    assert status_of(["check", "--scenario", "small.json", "--command", command, "-o", "out"]) == 1
+    assert f"SLAM under test: `{command}`" in (folder / "out" / "why.md").read_text()
 
 
 def test_files_of_a_program_that_are_not_valid_are_kept(folder, capsys):

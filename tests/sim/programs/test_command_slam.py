@@ -91,8 +91,9 @@ assert {topic!r} in bag, "no such topic"
 
 def test_a_program_is_judged_as_the_class_that_it_wraps(tmp_path, unlit):
     inside = check(SCENARIO, GeometricRooms())
-    outside = evaluate(run_command(SCENARIO, program(tmp_path, GEOMETRIC), "tum"))
-    assert outside.slam == "CommandSlam"
+    command = program(tmp_path, GEOMETRIC)
+    outside = evaluate(run_command(SCENARIO, command, "tum"))
+    assert outside.slam == command
     for figures in ("house", "run", "labels", "rooms", "floors", "loops", "coverage"):
         assert getattr(outside, figures) == getattr(inside, figures), figures
     assert outside.trajectory.ate_m == pytest.approx(inside.trajectory.ate_m, abs=1e-6)
