@@ -4,6 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from string import Formatter
 from typing import Any
 
 import jinja2
@@ -150,12 +151,17 @@ def _layers(data: ReportData) -> list[tuple[str, str, bool]]:
 def _headlines(result: Mapping[str, Any]) -> list[Headline]:
     """Return the headlines, without those of figures that the run does not have."""
     return [
-        Headline(
-            name, figure(result, section, key), note.format_map({k: figure(result, section, k) for k in SECTIONS[section]})
-        )
+        Headline(name, figure(result, section, key), _note(result, section, note))
         for name, section, key, note in _HEADLINES
         if (result.get(section) or {}).get(key) is not None
     ]
+
+
+def _note(result: Mapping[str, Any], section: str, form: str) -> str:
+    """Return the note of a headline; "" if the run has none of the figures in it."""
+    named = [name for _, name, _, _ in Formatter().parse(form) if name]
+    known = any((result.get(section) or {}).get(name) is not None for name in named)
+    return form.format_map({name: figure(result, section, name) for name in named}) if known else ""
 
 
 def _widths(drawings: Sequence[Drawing]) -> list[float]:

@@ -30,6 +30,8 @@ _LISTED = 8
 _IMAGE, _PLAN = "first-wrong.png", "first-wrong-plan.png"
 _UNITS = {
     "rooms": "rooms (stairs count on each storey)",
+    "drift": "drift (kinds of odometry error)",
+    "motion": "motion (number of complications)",
     "length_m": "length of the tour [m]",
     "area_m2": "area of the rooms [m²]",
 }

@@ -385,6 +385,14 @@ def test_the_page_names_the_slam_and_the_faults(rng):
     assert "faults" not in render_report(data).partition("</header>")[0]
 
 
+def test_a_headline_has_no_note_of_figures_that_the_run_does_not_have(rng):
+    data = example(rng)
+    for baseline in (0.5, None):
+        labels = {"accuracy": 0.9, "accuracy_baseline": baseline}
+        header = render_report(replace(data, result={**data.result, "labels": labels})).partition("</header>")[0]
+        assert ("before refinement" in header) == (baseline is not None)
+
+
 def test_rooms_that_no_figure_is_about_come_first(rng):
     data = example(rng, wrong=0)
     data = replace(data, unseen_rooms=("gym",))
