@@ -2,14 +2,17 @@
 
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from multiprocessing.context import SpawnContext, SpawnProcess
 from threading import Thread
 from types import TracebackType
 from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+_INTERRUPTED = 130
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "OMP_WAIT_POLICY": "PASSIVE", "GOMP_SPINCOUNT": "0"}
 
 
@@ -20,9 +23,35 @@ def process_pool(
 
     Each process calls `start(*arguments)` first. `start` and `arguments` have to be picklable. The processes end with this
     process, even if it is killed. A `with` block that ends early, by an exception for example, drops the calls that wait.
+    Ctrl-C ends processes that are still starting without a traceback.
     """
-    context = multiprocessing.get_context("spawn")  # a forked torch or OpenCV may hang
-    return _Pool(workers, context, initializer=_begin, initargs=(start, arguments))
+    return _Pool(workers, _Context(), initializer=_begin, initargs=(start, arguments))
+
+
+class _Worker(SpawnProcess):
+    """A process that ends without a traceback if Ctrl-C comes while it is starting, or while it waits for a call."""
+
+    def start(self) -> None:
+        """Start the process with Ctrl-C blocked, because Python would print a traceback before `run` is called."""
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            super().start()
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+    def run(self) -> None:
+        """Handle the calls of the pool."""
+        try:
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+            super().run()
+        except KeyboardInterrupt:
+            os._exit(_INTERRUPTED)
+
+
+class _Context(SpawnContext):
+    """Starts new processes, because a forked torch or OpenCV may hang."""
+
+    Process = _Worker
 
 
 class _Pool(ProcessPoolExecutor):
@@ -34,8 +63,11 @@ def _begin(start: Callable[..., Any] | None, arguments: tuple[Any, ...]) -> None
     Thread(target=_end_with_parent, daemon=True).start()
     os.environ.update(ONE_THREAD)  # for libraries that are not loaded yet
     threadpool_limits(1)  # for libraries that are loaded already
-    if start is not None:
-        start(*arguments)
+    try:
+        if start is not None:
+            start(*arguments)
+    except KeyboardInterrupt:  # of which the pool would print a traceback
+        os._exit(_INTERRUPTED)
 
 
 def _end_with_parent() -> None:

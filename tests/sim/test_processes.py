@@ -52,6 +52,47 @@ def test_a_block_that_ends_early_drops_the_calls_that_wait(tmp_path):
     assert (tmp_path / "last").exists()
 
 
+INTERRUPTED = """
+import os, signal, sys, time
+from pathlib import Path
+
+from sim.processes import process_pool
+
+started = Path(sys.argv[1])
+if __name__ == "__mp_main__":  # in a worker, which imports this file before it handles calls
+    started.touch()
+    time.sleep(0.5)
+
+
+def begin():
+    started.touch()
+    time.sleep(60.0)
+
+
+if __name__ == "__main__":
+    try:
+        with process_pool(2, *{"import": (), "start": (begin,)}[sys.argv[2]]) as pool:
+            pool.submit(os.getpid)
+            while not started.exists():
+                time.sleep(0.01)
+            if sys.argv[2] == "start":
+                time.sleep(1.0)  # the workers have imported this file, and sleep in `begin`
+            os.kill(0, signal.SIGINT)  # as Ctrl-C does, to all processes of the group
+            time.sleep(60.0)
+    except KeyboardInterrupt:
+        print("interrupted")
+"""
+
+
+@pytest.mark.parametrize("place", ["import", "start"])
+def test_workers_that_are_still_starting_end_without_a_traceback_on_ctrl_c(tmp_path, place):
+    script = tmp_path / "interrupted.py"
+    script.write_text(INTERRUPTED)
+    command = [sys.executable, script, tmp_path / "started", place]
+    done = subprocess.run(command, capture_output=True, text=True, start_new_session=True, timeout=50)
+    assert (done.stdout, done.stderr) == ("interrupted\n", "")
+
+
 KILLED = """
 import os, time
 from sim.processes import process_pool
