@@ -115,7 +115,7 @@ class Kidnap(StreamFault):
         over = False
         for observation, truth in stream:
             if last is None or truth.stamp < self.at_s:
-                if unseen is None:  # otherwise, the frame is late
+                if unseen is None and not over:  # otherwise, the frame is late
                     last = observation, truth
                     before = within = observation.T_O_B if has_pose(observation) else before
                 yield observation, truth
@@ -123,10 +123,11 @@ class Kidnap(StreamFault):
                 if not over:
                     unseen = observation, truth
                     within = observation.T_O_B if has_pose(observation) else within
-            elif unseen is None:
-                yield observation, truth
             else:
                 over = True
+                if unseen is None:
+                    yield observation, truth
+                    continue
                 # Faults of the clock may have changed the stamps, but not the true stamps.
                 cut_s, true_cut_s = unseen[0].stamp - last[0].stamp, unseen[1].stamp - last[1].stamp
                 T_O_B = before @ between(within, observation.T_O_B)

@@ -325,6 +325,14 @@ def test_frames_that_arrive_late_do_not_move_the_ends_of_the_cut(clean, late):
     np.testing.assert_allclose(moves, np.broadcast_to(moves[0], (len(moves), 4, 4)), atol=1e-9)
 
 
+@pytest.mark.parametrize("skip_s", [0.1, 0.2, 0.3, 0.5, 1.0])
+def test_all_frames_after_the_cut_are_shifted_or_none(clean, skip_s):
+    """Frames of a short cut may all arrive later than the first frame after it."""
+    pairs = run(clean, Late(0.9, frames=7), Kidnap(10.0, skip_s=skip_s))
+    shifted = {"kidnap" in truth.faults for seen, truth in pairs if clean[seen.index][1].stamp >= 10.0 + skip_s}
+    assert len(shifted) == 1
+
+
 @pytest.mark.parametrize("fault", (*REORDERING, *CHANGING), ids=ids((*REORDERING, *CHANGING)))
 def test_lexis_takes_an_observation_or_says_why_not(clean, fault):
     slam = Slam(wide_camera(32, 24), BlindEncoder(), ("office", "kitchen"))
