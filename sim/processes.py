@@ -23,7 +23,7 @@ def process_pool(
 
     Each process calls `start(*arguments)` first. `start` and `arguments` have to be picklable. The processes end with this
     process, even if it is killed. A `with` block that ends early, by an exception for example, drops the calls that wait.
-    Ctrl-C ends processes that are still starting without a traceback.
+    Processes that are still starting print no traceback when Ctrl-C ends them.
     """
     return _Pool(workers, _Context(), initializer=_begin, initargs=(start, arguments))
 
@@ -37,7 +37,11 @@ class _Worker(SpawnProcess):
         try:
             super().start()
         finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+            try:
+                signal.pthread_sigmask(signal.SIG_SETMASK, before)
+            except KeyboardInterrupt:  # the pool does not know this process yet, and would never end it
+                self.terminate()
+                raise
 
     def run(self) -> None:
         """Handle the calls of the pool."""
