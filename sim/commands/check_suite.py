@@ -99,17 +99,18 @@ def refuse_suite_options(arguments: argparse.Namespace) -> None:
 def run_suite(arguments: argparse.Namespace) -> int:
     """Check the chosen SLAM by the chosen suite, and print the verdicts.
 
-    Return 1 if a check fails, if a figure got worse, or if no scenario was completed both in this run and in the earlier run
-    of `--against`; otherwise 0. Raises `SimError` before the run for options that cannot be used, and `KeyboardInterrupt`
-    after Ctrl-C, when the results so far are written and printed.
+    Return 1 if a check fails unexpectedly, if a check that is expected to fail does not, if a figure got worse, or if no
+    scenario was completed both in this run and in the earlier run of `--against`; otherwise 0. Raises `SimError` before the
+    run for options that cannot be used, and `KeyboardInterrupt` after Ctrl-C, when the results so far are written and
+    printed.
     """
     from sim.suites.report import check_slam, runnable
 
     _refuse_scenario_options(arguments)
     new_slam, workers = _new_slam(arguments), arguments.workers or os.cpu_count() or 1
     suite, reference = _suite(arguments), _reference(arguments)
-    _check_output_files(arguments)
     expected = _expected_failures(arguments)
+    _check_output_files(arguments)
     before = None if arguments.against is None else EarlierResults.read(arguments.against)
     if before is not None:
         before.refuse_other_scenarios(runnable(suite, new_slam), arguments.seed)
@@ -144,7 +145,9 @@ def _expected_failures(arguments: argparse.Namespace) -> dict[str, str]:
     from sim.suites.expected_failures import known_failures
 
     given = dict.fromkeys(arguments.expect_failure or (), _EXPECTED)
-    return given if arguments.known_failures is None else known_failures(arguments.known_failures) | given
+    if arguments.known_failures is None:
+        return given
+    return known_failures(arguments.known_failures, arguments.suite, arguments.seed) | given
 
 
 def _check_output_files(arguments: argparse.Namespace) -> None:

@@ -12,8 +12,7 @@ define the changes, `changed_stream` applies them, and `agreement` tells whether
 `image_evidence` holds laws about images. `examination` runs the scenarios in processes. `report` gives the verdicts, and
 `suite_means` those about means over the whole suite. `smallest` finds the smallest scenario in which a check fails,
 `expected_failures` lists checks that are known to fail, `figure_table` shows medians of figures, `openness_chart` draws room
-quality against openness, and `pytest_items` makes a test for pytest,
-whose failures leave the folders of `failed_items`.
+quality against openness, and `pytest_items` makes a test for pytest, whose failures leave the folders of `failed_items`.
 
 Glossary:
 

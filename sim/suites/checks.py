@@ -44,6 +44,8 @@ class CheckFinding(NamedTuple):
     figure."""
     measured: str
     """The measured values, for the report."""
+    is_crash: bool = False
+    """Whether the SLAM raised an exception, or a program failed, so that there is nothing to check."""
 
 
 class Check(Protocol):
@@ -238,7 +240,7 @@ def attempted(scenario: Scenario, new_slam: NewSlam, change: StreamChange | None
         return CheckFinding(False, one_line(str(error), 160))
     if not isinstance(finished, Crash):
         return finished
-    return CheckFinding(False, _described(finished))
+    return CheckFinding(False, _described(finished), is_crash=True)
 
 
 def evaluated_run(scenario: Scenario, new_slam: NewSlam) -> EvaluatedRun | CheckFinding:
@@ -251,7 +253,7 @@ def evaluated_run(scenario: Scenario, new_slam: NewSlam) -> EvaluatedRun | Check
     except ClaimError as error:
         return CheckFinding(False, one_line(str(error), 160))
     if isinstance(trials, Crash):
-        return CheckFinding(False, f"plan() of {_described(trials)}")
+        return CheckFinding(False, f"plan() of {_described(trials)}", is_crash=True)
     return EvaluatedRun(finished, evaluate(finished, trials), trials)
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from lexis.errors import one_line
 from sim.errors import SimError
 from sim.fidelity import ORACLE
+from sim.harness.figures import EvaluatedRun
 from sim.harness.last_run import LastRun, watched
 from sim.harness.results import RunResult
 from sim.harness.scenario import Scenario
@@ -112,22 +113,28 @@ def examine(job: Job, new_slam: NewSlam) -> Examination:
 def finding(check: Check | None, scenario: Scenario, new_slam: NewSlam) -> CheckFinding:
     """Run a SLAM on a scenario and evaluate one check; None stands for the check that the run completes.
 
-    Raises `SimError` for an impossible scenario.
+    Another check is not decided if the run does not complete. Raises `SimError` for an impossible scenario.
     """
     base = evaluated_run(scenario, new_slam)
-    if isinstance(base, CheckFinding):
-        return base if check is None else CheckFinding(None, base.measured)
-    return CheckFinding(True, "") if check is None else check.examine(base, new_slam)
+    if isinstance(base, CheckFinding) and check is not None:
+        return CheckFinding(None, base.measured)
+    return _found(check, base, new_slam)
 
 
-def finding_alone(check: Check | None, scenario: Scenario, new_slam: NewSlam) -> CheckFinding:
-    """Return the `finding` of a test that fails without an exception.
+def replayed_finding(check: Check | None, scenario: Scenario, new_slam: NewSlam) -> CheckFinding:
+    """Return the `finding` for the replay of a failure, in which a check also fails if the run does not complete.
 
-    The pytest plugin does not see the runs of the check, because the last of them may be about a changed scenario; otherwise
-    it would say where this run first went wrong.
+    The pytest plugin does not see the runs. The last of them may be about a changed scenario, and the plugin would say where
+    that run first went wrong.
     """
     with watched(LastRun()):
-        return finding(check, scenario, new_slam)
+        return _found(check, evaluated_run(scenario, new_slam), new_slam)
+
+
+def _found(check: Check | None, base: EvaluatedRun | CheckFinding, new_slam: NewSlam) -> CheckFinding:
+    if isinstance(base, CheckFinding):
+        return base
+    return CheckFinding(True, "") if check is None else check.examine(base, new_slam)
 
 
 def examinations(

@@ -40,9 +40,9 @@ class ExpectedFailure:
         said = f"expected to fail ({self.reason}), but {_INSTEAD[outcome]}"
         if outcome == "not examined":
             return said
-        advice = f"remove {self.pattern!r} from expected_failures"
+        advice = f"remove {self.pattern!r} from the expected failures"
         if len(self.checks) > 1:
-            advice = f"let {self.pattern!r} in expected_failures name fewer checks, or remove it"
+            advice = f"let {self.pattern!r} in the expected failures name fewer checks, or remove it"
         return f"{said}, or {advice}" if outcome == "undecided" else f"{said}: {advice}"
 
 
@@ -60,16 +60,23 @@ class _Mean(BaseModel):
 class _Verdicts(BaseModel):
     """The fields of a file of `lexis-sim check --suite --json` that say what failed."""
 
+    suite: str
+    seed: int
     checks: list[_Check]
     means: list[_Mean]
 
 
-def known_failures(path: Path) -> dict[str, str]:
+def known_failures(path: Path, suite: str, seed: int) -> dict[str, str]:
     """Return the checks and means that failed in an earlier run of a suite, each with a reason, as expected failures.
 
-    `path` is a file of `lexis-sim check --suite --json`. Raises `SimError` for any other file.
+    `path` is a file of `lexis-sim check --suite --json`. Raises `SimError` for any other file, suite or seed.
     """
     found = read_model(path, _FILE, _Verdicts)
+    if (found.suite, found.seed) != (suite, seed):
+        raise SimError(
+            f"{path}: is about the suite {found.suite} with seed {found.seed}; valid: a file of "
+            f"lexis-sim check --suite {suite} --seed {seed} --json {path}"
+        )
     names = [f"{each.part}: {each.check}" for each in found.checks if each.outcome == _FAILS]
     names += [name_of_mean(each.claim) for each in found.means if each.outcome == _FAILS]
     return dict.fromkeys(names, f"as in {path}")
@@ -99,7 +106,7 @@ def _entry(pattern: object, reason: object, names: Sequence[str]) -> ExpectedFai
     meant = frozenset([pattern] if pattern in names else [name for name in names if fnmatchcase(name, pattern)])
     if not meant:
         raise SimError(
-            f"expected_failures: no check {pattern!r:.80}{_guess(pattern, names)}; valid: {listed(names, most=10)}"
+            f"expected failures: no check {pattern!r:.80}{_guess(pattern, names)}; valid: {listed(names, most=10)}"
         )
     return ExpectedFailure(pattern, reason, meant)
 

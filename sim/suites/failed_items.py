@@ -12,9 +12,7 @@ from sim.harness.failures.failed_test import FailedPytest, folder_of
 from sim.harness.failures.why_page import WHY
 from sim.harness.scenario import Scenario
 from sim.harness.world_tests import SCENARIO, TEST_REPLAY
-from sim.pytest_plugin.options import loading_options, out_folder, replayed_file
 from sim.suites.checks import ClaimCheck, NewSlam
-from sim.suites.examination import COMPLETES
 from sim.suites.report import CheckVerdict
 
 if TYPE_CHECKING:
@@ -23,6 +21,8 @@ if TYPE_CHECKING:
 
 def replayed_scenario(item: "pytest.Item") -> Scenario | None:
     """Return the scenario of `--lexis-replay`; None without the option. Raises `SimError` for a file that is no scenario."""
+    from sim.pytest_plugin.options import replayed_file  # imports pytest, which is optional
+
     file = replayed_file(item.config) if _has_plugin(item) else None
     return None if file is None else Scenario.load(file)
 
@@ -33,6 +33,8 @@ def about_failure(item: "pytest.Item", verdict: CheckVerdict, new_slam: NewSlam)
     The folder holds the first scenario in which the check fails, why.md, and a test that replays the failure. Without the
     plugin (`-p no:lexis`), nothing is written or returned. If the folder cannot be written, a line says why.
     """
+    from sim.pytest_plugin.options import loading_options, out_folder
+
     if not _has_plugin(item):
         return ""
     scenario = verdict.failures[0].scenario
@@ -46,7 +48,8 @@ def about_failure(item: "pytest.Item", verdict: CheckVerdict, new_slam: NewSlam)
     test = relpath(item.path, here) + "".join(item.nodeid.partition("::")[1:])
     shown = folder if item.config.option.lexis_out.is_absolute() else Path(relpath(folder, here))
     lines = [f"folder: {shown}", f"replay: {shlex.join(['pytest', *options, test, '--lexis-replay', str(shown)])}"]
-    if (condition := _condition(verdict)) is not None and isinstance(new_slam, type):
+    condition = _condition(verdict)
+    if condition is not None and isinstance(new_slam, type) and new_slam.__qualname__.isidentifier():
         slam = f"{new_slam.__module__}:{new_slam.__qualname__}"
         command = ["lexis-sim", "shrink", str(shown), "--slam", slam, "--fails", condition, "-o", "failure"]
         lines.append(f"smallest scenario: {shlex.join(command)}")
@@ -54,10 +57,10 @@ def about_failure(item: "pytest.Item", verdict: CheckVerdict, new_slam: NewSlam)
 
 
 def _condition(verdict: CheckVerdict) -> str | None:
-    """Return the condition of `lexis-sim shrink` that is true in the scenarios in which a check fails; None for a law."""
+    """Return the condition with which `lexis-sim shrink` searches the failure; None for a law and for invalid claims."""
     if isinstance(verdict.checked, ClaimCheck):
         return str(verdict.checked.claim.opposite)
-    return "crash" if verdict.check == COMPLETES else None
+    return "crash" if verdict.failures[0].findings[verdict.check].is_crash else None
 
 
 def _write(folder: Path, verdict: CheckVerdict, test: FailedPytest) -> None:

@@ -19,7 +19,7 @@ from sim.harness.slam_under_test import check_slam_factory
 from sim.programs.command import Program
 from sim.suites.catalogue import suite_named
 from sim.suites.checks import Check, CheckFinding, NewSlam
-from sim.suites.examination import COMPLETES, finding_alone
+from sim.suites.examination import COMPLETES, replayed_finding
 from sim.suites.expected_failures import NONE_EXPECTED, ExpectedFailure, expected_failures_of
 from sim.suites.failed_items import about_failure, replayed_scenario
 from sim.suites.report import SEED, CheckVerdict, SuiteReport, check_slam, runnable
@@ -90,7 +90,7 @@ def slam_checks(
             raise SimError("slam_checks returns a test and is no decorator; valid: test_slam = slam_checks(MySlam, ...)")
         scenario = None if request is None else replayed_scenario(request.node)
         if scenario is not None:
-            _report_replay(item, finding_alone(item.checked, scenario, new_slam))
+            _report_replay(item, replayed_finding(item.checked, scenario, new_slam))
             return
         verdict, entry = reports.verdict(item), next((entry for entry in expected if item.name in entry.checks), None)
         _report(verdict, entry, lambda: "" if request is None else about_failure(request.node, verdict, new_slam))

@@ -21,7 +21,7 @@ from sim.harness.scenario import Scenario
 from sim.harness.world_tests import SCENARIO, TEST_REPLAY, slug_of
 from sim.suites import catalogue
 from sim.suites.checks import Check, CheckFinding, ClaimCheck, NewSlam
-from sim.suites.examination import COMPLETES, DIED, finding, finding_alone
+from sim.suites.examination import COMPLETES, DIED, finding, replayed_finding
 from sim.suites.report import CheckVerdict
 
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
@@ -56,7 +56,7 @@ def finding_of(part: str, check: str, scenario: Scenario, new_slam: NewSlam | No
     known: dict[str, Check | None] = {COMPLETES: None} | {each.name: each for found in parts for each in found.checks}
     if not parts or check not in known:
         raise SimError(f"no suite has the check {part}: {check}; valid: a check that lexis-sim check --suite prints")
-    return finding_alone(known[check], scenario, new_slam or Lexis)
+    return replayed_finding(known[check], scenario, new_slam or Lexis)
 
 
 def smallest_failure(

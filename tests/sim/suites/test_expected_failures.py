@@ -67,7 +67,12 @@ def test_the_command_expects_failures(tmp_path, capsys, monkeypatch):
     assert json.loads((tmp_path / "all.json").read_text())["ok"] is True
     assert main([*command, "--json", str(tmp_path / "before.json")]) == 1
     assert main([*command, "--known-failures", str(tmp_path / "before.json")]) == 0
-    assert main([*command, "--known-failures", str(tmp_path / "scenario.json")]) == 2
+    for wrong in (
+        ["--known-failures", str(tmp_path / "none.json")],
+        ["--known-failures", str(tmp_path / "before.json"), "--seed", "8"],
+    ):
+        assert main([*command, *wrong, "--out", str(tmp_path / "out")]) == 2
+    assert not (tmp_path / "out").exists()
     assert main([*command, "--expect-failure", ORIGIN, "--expect-failure", "flat: the run completes"]) == 1
     said = "failed: flat: the run completes: expected to fail (as --expect-failure says), but it holds now: remove "
     assert said in capsys.readouterr().err
@@ -84,5 +89,5 @@ def test_the_command_expects_failures(tmp_path, capsys, monkeypatch):
     ],
 )
 def test_a_wrong_name_is_refused_with_the_name_that_was_probably_meant(pattern, guess):
-    with pytest.raises(SimError, match=rf"^expected_failures: no check '{pattern}' \(did you mean {re.escape(repr(guess))}"):
+    with pytest.raises(SimError, match=rf"^expected failures: no check '{pattern}' \(did you mean {re.escape(repr(guess))}"):
         report(Oracle, (pattern,))

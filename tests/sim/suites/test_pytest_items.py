@@ -78,9 +78,9 @@ def test_a_pattern_that_also_names_a_check_that_does_not_fail_is_to_be_narrowed(
     _, said = outcome_of(slam_checks(FloorsByHeight, suite, {"flat: o*": "a reason"}), "flat: origin")
     assert said == "a reason"
     _, said = outcome_of(slam_checks(Oracle, suite, {"flat: *": "a reason"}), "flat: origin")
-    assert "but it holds now: let 'flat: *' in expected_failures name fewer checks, or remove it\n" in said
+    assert "but it holds now: let 'flat: *' in the expected failures name fewer checks, or remove it\n" in said
     _, said = outcome_of(slam_checks(Oracle, suite, {"flat: or*": "a reason"}), "flat: origin")
-    assert "but it holds now: remove 'flat: or*' from expected_failures\n" in said
+    assert "but it holds now: remove 'flat: or*' from the expected failures\n" in said
 
 
 @pytest.mark.parametrize(
