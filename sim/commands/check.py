@@ -109,16 +109,14 @@ def _crashed(crash: "Crash", arguments: argparse.Namespace) -> int:
 def _claims_kept(scenario: "Scenario", arguments: argparse.Namespace) -> Iterator[None]:
     """If the claims of the SLAM are refused in the block, write the folder of `--out`, then pass the error on."""
     from sim.harness.crash import Crash
+    from sim.harness.last_run import noted
 
-    try:
-        yield
-    except ClaimError as error:
-        _write_crash(
-            "The claims of the SLAM are not valid",
-            Crash(scenario, error, None, arguments.slam or arguments.program or ""),
-            arguments,
-        )
-        raise
+    with noted() as last:
+        try:
+            yield
+        except ClaimError as error:
+            _write_crash("The claims of the SLAM are not valid", Crash(scenario, error, None, last.slam_name), arguments)
+            raise
 
 
 def _write_crash(title: str, crash: "Crash", arguments: argparse.Namespace) -> None:

@@ -63,7 +63,7 @@ def all_leaves(house: House) -> Iterator[DoorLeaf]:
 
 
 def built_leaves(house: House) -> Iterator[DoorLeaf]:
-    """Yield the door leaves that the house has by its spec, with those that `ClosingDoors` moves instead."""
+    """Yield the door leaves of the house's spec, also those that `ClosingDoors` has taken out of `House.leaves`."""
     return _hung(house, lambda opening: opening)
 
 

@@ -44,7 +44,7 @@ class Crash:
     done: float | None
     """Share of the frames that the SLAM had processed, in [0, 1]; None if the frame is unknown, as with programs."""
     slam: str = ""
-    """Module and class of the SLAM; "" for programs."""
+    """Module and class of the SLAM, or the command of a program; "" if it is not known."""
 
     @property
     def what(self) -> str:

@@ -26,7 +26,7 @@ ROOMS = "rooms.json"
 AT_REST = -1
 """Value in place of `Observation.index` for frames before the walk, while the body is at rest."""
 _KEPT_FILE = FileKind("a file of claims", 20_000_000, SimError)
-"""Which files of claims are kept if they are not valid."""
+"""A file of claims that is kept although it is not valid: it has at most 20 MB."""
 _ROOMS_FILE = FileKind("rooms.json as in sim/pages/your-slam.md", 100_000_000, SimError)
 
 

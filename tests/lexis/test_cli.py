@@ -445,7 +445,7 @@ def test_ctrl_c_ends_a_run_after_the_present_image_and_leaves_the_map_until_then
     monkeypatch.setattr(Slam, "process", interrupted)
     out = tmp_path / "map"
     assert cli.main(["run", str(dataset), "--rooms", "kitchen, office", "-o", str(out)]) == 130
-    told = f"lexis: the run ended early; {out} holds the map until then, 12 keyframes\n"
+    told = f"lexis: the run ended early; {out} holds the map until then, 12 keyframes\ninterrupted\n"
     assert capsys.readouterr().err == told
     assert [k.observation_index for k in load_map(out).keyframes] == list(range(0, 60, 5))
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
