@@ -83,11 +83,22 @@ def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search
         folder = _folder(item, execution, _outcome(execution, scenario), search)
     except Exception as problem:  # whatever it is, the failure of the test must not be lost
         return [*lines, f"folder: cannot be written: {one_line(f'{type(problem).__name__}: {problem}', 160)}"]
-    here = item.config.invocation_params.dir
-    test = relpath(item.path, here) + "".join(replayed_name(item).partition("::")[1:])
-    shown = folder if item.config.option.lexis_out.is_absolute() else Path(relpath(folder, here))
+    return [*lines, *replay_lines(item, replayed_name(item), shown_folder(item, folder))]
+
+
+def shown_folder(item: pytest.Item, folder: Path) -> Path:
+    """Return the folder of a failure as it is shown: from the current folder, unless `--lexis-out` is absolute."""
+    return folder if item.config.option.lexis_out.is_absolute() else Path(relpath(folder, item.config.invocation_params.dir))
+
+
+def replay_lines(item: pytest.Item, name: str, shown: Path) -> list[str]:
+    """Return lines with the folder of a failure and the command that replays it.
+
+    `name` is the name by which pytest finds the test in a replay, and `shown` the folder, as `shown_folder` returns it.
+    """
+    test = relpath(item.path, item.config.invocation_params.dir) + "".join(name.partition("::")[1:])
     command = shlex.join(["pytest", *loading_options(item.config), test, "--lexis-replay", str(shown)])
-    return [*lines, f"folder: {shown}", f"replay: {command}"]
+    return [f"folder: {shown}", f"replay: {command}"]
 
 
 def _about_reference(execution: Execution) -> list[str]:

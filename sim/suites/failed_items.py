@@ -1,7 +1,6 @@
 """The folder of a failed item of `slam_checks`, and the replay of the item on the scenario in the folder."""
 
 import shlex
-from os.path import relpath
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -33,21 +32,19 @@ def about_failure(item: "pytest.Item", verdict: CheckVerdict, new_slam: NewSlam)
     The folder holds the first scenario in which the check fails, why.md, and a test that replays the failure. Without the
     plugin (`-p no:lexis`), nothing is written or returned. If the folder cannot be written, a line says why.
     """
+    from sim.pytest_plugin.explanation import replay_lines, shown_folder
     from sim.pytest_plugin.options import loading_options, out_folder
 
     if not _has_plugin(item):
         return ""
     scenario = verdict.failures[0].scenario
     folder = folder_of(out_folder(item.config), item.nodeid, scenario)
-    options = tuple(loading_options(item.config))
     try:
-        _write(folder, verdict, FailedPytest(item.nodeid, item.nodeid, options))
+        _write(folder, verdict, FailedPytest(item.nodeid, item.nodeid, tuple(loading_options(item.config))))
     except USER_ERRORS as problem:
         return f"\nfolder: cannot be written: {one_line(f'{type(problem).__name__}: {problem}', 160)}"
-    here = item.config.invocation_params.dir
-    test = relpath(item.path, here) + "".join(item.nodeid.partition("::")[1:])
-    shown = folder if item.config.option.lexis_out.is_absolute() else Path(relpath(folder, here))
-    lines = [f"folder: {shown}", f"replay: {shlex.join(['pytest', *options, test, '--lexis-replay', str(shown)])}"]
+    shown = shown_folder(item, folder)
+    lines = replay_lines(item, item.nodeid, shown)
     condition = _condition(verdict)
     if condition is not None and isinstance(new_slam, type) and new_slam.__qualname__.isidentifier():
         slam = f"{new_slam.__module__}:{new_slam.__qualname__}"
