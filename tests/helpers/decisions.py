@@ -4,7 +4,7 @@ from itertools import permutations
 
 from lexis.errors import PlanError
 from lexis.map.folder import load_map, save_map
-from lexis.planning import plan
+from lexis.planning import PathPlanner
 from sim.harness import try_plans
 
 
@@ -33,12 +33,12 @@ def decisions(finished, folder):
 
 def plans(lexis_map):
     """The keyframes of the plan between every two labels of the map, or the error message where there is no plan."""
-    labels = sorted({room.label for room in lexis_map.rooms})
-    return {f"{start} -> {goal}": _plan(lexis_map, start, goal) for start, goal in permutations(labels, 2)}
+    planner, labels = PathPlanner(lexis_map), sorted({room.label for room in lexis_map.rooms})
+    return {f"{start} -> {goal}": _plan(planner, start, goal) for start, goal in permutations(labels, 2)}
 
 
-def _plan(lexis_map, start, goal):
+def _plan(planner, start, goal):
     try:
-        return list(plan(lexis_map, start, goal).keyframes)
+        return list(planner.plan(start, goal).keyframes)
     except PlanError as error:
         return str(error)
