@@ -84,12 +84,13 @@ class Session:
         return len(self.tour.stamps)
 
     def __iter__(self) -> Generator[tuple[Observation, Truth], None, None]:
-        with closing(self._stream()) as stream:
-            for observation, truth in corrupted(stream, self.faults, self._seed):
-                yield _with_own_arrays(observation), truth
-
-    def _stream(self) -> Generator[tuple[Observation, Truth], None, None]:
         T_O_B = _as_recorded(self.odometry.T_O_B)
+        with closing(self._stream(T_O_B)) as stream:
+            for observation, truth in corrupted(stream, self.faults, self._seed):
+                is_recorded = np.array_equal(observation.T_O_B, T_O_B[observation.index])
+                yield _with_own_arrays(observation, is_recorded), truth
+
+    def _stream(self, T_O_B: Poses) -> Generator[tuple[Observation, Truth], None, None]:
         with closing(self._images()) as images:
             for i, (image, *others) in enumerate(images):
                 stamp = float(self.tour.stamps[i])
@@ -148,13 +149,15 @@ class Session:
         self._kept = kept
 
 
-def _with_own_arrays(observation: Observation) -> Observation:
+def _with_own_arrays(observation: Observation, is_recorded: bool) -> Observation:
     """Return the observation with pose and covariance in arrays of its own, because the SLAM may write into them.
 
     Faults keep arrays of earlier observations, and reuse them. Faults that repeat images copy these themselves.
+    `is_recorded` says whether the pose is one that recordings hold; another pose, which a fault has changed, becomes one.
     """
-    pose = observation.T_O_B[None]
-    T_O_B = _as_recorded(pose)[0] if has_pose(observation) else pose[0].copy()
+    T_O_B = observation.T_O_B.copy()
+    if not is_recorded and has_pose(observation):
+        T_O_B = _as_recorded(T_O_B[None])[0]
     return replace(observation, T_O_B=T_O_B, increment_covariance=observation.increment_covariance.copy())
 
 
