@@ -19,8 +19,9 @@ def percent(share: float) -> str:
 
 
 def qualified_name(value: object) -> str:
-    """Return module and class of an object as options name them: "my_slam:MySlam"."""
-    return f"{type(value).__module__}:{type(value).__qualname__}"
+    """Return module and class of an object, or of a class itself, as options name them: "my_slam:MySlam"."""
+    kind = value if isinstance(value, type) else type(value)
+    return f"{kind.__module__}:{kind.__qualname__}"
 
 
 def kind_of(value: object) -> str:

@@ -13,6 +13,7 @@ from sim.harness.scenario import Scenario
 from sim.harness.world_tests import SCENARIO, TEST_REPLAY
 from sim.suites.checks import ClaimCheck, NewSlam
 from sim.suites.report import CheckVerdict
+from sim.wording import qualified_name
 
 if TYPE_CHECKING:
     import pytest
@@ -47,9 +48,8 @@ def about_failure(item: "pytest.Item", verdict: CheckVerdict, new_slam: NewSlam)
     lines = replay_lines(item, item.nodeid, shown)
     condition = _condition(verdict)
     if condition is not None and isinstance(new_slam, type) and new_slam.__qualname__.isidentifier():
-        slam = f"{new_slam.__module__}:{new_slam.__qualname__}"
-        command = ["lexis-sim", "shrink", str(shown), "--slam", slam, "--fails", condition, "-o", "failure"]
-        lines.append(f"smallest scenario: {shlex.join(command)}")
+        options = ["--slam", qualified_name(new_slam), "--fails", condition, "-o", "failure"]
+        lines.append(f"smallest scenario: {shlex.join(['lexis-sim', 'shrink', str(shown), *options])}")
     return "".join(f"\n{line}" for line in lines)
 
 

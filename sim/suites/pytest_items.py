@@ -44,7 +44,7 @@ class Item(NamedTuple):
     @property
     def checked(self) -> Check | None:
         """The check itself; None for the check that the run completes."""
-        return next((each for each in self.part.checks if each.name == self.check), None)
+        return self.part.check_named(self.check)
 
 
 def slam_checks(

@@ -49,7 +49,7 @@ class CheckVerdict:
     @property
     def checked(self) -> Check | None:
         """The check itself; None for the check that the run completes."""
-        return next((each for each in self.part.checks if each.name == self.check), None)
+        return self.part.check_named(self.check)
 
     @property
     def name(self) -> str:

@@ -57,6 +57,10 @@ class SuitePart:
         rate_hz = max(drawn.frame_rate_hz, RENDER_FRAME_RATE_HZ)
         return replace(drawn, fidelity="render", frame_rate_hz=rate_hz)
 
+    def check_named(self, name: str) -> Check | None:
+        """Return the check with a name; None if the part has none of this name, such as that the run completes."""
+        return next((check for check in self.checks if check.name == name), None)
+
     def with_limits(self, limits: Mapping[str, float]) -> "SuitePart":
         """Return the part with new limits; `limits` maps the `quantity` of a claim to its new limit.
 
