@@ -14,6 +14,7 @@ from functools import partial
 
 import pytest
 from helpers.documentation import ROOT
+from helpers.pytest_process import isolate_pytest
 
 import sim.harness.reducer
 import sim.harness.reductions
@@ -106,8 +107,7 @@ PLUGIN = ("-p", "no:lexis", "-p", "sim.pytest_plugin")
 @pytest.fixture
 def start(pytester, monkeypatch):
     """Run pytest in a folder of its own and a process of its own, with the plugin."""
-    monkeypatch.setenv("PYTHONPATH", str(ROOT))
-    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+    isolate_pytest(monkeypatch, ROOT)
 
     def run(*args, plugin=PLUGIN):
         return pytester.runpytest_subprocess(*plugin, "-p", "no:cacheprovider", "--strict-markers", *args)
@@ -636,8 +636,8 @@ class TestLooks:
         pass
 """
     pytester.makepyfile(test_slam=SLAM + mistakes)
-    for name in ("CI", "BUILD_NUMBER"):  # pytest's summary holds whole messages if one of them is set
-        monkeypatch.setenv(name, "true" if in_ci else "")
+    if in_ci:
+        monkeypatch.setenv("CI", "true")
     result = start("--no-lexis-shrink")  # in a process without type checks, which refuse such a SLAM before the harness does
     result.assert_outcomes(errors=2, failed=4)
     result.stdout.no_fnmatch_line("*During handling of the above exception*")

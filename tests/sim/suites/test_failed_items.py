@@ -1,12 +1,12 @@
 """A failed item of `slam_checks` leaves a folder that replays its failure."""
 
-import os
 import shlex
 
 import pytest
 from helpers.documentation import ROOT
 from helpers.flat_suite import ORIGIN, Broken
 from helpers.open_flat import OPEN_FLAT
+from helpers.pytest_process import isolate_pytest
 
 from sim.harness import Scenario
 from sim.suites.examination import finding, replayed_finding
@@ -34,8 +34,7 @@ ITEM = "test_mine.py::test_floors[flat: origin]"
 @pytest.fixture
 def start(pytester, monkeypatch):
     """Run pytest in a folder of its own and a process of its own; returns its output."""
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), str(ROOT / "tests")]))
-    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+    isolate_pytest(monkeypatch, ROOT, ROOT / "tests")
     plugin = ("-p", "no:lexis", "-p", "sim.pytest_plugin", "-p", "no:cacheprovider")
     return lambda *options: pytester.runpytest_subprocess(*plugin, *options).stdout.str()
 
