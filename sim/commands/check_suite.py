@@ -5,7 +5,7 @@ import json
 import math
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,17 +22,16 @@ from sim.commands.slams import (
     runner_of_class,
     slam_factory,
 )
+from sim.commands.suite_lines import suite_lines
 from sim.durations import duration_s
 from sim.errors import SimError
 from sim.output_files import check_ending, check_output_file, make_output_folder
-from sim.wording import percent
 
 if TYPE_CHECKING:
     from sim.harness.crash import Runner
     from sim.suites.checks import NewSlam
     from sim.suites.report import CheckVerdict, SuiteReport
     from sim.suites.suite import Suite
-    from sim.suites.suite_means import SuiteMean
 
 SUITE_HELP = (
     "check by a suite in place of one run: pr, open-plan, homes, twins, stairs, revisits, no-drift, language, faults, long "
@@ -122,7 +121,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
     worse = () if comparison is None else comparison.worse
     if arguments.json is not None:  # before anything is printed, because the reader of a pipe may close it
         _write_results(report, worse, arguments.json)
-    for line in _lines(report, failed_alone=bool(arguments.exitfirst)):
+    for line in suite_lines(report, failed_alone=bool(arguments.exitfirst)):
         print(line)
     for failure in (*report.failed, *report.failed_means, *report.unmet_expectations):
         print(f"failed: {failure}", file=sys.stderr)
@@ -170,45 +169,6 @@ def _suite(arguments: argparse.Namespace) -> "Suite":
     suite = suite_named(arguments.suite).with_limits(dict(arguments.limit or ()))
     suite = suite.without_laws() if arguments.no_laws else suite
     return suite.with_images() if arguments.images else suite
-
-
-def _lines(report: "SuiteReport", failed_alone: bool) -> Iterator[str]:
-    """Yield the lines that a run prints: verdicts, medians of figures, and the number of scenarios.
-
-    With `failed_alone`, the lines are only about the checks that fail, if there are any.
-    """
-    from sim.suites.figure_table import figure_table
-
-    if failed_alone and (report.failed or report.failed_means):
-        yield from (_verdict_line(verdict, report) for verdict in report.failed)
-        yield from (_mean_line(mean, report) for mean in report.failed_means)
-    else:
-        yield from (_verdict_line(verdict, report) for verdict in report.verdicts if verdict.is_begun)
-        examined = {each.part for each in report.examined}
-        if missing := [part.name for part in report.suite.parts if part.name not in examined]:
-            yield f"not examined: {', '.join(missing)}"
-        yield from (_mean_line(mean, report) for mean in report.means)
-        yield figure_table(report)
-        if report.shortage is not None:
-            yield report.shortage
-    yield f"{len(report.examined)} of {sum(part.n for part in report.suite.parts)} scenarios were examined"
-
-
-def _verdict_line(verdict: "CheckVerdict", report: "SuiteReport") -> str:
-    (held, decided), wanted = verdict.counts, 1.0 if verdict.rate is None else verdict.rate
-    return f"{_outcome(verdict, report):12} {round(held, 2):5g} of {decided:<3} wanted: {percent(wanted):>4}  {verdict.name}"
-
-
-def _outcome(verdict: "CheckVerdict | SuiteMean", report: "SuiteReport") -> str:
-    """Return the outcome as the first word of a line; "expected" for a failure that is expected."""
-    is_expected = verdict.outcome == "fails" and report.expectation(verdict.name) is not None
-    return "expected" if is_expected else verdict.outcome
-
-
-def _mean_line(mean: "SuiteMean", report: "SuiteReport") -> str:
-    low, high = mean.verdict.interval
-    margin = "" if mean.verdict.mean is None else f"  margin {mean.verdict.mean:+.3g} ({low:+.3g} to {high:+.3g})"
-    return f"{_outcome(mean, report):12} {mean.name}{margin}"
 
 
 def _write_results(report: "SuiteReport", worse: Sequence[str], path: Path) -> None:
