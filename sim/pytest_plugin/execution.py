@@ -73,6 +73,11 @@ class Reason:
         return f"no figure {name!r}{figure_meant(type(error.obj), name)}; valid: {', '.join(valid)}"
 
     @property
+    def lacks_figure(self) -> bool:
+        """Whether the test compares or computes with a figure that is None, such as one about claims the SLAM does not make."""
+        return self.figure is not None and isinstance(self.error, TypeError) and "NoneType" in str(self.error)
+
+    @property
     def text(self) -> str:
         """The message, and the line that raised the exception."""
         return f"{self.message}\n{self.where}: {self.statement}"

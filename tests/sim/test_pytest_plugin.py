@@ -698,8 +698,9 @@ def test_a_house_that_cannot_be_made_costs_a_line_and_no_traceback(pytester, inn
     assert len(result.outlines) < 25
 
 
-def test_a_misspelt_figure_is_no_failure_to_shrink(pytester, inner):
-    pytester.makepyfile(test_slam=SLAM + "\n@small\ndef test_misspelt(run):\n    assert run.floors.acuracy > 0.5\n")
+@pytest.mark.parametrize("figure", ["floors.acuracy", "rooms.pq"])
+def test_a_figure_that_is_misspelt_or_not_claimed_is_no_failure_to_shrink(pytester, inner, figure):
+    pytester.makepyfile(test_slam=SLAM + f"\n@small\ndef test_none(run):\n    assert run.{figure} > 0.5\n")
     inner().assert_outcomes(failed=1)
     assert not list(pytester.path.glob(".lexis-failures/*/original.json"))
 
