@@ -74,7 +74,7 @@ class Reason:
 
     @property
     def lacks_figure(self) -> bool:
-        """Whether the test compares or computes with a figure that is None, such as one about claims the SLAM does not make."""
+        """Whether the test computes with a figure that is None, such as one about claims that the SLAM does not make."""
         return self.figure is not None and isinstance(self.error, TypeError) and "NoneType" in str(self.error)
 
     @property
