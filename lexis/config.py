@@ -311,9 +311,10 @@ class PlannerConfig(Settings, place="planner", error=ConfigError):
     """Largest distance between keyframes of one room, and of a loop edge, that are connected although the camera did not
     walk between them [m]. Keep it below twice the robot's clearance plus the thickness of a wall, or a path may cross a
     wall."""
-    sight_m: Annotated[float, Ge(0)] = 3.0
+    sight_m: Annotated[float, Interval(ge=0, le=20)] = 3.0
     """Largest distance between keyframes that are connected because the images show free space between them [m]. With 0,
-    there are no such connections. See `lexis.planning.shortcuts`."""
+    there are no such connections. The limit bounds memory: the space is checked at points in proportion to the distance.
+    See `lexis.planning.shortcuts`."""
     radius_m: Annotated[float, Interval(gt=0, le=5)] = 0.25
     """Width of the free space that must be on either side of such a connection [m]; at least the robot's radius."""
 

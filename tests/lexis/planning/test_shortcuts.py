@@ -8,6 +8,7 @@ import shapely
 from helpers.two_rooms import DOOR, ROOMS, two_rooms, walked_again, with_session_apart
 
 from lexis.config import PlannerConfig
+from lexis.errors import ConfigError
 from lexis.floors import NO_FLOOR
 from lexis.maths.se3 import between, exp, inverse, transform
 from lexis.planning import shortcuts as module
@@ -41,6 +42,13 @@ def test_shortcuts_are_pairs_of_one_floor_within_reach(lexis_map):
         assert len(np.unique(pairs, axis=0)) == len(pairs) and (pairs[:, 0] < pairs[:, 1]).all()
         assert (lexis_map.floors[pairs] == 0).all()
         assert shapely.length(lines(lexis_map, pairs)).max() == pytest.approx(sight_m, abs=0.5)
+
+
+def test_a_reach_that_needs_too_much_memory_is_refused(lexis_map):
+    farthest = shortcuts(lexis_map, PlannerConfig(sight_m=20.0))
+    assert shapely.length(lines(lexis_map, farthest)).max() < 20.0
+    with pytest.raises(ConfigError, match=r"planner\.sight_m is 20\.1; valid: >= 0 and <= 20 m"):
+        PlannerConfig(sight_m=20.1)
 
 
 def test_keyframes_that_have_retired_have_at_most_one_shortcut_each(lexis_map):
