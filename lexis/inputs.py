@@ -7,6 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TypeGuard
 
 import numpy as np
 from jaxtyping import Bool, Float, Float64, Shaped
@@ -53,8 +54,7 @@ def check_camera(camera: Camera) -> None:
             f"intrinsics {k} are unusable; valid: width, height >= 1 px, at most {MAX_PIXELS // 10**6} megapixels, "
             f"fx, fy > 0 px, and fx, fy, cx, cy of at most {MAX_FOCAL_PX:g} px"
         )
-    if not is_pose(camera.T_B_C):
-        raise LexisError(f"T_B_C of the camera is not a rigid motion: {_as_text(camera.T_B_C)}; {_RIGID}")
+    _check_pose(camera.T_B_C, "T_B_C of the camera", LexisError)
     if len(camera.others) >= MAX_CAMERAS or any(other.others for other in camera.others):
         raise LexisError(
             f"a rig of {len(camera.rig)} cameras, or one whose further cameras have others themselves; "
@@ -117,8 +117,7 @@ def check_observation(
             _check_percept(image, embedding_size, where)
         else:
             _check_image(image, taken_by, where)
-    if not is_pose(observation.T_O_B):
-        raise ObservationError(f"{where}: T_O_B is not a rigid motion: {_as_text(observation.T_O_B)}; {_RIGID}")
+    _check_pose(observation.T_O_B, f"{where}: T_O_B", ObservationError)
     _check_covariance(observation.increment_covariance, where)
     _check_stamp(observation, where)
     if previous is not None and observation.stamp <= previous.stamp:
@@ -145,7 +144,7 @@ def with_copied_geometry(observation: Observation) -> Observation:
 
 def is_pose(T: object) -> bool:
     """Whether an object is a 4x4 array that holds a rigid motion with coordinates up to `MAX_POSITION_M`."""
-    if not (isinstance(T, np.ndarray) and T.shape == (4, 4) and T.dtype.kind in "fi"):
+    if not _is_numbers(T, (4, 4)):
         return False
     return bool(is_rigid(T.astype(np.float64))) and bool(np.abs(T[:3, 3]).max() <= MAX_POSITION_M)
 
@@ -178,6 +177,18 @@ def type_of(value: object) -> str:
     return f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"
 
 
+def _is_numbers(value: object, shape: tuple[int, ...]) -> TypeGuard[np.ndarray]:
+    """Whether an object is an array of integers or floats with the given shape."""
+    return isinstance(value, np.ndarray) and value.shape == shape and value.dtype.kind in "fi"
+
+
+def _check_pose(T: object, what: str, error: type[LexisError]) -> None:
+    if not _is_numbers(T, (4, 4)):
+        raise error(f"{what} is {type_of(T)}; valid: a 4x4 array of numbers")
+    if not is_pose(T):
+        raise error(f"{what} is not a rigid motion: {_as_text(T)}; {_RIGID}")
+
+
 def _check_stamp(observation: Observation, where: str) -> None:
     stamp: object = observation.stamp
     if isinstance(stamp, np.integer | np.floating):
@@ -191,7 +202,7 @@ def _check_stamp(observation: Observation, where: str) -> None:
 
 
 def _check_covariance(covariance: object, where: str) -> None:
-    if not (isinstance(covariance, np.ndarray) and covariance.shape == (6, 6) and covariance.dtype.kind in "fi"):
+    if not _is_numbers(covariance, (6, 6)):
         raise ObservationError(f"{where}: increment_covariance is {type_of(covariance)}; valid: a 6x6 array of numbers")
     if not usable_covariances(covariance.astype(np.float64)):
         raise ObservationError(

@@ -55,6 +55,23 @@ def test_a_bad_observation_is_refused_by_number(change, complaint):
 
 
 @pytest.mark.parametrize(
+    ("pose", "found"),
+    [
+        (np.eye(4).tolist(), "a list"),
+        (None, "a NoneType"),
+        (np.eye(4)[:3], r"float64 \(3, 4\)"),
+        (np.eye(4, dtype=bool), r"bool \(4, 4\)"),
+    ],
+)
+def test_a_pose_of_another_type_or_shape_is_refused_as_such(pose, found):
+    complaint = rf" is {found}; valid: a 4x4 array of numbers$"
+    with pytest.raises(ObservationError, match="observation 3: T_O_B" + complaint):
+        check_observation(unchecked(Observation, **vars(GOOD) | {"T_O_B": pose}), FORWARD_CAMERA, None)
+    with pytest.raises(LexisError, match="^T_B_C of the camera" + complaint):
+        check_camera(unchecked(Camera, **vars(FORWARD_CAMERA) | {"T_B_C": pose}))
+
+
+@pytest.mark.parametrize(
     ("index", "complaint"),
     [
         (None, "the index is no whole number; valid: "),
