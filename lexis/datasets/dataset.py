@@ -59,9 +59,9 @@ class Dataset:
             yield Observation(i, stamp, image, self.T_O_B[i].copy(), covariance, tuple(others))
 
 
-def open_dataset(directory: Path, config: DatasetConfig | None = None) -> Dataset:
+def open_dataset(directory: Path | str, config: DatasetConfig | None = None) -> Dataset:
     """Open a recorded run. Raises LexisError, with file and line, if it is incomplete or inconsistent."""
-    config = config or DatasetConfig()
+    directory, config = Path(directory), config or DatasetConfig()
     recover(directory)
     _check_contents(directory, config)
     if is_euroc(directory):

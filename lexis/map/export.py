@@ -23,14 +23,14 @@ from lexis.room_names import instance_names
 from lexis.types import Covariance, LexisMap, Pose
 
 
-def export_map(map: LexisMap, format: str, path: Path) -> None:
+def export_map(map: LexisMap, format: str, path: Path | str) -> None:
     """Write the map to a file in one of `FORMATS`, or to a folder for the format "ros".
 
     Raises LexisError if the format is unknown, the map cannot be written in the format, or writing fails.
     """
     if format not in FORMATS:
         raise LexisError(f"unknown format {format!r}; valid: {', '.join(FORMATS)}")
-    FORMATS[format](map, path)
+    FORMATS[format](map, Path(path))
 
 
 def _tum(map: LexisMap, path: Path) -> None:

@@ -57,7 +57,7 @@ class _Map(BaseModel):
     stage_seconds: dict[str, float] = Field(max_length=100)
 
 
-def save_map(map: LexisMap, directory: Path, features: bool = True) -> None:
+def save_map(map: LexisMap, directory: Path | str, features: bool = True) -> None:
     """Write the map to a folder, which appears complete or not at all; an earlier map there is replaced.
 
     Without `features`, key points and landmarks are left out. The map is then smaller, but a later run cannot close loops
@@ -72,15 +72,16 @@ def save_map(map: LexisMap, directory: Path, features: bool = True) -> None:
         rooms=tuple(_Room(label=room.label, floor=room.floor) for room in map.rooms),
         stage_seconds=map.stage_seconds,
     )
-    with replaced_folder(directory, JSON_FILE) as folder:
+    with replaced_folder(Path(directory), JSON_FILE) as folder:
         excluded = None if map.camera.others else {"other_cameras"}
         text = json.dumps(header.model_dump(mode="json", by_alias=True, exclude=excluded), indent=1)
         (folder / JSON_FILE).write_text(text + "\n", encoding="utf-8")
         np.savez(folder / ARRAY_FILE, allow_pickle=False, **pack(map, features))
 
 
-def load_map(directory: Path) -> LexisMap:
+def load_map(directory: Path | str) -> LexisMap:
     """Read a map that was written by `save_map`. Raises MapError for anything else."""
+    directory = Path(directory)
     recover(directory)
     header = read_model(directory / JSON_FILE, _HEADER_FILE, _Map)
     others = header.other_cameras

@@ -47,6 +47,12 @@ def test_reading_gives_back_what_was_recorded(recorded):
         np.testing.assert_array_equal(read.increment_covariance, expected.increment_covariance)
 
 
+def test_a_folder_may_be_named_by_a_string(recorded):
+    folder = recorded[0]
+    by_string = open_dataset(str(folder))
+    assert by_string.directory == folder and len(list(by_string)) == len(list(open_dataset(folder)))
+
+
 def test_what_a_slam_writes_into_an_observation_does_not_change_the_recording(recorded):
     dataset = open_dataset(recorded[0])
     first = [(observation.T_O_B.copy(), observation.increment_covariance.copy()) for observation in dataset]

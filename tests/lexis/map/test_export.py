@@ -64,6 +64,17 @@ def test_gtsam_reads_the_graph_with_poses_and_covariances(lexis_map, tmp_path):
     np.testing.assert_allclose(loop.noiseModel().covariance(), lexis_map.loops[0].covariance, rtol=1e-3, atol=2e-8)
 
 
+@pytest.mark.parametrize("format", FORMATS)
+def test_a_file_may_be_named_by_a_string(lexis_map, tmp_path, format):
+    export_map(lexis_map, format, tmp_path / "one")
+    export_map(lexis_map, format, str(tmp_path / "two"))
+    one, two = tmp_path / "one", tmp_path / "two"
+    if one.is_dir():
+        assert sorted(path.name for path in one.iterdir()) == sorted(path.name for path in two.iterdir())
+    else:
+        assert one.read_bytes() == two.read_bytes()
+
+
 def test_json_names_every_keyframes_room(lexis_map, tmp_path):
     export_map(lexis_map, "json", tmp_path / "map.json")
     data = json.loads((tmp_path / "map.json").read_text())

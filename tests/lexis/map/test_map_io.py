@@ -26,6 +26,13 @@ def test_loading_gives_back_what_was_saved(lexis_map, tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["map"]
 
 
+def test_a_folder_may_be_named_by_a_string(lexis_map, tmp_path):
+    save_map(lexis_map, str(tmp_path / "map"))
+    assert_same(load_map(str(tmp_path / "map")), load_map(tmp_path / "map"))
+    with pytest.raises(MapError, match=r"none/map\.json: no map there"):
+        load_map(str(tmp_path / "none"))
+
+
 def test_a_map_without_loops_or_features_is_a_map(rng, tmp_path):
     bare = corridor_with_offices(rng)
     save_map(bare, tmp_path / "map", features=False)
