@@ -65,7 +65,10 @@ Images are PNG or JPEG, or raw in bags. Covariances of the odometry are read whe
 JSON_HELP = "print JSON for scripts instead of text for people"
 ROOMS_HELP = 'names of rooms, with commas between them; or a JSON file, of which only its list "labels" is read'
 ODOMETRY_HELP = "file, sensor folder or topic of the odometry (default: odometry.tum, odom0, /odom)"
-CAMERA_HELP = "camera to use, or several of a rig with commas between them: cam0,cam1 (default: cam0; TUM RGB-D has one)"
+CAMERA_HELP = (
+    "camera to use, or several of a rig with commas between them: cam0,cam1 (default: cam0); for TUM RGB-D, which has one "
+    "camera, its file (default: camera.json)"
+)
 CACHE_HELP = "folder in which embeddings of images are kept, so that a recording is mapped again faster"
 MAP_ENCODER_HELP = "default: the encoder that made the map, under the name or path that it had then"
 CALIBRATION_HELP = (

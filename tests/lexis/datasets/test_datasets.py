@@ -175,6 +175,14 @@ def test_a_folder_that_is_no_dataset_is_told_what_one_must_hold(recorded, change
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize(("setting", "usual"), [("camera", "camera.json"), ("odometry", "odometry.tum")])
+@pytest.mark.parametrize("name", ["cam0", "cam0,cam1", "lost.txt"])
+def test_a_name_that_a_folder_of_tum_rgbd_lacks_is_told_from_a_wrong_folder(recorded, setting, usual, name):
+    says = f"run: holds no {name}; valid: the {setting}'s one file in TUM RGB-D, such as {usual}$"
+    with pytest.raises(DatasetError, match=says):
+        open_dataset(recorded[0], DatasetConfig(**{setting: name}))
+
+
 def test_a_folder_that_may_not_be_read_is_named(recorded, monkeypatch):
     monkeypatch.setattr("os.listdir", forbidden)
     with pytest.raises(DatasetError, match="run: no dataset there: Permission denied; valid: a folder with"):
