@@ -293,7 +293,8 @@ def _with_features(folder: Path) -> LexisMap:
     """Load a map to which a session can be added. Raises MapError if the map has no key points to recognise places by."""
     lexis_map = load_map(folder)
     if not any(len(keyframe.features.keypoints) for keyframe in lexis_map.keyframes):
-        raise MapError(f"{folder}: the map has no key points to recognise places by; valid: a map of images, with features")
+        valid = "valid: a map that 'lexis run' made of images and that was not imported since"
+        raise MapError(f"{folder}: the map has no key points to recognise places by; {valid}")
     return lexis_map
 
 

@@ -508,7 +508,7 @@ def test_a_session_elsewhere_becomes_a_part_of_its_own(textured, tmp_path, capsy
 
 def test_a_session_needs_a_map_with_key_points_and_equal_room_names(dataset, textured, mapped, tmp_path, capsys):
     assert cli.main(["run", str(dataset), "--map", str(mapped), "-o", str(tmp_path / "both")]) == 2
-    assert "the map has no key points to recognise places by" in capsys.readouterr().err
+    assert "the map has no key points to recognise places by; valid: a map that 'lexis run'" in capsys.readouterr().err
     assert cli.main(["run", str(textured), "--rooms", "kitchen, office", "-o", str(tmp_path / "one")]) == 0
     again = ["run", str(textured), "--map", str(tmp_path / "one"), "--rooms", "kitchen", "-o", str(tmp_path / "both")]
     assert cli.main(again) == 2
