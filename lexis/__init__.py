@@ -14,7 +14,7 @@ support the stages:
 - `datasets`: recorded runs as input.
 - `map`: a finished map as files, pictures, directions and summaries.
 - `sessions`: further recordings that continue a map, and maps that are merged.
-- `query`: questions to a map in free words.
+- `questions`: questions to a map in free words.
 - `evaluation`: figures that compare a run with the truth.
 - `files`: safe reading of untrusted files, and writing that never leaves a file half written.
 - `maths`: rigid motions and other small mathematics.
@@ -25,7 +25,7 @@ Glossary:
 - percept: the embedding of one image with its features, or with points on what it shows; LEXIS accepts a percept in place of
   the image.
 - label: the room name of a keyframe. An instance is one room of that name: two kitchens are two instances.
-- query: the new keyframe, for which earlier keyframes of the same place are sought.
+- query: the new keyframe, for which earlier keyframes of the same place are sought. Questions of people are no queries.
 - candidate: an earlier keyframe that place recognition proposes for a query. Verification turns it into a loop edge, or
   rejects it.
 """

@@ -10,8 +10,8 @@ from .map import save_map as save_map
 from .merging import merge as merge
 from .planning import Plan as Plan
 from .planning import plan as plan
-from .query import Answer as Answer
-from .query import ask as ask
+from .questions import Answer as Answer
+from .questions import ask as ask
 from .slam import Slam as Slam
 from .types import Camera as Camera
 from .types import CameraView as CameraView

@@ -341,16 +341,16 @@ def _goal(lexis_map: LexisMap, text: str, calibration: Path | None) -> str:
     is_name = find_rooms(lexis_map.rooms, text) or (number.isdecimal() and find_rooms(lexis_map.rooms, label))
     if is_name or len(text.split()) < 2:
         return text
-    from lexis.query.calibration import find_calibration
-    from lexis.query.goals import goal_in_words
+    from lexis.questions.calibration import find_calibration
+    from lexis.questions.goals import goal_in_words
 
     encoder = _map_encoder(lexis_map, None)
     return goal_in_words(lexis_map, text, encoder, find_calibration(encoder, calibration))
 
 
 def _query(arguments: argparse.Namespace) -> int:
-    from lexis.query.answers import ask
-    from lexis.query.calibration import find_calibration
+    from lexis.questions.answers import ask
+    from lexis.questions.calibration import find_calibration
 
     lexis_map = load_map(arguments.map)
     encoder = _map_encoder(lexis_map, arguments.encoder)

@@ -9,8 +9,8 @@ from jaxtyping import Bool, Float64, Int
 
 from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.perception import TextEncoder
-from lexis.query.answers import ask
-from lexis.query.calibration import Calibration, find_calibration
+from lexis.questions.answers import ask
+from lexis.questions.calibration import Calibration, find_calibration
 from lexis.types import LexisMap
 from sim.bench.everyday_questions import HELD_OUT, TUNING, EverydayQuestion
 from sim.harness import Scenario, run

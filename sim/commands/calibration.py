@@ -48,7 +48,7 @@ def add_to(commands: Commands) -> None:
 def _calibrate(arguments: argparse.Namespace) -> int:
     from lexis.encoder.model_source import MINI
     from lexis.encoder.open_clip_encoder import load_encoder
-    from lexis.query.calibration import MINI_CALIBRATION, save_calibration
+    from lexis.questions.calibration import MINI_CALIBRATION, save_calibration
     from sim.training.houses import TEST_SEEDS, HouseDraw
     from sim.training.query_calibration import fit_calibration, measure, tuning_houses
 

@@ -11,8 +11,8 @@ from scipy.stats import rankdata
 
 from lexis.evaluation import calibration_error
 from lexis.perception import TextEncoder
-from lexis.query.answers import FITS
-from lexis.query.calibration import Calibration, familiarity, load_calibration, save_calibration
+from lexis.questions.answers import FITS
+from lexis.questions.calibration import Calibration, familiarity, load_calibration, save_calibration
 from sim.errors import SimError
 from sim.training.houses import TUNING_SEEDS, HouseDraw, draw_houses
 from sim.training.query_questions import DOUBTFUL, NO, YES, QuestionBatch, ask, embedded, room_views

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int, UInt8
 
 from lexis.perception import TextEncoder
-from lexis.query.answers import best_views_mean, embed_questions
+from lexis.questions.answers import best_views_mean, embed_questions
 from sim.errors import SimError
 from sim.harness.scenario import Scenario
 from sim.harness.walk import walk

@@ -18,7 +18,7 @@ from lexis.encoder.options import EncoderOptions
 from lexis.errors import EncoderError
 from lexis.files.tum_trajectory import read_tum, write_tum
 from lexis.map.folder import load_map, save_map
-from lexis.query.calibration import Calibration, save_calibration
+from lexis.questions.calibration import Calibration, save_calibration
 from lexis.slam import Slam
 from lexis.types import Camera, EncoderId, Intrinsics, LoopEdge, Observation
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float32, Int
 
-from lexis.query.answers import best_views_mean
+from lexis.questions.answers import best_views_mean
 from sim.bench.encoders.runs import EncoderRun
 from sim.bench.encoders.texts import EmbeddedTexts
 from sim.training.frames import THINGS

@@ -9,7 +9,7 @@ from scipy.special import expit
 from sklearn.metrics import roc_auc_score
 
 from lexis.encoder.open_clip_encoder import load_encoder
-from lexis.query.calibration import Calibration, familiarity, find_calibration, load_calibration
+from lexis.questions.calibration import Calibration, familiarity, find_calibration, load_calibration
 from sim.cli import main
 from sim.errors import GraphicsError, SimError
 from sim.training import query_calibration, query_questions

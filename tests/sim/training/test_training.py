@@ -16,7 +16,7 @@ from safetensors.torch import load_file
 from lexis.encoder.open_clip_encoder import OpenClipEncoder, load_encoder
 from lexis.encoder.preprocessing import squashing
 from lexis.evaluation import calibration_error
-from lexis.query.calibration import load_calibration
+from lexis.questions.calibration import load_calibration
 from sim.cli import main
 from sim.errors import SimError
 from sim.training.align import AlignLearner, _search_loss, room_embeddings

@@ -1,10 +1,10 @@
 """Answers to questions in natural language, such as "where can I wash my hands": rooms and keyframes that fit.
 
-1. Turn the question into captions, the texts that the encoder was trained on (`lexis.query.questions`). A question may have
-   several readings.
+1. Turn the question into captions, the texts that the encoder was trained on (`lexis.questions.captions`). A question may
+   have several readings.
 2. Embed each reading as the mean of its captions, and compare it with the embeddings of all images of all keyframes.
 3. Score each room by the mean similarity of its best views, because most of its views may not show the requested thing.
-4. With a calibration, convert the scores to probabilities (`lexis.query.calibration`).
+4. With a calibration, convert the scores to probabilities (`lexis.questions.calibration`).
 5. Return the rooms and keyframes for the reading that has the best-fitting room.
 """
 
@@ -19,8 +19,8 @@ from lexis.errors import LexisError
 from lexis.map.encoder_check import check_encoder, check_size
 from lexis.maths.ties import rounded
 from lexis.perception import TextEncoder
-from lexis.query.calibration import Calibration
-from lexis.query.questions import Captions, read_question
+from lexis.questions.calibration import Calibration
+from lexis.questions.captions import Captions, read_question
 from lexis.types import LexisMap, RoomInstance
 
 BEST_VIEWS = 5

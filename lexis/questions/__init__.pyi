@@ -8,6 +8,6 @@ from .calibration import Calibration as Calibration
 from .calibration import find_calibration as find_calibration
 from .calibration import load_calibration as load_calibration
 from .calibration import save_calibration as save_calibration
+from .captions import Question as Question
+from .captions import read_question as read_question
 from .goals import goal_in_words as goal_in_words
-from .questions import Question as Question
-from .questions import read_question as read_question

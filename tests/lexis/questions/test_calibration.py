@@ -10,7 +10,7 @@ from helpers.reading_encoder import ReadingEncoder
 
 from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.errors import LexisError
-from lexis.query.calibration import (
+from lexis.questions.calibration import (
     MINI_CALIBRATION,
     Calibration,
     familiarity,

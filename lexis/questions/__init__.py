@@ -1,6 +1,6 @@
 """Questions to a map in free words, such as "where can I wash my hands".
 
-`questions` reduces a question to its content, `answers` compares the content with keyframes and rooms, and `calibration`
+`captions` reduces a question to its content, `answers` compares the content with keyframes and rooms, and `calibration`
 turns similarities into probabilities. `goals` finds the room that a description names, for plans.
 """
 

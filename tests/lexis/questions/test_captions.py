@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lexis.errors import LexisError
-from lexis.query.questions import ACTIVITY_CAPTIONS, THING_CAPTIONS, read_question
+from lexis.questions.captions import ACTIVITY_CAPTIONS, THING_CAPTIONS, read_question
 from sim.bench.everyday_questions import HELD_OUT, TUNING
 from sim.training.phrases import PLACE_FRAMES, ROOM_NAMES, THING_FRAMES, framed
 

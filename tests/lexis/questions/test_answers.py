@@ -1,4 +1,4 @@
-"""Queries in free text: the best match comes first, probabilities are ordered as similarities, and there may be no match."""
+"""Answers to questions: the best match comes first, probabilities are ordered as similarities; there may be no match."""
 
 from dataclasses import replace
 
@@ -9,8 +9,8 @@ from helpers.reading_encoder import ReadingEncoder
 
 from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.errors import LexisError, MapError
-from lexis.query.answers import FITS, ask, best_views_mean
-from lexis.query.calibration import Calibration, find_calibration
+from lexis.questions.answers import FITS, ask, best_views_mean
+from lexis.questions.calibration import Calibration, find_calibration
 from sim.bench.everyday_questions import TUNING
 from sim.bench.queries import Answered, QueriesRow, answering_rooms, ask_one, row_of, true_rooms
 from sim.harness import Scenario, run

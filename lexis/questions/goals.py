@@ -2,8 +2,8 @@
 
 from lexis.errors import PlanError
 from lexis.perception import TextEncoder
-from lexis.query.answers import ask
-from lexis.query.calibration import Calibration
+from lexis.questions.answers import ask
+from lexis.questions.calibration import Calibration
 from lexis.room_names import instance_names
 from lexis.types import LexisMap
 
