@@ -240,15 +240,15 @@ def _run(arguments: argparse.Namespace) -> int:
     names = old.room_names if old and arguments.rooms is None else _rooms(arguments.rooms)
     config = _settings(arguments)
     slam = Slam(dataset.camera, _encoder(arguments.encoder, options), names, config, map=old)
-    before = saved = slam.keyframes
+    before = saved = slam.keyframe_count
     shown = track(dataset, "mapping", console=Console(stderr=True), disable=not sys.stderr.isatty())
     with interrupted_later() as pressed:
         try:
             for observation in shown:
                 slam.process(observation)
-                if arguments.save_every and slam.keyframes >= saved + arguments.save_every:
+                if arguments.save_every and slam.keyframe_count >= saved + arguments.save_every:
                     save_map(slam.snapshot(), arguments.out)
-                    saved = slam.keyframes
+                    saved = slam.keyframe_count
                 if pressed.is_set():
                     raise _Stopped
         except (DatasetError, ObservationError, EncoderError, _Stopped):

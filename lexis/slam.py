@@ -163,7 +163,7 @@ class Slam:
                 "the last keyframes still wait for later observations; valid: finish() first, or replay() in another Slam"
             )
         self._begin_session()
-        other = RenumberedMap(map, self.keyframes, self._window.session)
+        other = RenumberedMap(map, self.keyframe_count, self._window.session)
         for id in range(len(map.keyframes)):
             keyframe, place = other.keyframe(id), other.place(id)
             if keyframe.anchor is None:
@@ -182,7 +182,7 @@ class Slam:
             LexisError: there is no keyframe yet.
         """
         if not self._graph.keyframes:
-            raise LexisError("there is no keyframe yet; valid: a snapshot when `keyframes` is at least 1")
+            raise LexisError("there is no keyframe yet; valid: a snapshot when `keyframe_count` is at least 1")
         return self._map()
 
     @property
@@ -191,7 +191,7 @@ class Slam:
         return self._graph.is_split
 
     @property
-    def keyframes(self) -> int:
+    def keyframe_count(self) -> int:
         """Number of keyframes in the graph, those of an earlier map included."""
         return len(self._graph.keyframes)
 
@@ -213,7 +213,7 @@ class Slam:
     def _begin_session(self) -> None:
         """Prepare for the observations of a new session, which follows all sessions of the graph."""
         session = self._graph.keyframes[-1].session + 1 if self._graph.keyframes else 0
-        self._window = KeyframeWindow(self._camera, self._config, self.keyframes, session)
+        self._window = KeyframeWindow(self._camera, self._config, self.keyframe_count, session)
         self._selector = KeyframeSelector(self._config.keyframes)
         self._previous = None
 

@@ -58,7 +58,7 @@ class _Clocked(Lexis):
         start = process_time()
         super().process(observation)
         self._spent_s += process_time() - start
-        if observation.index in self._marked and self._running.keyframes:
+        if observation.index in self._marked and self._running.keyframe_count:
             map = self._running.snapshot()
             active = sum(keyframe.anchor is None for keyframe in map.keyframes)
             self.marks.append(_Mark(len(map.keyframes), self._spent_s, active, map_bytes(map)))

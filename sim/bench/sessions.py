@@ -100,7 +100,7 @@ def return_to(first: Day, second: Day, start: int, length_m: float, twin: bool =
         slam.process(replace(observation, index=count + observation.index))
         walked_m += float(np.linalg.norm(observation.T_O_B[:3, 3] - previous.T_O_B[:3, 3]))
         previous = observation
-        if joined_m is None and not slam.is_split and slam.keyframes > len(first.map.keyframes):
+        if joined_m is None and not slam.is_split and slam.keyframe_count > len(first.map.keyframes):
             joined_m = walked_m
         if walked_m > length_m:
             break
