@@ -13,7 +13,7 @@ from jaxtyping import Float64, Int
 from lexis.config import VerificationConfig
 from lexis.features import mutual_matches
 from lexis.graph.pose_graph import PoseGraph
-from lexis.maths.pnp import agreeing, refine_rig_pose, solve_pnp
+from lexis.maths.pnp import inlier_rows, refine_rig_pose, solve_pnp
 from lexis.maths.projection import project_jacobian
 from lexis.maths.rig import camera_angles
 from lexis.maths.se3 import between, inverse, skew, transform
@@ -54,7 +54,7 @@ _Seen = tuple[_Correspondences, ...]
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """The pose of a query, and the correspondences that agree with it."""
+    """The pose of a query, and its inliers: the correspondences that agree with the pose."""
 
     T_C_match: tuple[Pose, ...]
     """Pose of the candidate's body in each camera of the query."""
@@ -166,15 +166,15 @@ class Locator:
         """Return the pose of the query with which most key points of all cameras agree, refined for a rig."""
         rig = self._camera.rig
         if len(rig) == 1:
-            return self._agreeing(seen, (self._solved(seen[0], rig[0]),))
+            return self._with_inliers(seen, (self._solved(seen[0], rig[0]),))
         enough = [i for i, each in enumerate(seen) if each.size >= _LEAST_MATCHES]
         poses = [rig[i].T_B_C @ self._solved(seen[i], rig[i]) for i in enough]
-        fits = [self._agreeing(seen, self._in_cameras(T_B_match)) for T_B_match in poses]
+        fits = [self._with_inliers(seen, self._in_cameras(T_B_match)) for T_B_match in poses]
         if not fits or not (best := max(fits, key=lambda fit: fit.size)).size:
             return _Fit((), tuple(each[np.zeros(0, int)] for each in seen))
         T_B_match = rig[0].T_B_C @ best.T_C_match[0]
         T_B_match = refine_rig_pose([(each.pixels, each.points) for each in best.seen], rig, T_B_match)
-        refined = self._agreeing(seen, self._in_cameras(T_B_match))
+        refined = self._with_inliers(seen, self._in_cameras(T_B_match))
         return max(refined, best, key=lambda fit: fit.size)
 
     def _solved(self, seen: _Correspondences, camera: Camera) -> Pose:
@@ -184,17 +184,17 @@ class Locator:
     def _in_cameras(self, T_B_match: Pose) -> tuple[Pose, ...]:
         return tuple(np.asarray(inverse(camera.T_B_C) @ T_B_match) for camera in self._camera.rig)
 
-    def _agreeing(self, seen: _Seen, T_C_match: tuple[Pose, ...]) -> _Fit:
-        """Return the pose with all correspondences that agree with it.
+    def _with_inliers(self, seen: _Seen, T_C_match: tuple[Pose, ...]) -> _Fit:
+        """Return the pose with its inliers, the correspondences that agree with it.
 
         The solver's own inliers are not used, because they may belong to an earlier pose than the returned pose.
         """
         limit_px = self._config.max_reprojection_px
-        agree = (
-            each[agreeing(transform(T, each.points), each.pixels, camera.intrinsics, limit_px)]
+        inliers = (
+            each[inlier_rows(transform(T, each.points), each.pixels, camera.intrinsics, limit_px)]
             for each, T, camera in zip(seen, T_C_match, self._camera.rig, strict=True)
         )
-        return _Fit(T_C_match, tuple(agree))
+        return _Fit(T_C_match, tuple(inliers))
 
 
 def _occupied_cells(seen: _Correspondences, camera: Camera) -> int:

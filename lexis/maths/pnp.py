@@ -48,8 +48,11 @@ def refine_rig_pose(seen: Sequence[tuple[Pixels, Points]], rig: Sequence[Camera]
     return _as_matrix(refined)
 
 
-def agreeing(points_C: Points, pixels: Pixels, intrinsics: Intrinsics, limit_px: float) -> Int[np.ndarray, "i"]:
-    """Return the rows of the matches whose points, in the frame C of the camera [m], project to their pixels."""
+def inlier_rows(points_C: Points, pixels: Pixels, intrinsics: Intrinsics, limit_px: float) -> Int[np.ndarray, "i"]:
+    """Return the rows of the inliers: matches whose points, in the frame C of the camera [m], project to their pixels.
+
+    A point in front of the camera may project up to `limit_px` away from its pixel.
+    """
     in_front = points_C[:, 2] > 0
     safe = np.where(in_front[:, None], points_C, [0.0, 0.0, 1.0])
     errors = np.linalg.norm(project(safe, intrinsics) - pixels, axis=1)

@@ -4,7 +4,7 @@ import numpy as np
 from helpers.box_room import FORWARD_CAMERA, FRONT_REAR
 
 from lexis.maths import se3
-from lexis.maths.pnp import agreeing, refine_rig_pose, solve_pnp
+from lexis.maths.pnp import inlier_rows, refine_rig_pose, solve_pnp
 from lexis.maths.projection import project
 
 POSE = se3.exp(np.array([0.1, -0.2, 0.3, 0.4, -0.5, 0.6]))
@@ -23,14 +23,14 @@ def test_wrong_matches_do_not_change_the_pose(rng):
     pixels[40:] = rng.permutation(pixels[40:])
     T_C_P = solve_pnp(pixels, points, FORWARD_CAMERA.intrinsics, 3.0, 0)
     np.testing.assert_allclose(T_C_P, POSE, atol=1e-6)
-    rows = agreeing(se3.transform(T_C_P, points), pixels, FORWARD_CAMERA.intrinsics, 3.0)
+    rows = inlier_rows(se3.transform(T_C_P, points), pixels, FORWARD_CAMERA.intrinsics, 3.0)
     assert set(range(40)) <= set(rows.tolist())
 
 
 def test_points_behind_the_camera_do_not_agree(rng):
     pixels, points = seen_by(FORWARD_CAMERA, FORWARD_CAMERA.T_B_C, rng, 20)
-    assert len(agreeing(points, pixels, FORWARD_CAMERA.intrinsics, 1.0)) == 20
-    assert len(agreeing(-points, pixels, FORWARD_CAMERA.intrinsics, 1.0)) == 0
+    assert len(inlier_rows(points, pixels, FORWARD_CAMERA.intrinsics, 1.0)) == 20
+    assert len(inlier_rows(-points, pixels, FORWARD_CAMERA.intrinsics, 1.0)) == 0
 
 
 def test_the_refined_pose_of_a_rig_fits_all_of_its_cameras(rng):
