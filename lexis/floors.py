@@ -28,7 +28,7 @@ def floor_numbers(floors: Int[np.ndarray, "n"]) -> list[int]:
     return sorted({int(floor) for floor in floors} - {NO_FLOOR})
 
 
-def floor_levels(
+def assign_floors(
     stairs: Bool[np.ndarray, "n"], positions: Float64[np.ndarray, "n 3"], sessions: Int[np.ndarray, "n"] | None = None
 ) -> Int[np.ndarray, "n"]:
     """Return the number of the floor of every keyframe, 0 for the lowest floor and -1 on stairs.
@@ -50,7 +50,7 @@ def floor_levels(
     stretches = _level_stretches(stairs, positions, np.zeros(len(stairs), int) if sessions is None else sessions)
     heights = _without_drift(stretches, positions[:, 2])
     least = min(MIN_KEYFRAMES, max(run.stop - run.start for run in stretches))
-    levels = _levels(np.array([heights[run.start] for run in stretches if run.stop - run.start >= least]))
+    levels = _floor_heights(np.array([heights[run.start] for run in stretches if run.stop - run.start >= least]))
     nearest = np.abs(levels - heights[:, None]).argmin(axis=1)
     return np.where(stairs, NO_FLOOR, nearest)
 
@@ -112,7 +112,7 @@ def _without_drift(level: list[Stretch], height: Metres) -> Metres:
     return np.cumsum(steps)
 
 
-def _levels(heights: Float64[np.ndarray, "k"]) -> Float64[np.ndarray, "levels"]:
+def _floor_heights(heights: Float64[np.ndarray, "k"]) -> Float64[np.ndarray, "levels"]:
     """Mean height of every floor, ascending; a gap larger than `STOREY_GAP_M` separates two floors [m]."""
     ordered = np.sort(heights)
     groups = np.split(ordered, np.flatnonzero(np.diff(ordered) > STOREY_GAP_M) + 1)

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from lexis.config import LabelConfig, SegmentationConfig
-from lexis.floors import NO_FLOOR, floor_levels
+from lexis.floors import NO_FLOOR, assign_floors
 from lexis.maths.stretches import consecutive_pairs
 from lexis.maths.ties import DECIMALS
 from lexis.room_names import same_name
@@ -67,7 +67,7 @@ def segment(
     """
     sessions = np.zeros(len(labels), int) if sessions is None else sessions
     stairs = np.array([same_name(name, stairs_name) for name in room_names])[labels]
-    floors = floor_levels(stairs, positions, sessions)
+    floors = assign_floors(stairs, positions, sessions)
     if cluster is None:
         groups = _by_distance(labels, floors, stairs, positions, sessions, config)
     else:

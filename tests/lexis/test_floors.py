@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lexis.config import LabelConfig
-from lexis.floors import floor_levels
+from lexis.floors import assign_floors
 from lexis.stairs import on_stairs
 
 SIGNS, SPACINGS, SEEDS = st.sampled_from([-1, 1]), st.floats(0.3, 0.7), st.integers(0, 10_000)
@@ -18,7 +18,7 @@ def along(height):
 
 
 def floors_of(positions):
-    return floor_levels(on_stairs(positions, LabelConfig()), positions)
+    return assign_floors(on_stairs(positions, LabelConfig()), positions)
 
 
 def only(floors):
@@ -30,26 +30,26 @@ def only(floors):
 def test_keyframes_that_are_all_on_rides_have_a_floor_unless_they_are_labelled_as_stairs():
     heights = np.array([0.0, 1.5, 3.0])
     positions = np.column_stack([np.zeros((3, 2)), heights])
-    assert floor_levels(np.array([True, False, True]), positions).tolist() == [-1, 0, -1]
+    assert assign_floors(np.array([True, False, True]), positions).tolist() == [-1, 0, -1]
 
 
 def test_a_short_level_stretch_half_way_up_is_no_floor_of_its_own():
     stairs = np.array([0] * 8 + [1] * 5 + [0] * 2 + [1] * 5 + [0] * 8, bool)
     height = np.interp(np.arange(28), [7, 13, 14, 20], [0.0, 1.45, 1.45, 2.9])
-    floors = floor_levels(stairs, along(height))
+    floors = assign_floors(stairs, along(height))
     assert set(floors[:8]) == {0} and set(floors[20:]) == {1} and set(floors[13:15]) <= {0, 1}
 
 
 def test_the_lowest_floor_is_zero_wherever_the_walk_begins():
     stairs = np.array([0] * 5 + [1] * 5 + [0] * 5, bool)
     down = np.interp(np.arange(15), [4, 10], [10.0, 7.0])
-    assert floor_levels(stairs, along(down)).tolist() == [1] * 5 + [-1] * 5 + [0] * 5
+    assert assign_floors(stairs, along(down)).tolist() == [1] * 5 + [-1] * 5 + [0] * 5
 
 
 def test_all_stairs_and_no_stairs():
-    assert floor_levels(np.ones(3, bool), along(np.arange(3.0))).tolist() == [-1] * 3
-    assert floor_levels(np.zeros(3, bool), along(0.1 * np.arange(3.0))).tolist() == [0] * 3
-    assert floor_levels(np.zeros(0, bool), along(np.zeros(0))).tolist() == []
+    assert assign_floors(np.ones(3, bool), along(np.arange(3.0))).tolist() == [-1] * 3
+    assert assign_floors(np.zeros(3, bool), along(0.1 * np.arange(3.0))).tolist() == [0] * 3
+    assert assign_floors(np.zeros(0, bool), along(np.zeros(0))).tolist() == []
 
 
 @given(height=st.floats(2.3, 12.0), spacing=SPACINGS, sign=SIGNS, stops=st.booleans(), named=st.booleans(), seed=SEEDS)
@@ -59,7 +59,7 @@ def test_a_lift_changes_the_floor(height, spacing, sign, stops, named, seed):
     if stops:
         positions, leg = positions[leg != 1], leg[leg != 1]
     measured = drifting(positions, np.random.default_rng(seed))
-    floors = floors_of(measured) if named else floor_levels(np.zeros(len(leg), bool), measured)
+    floors = floors_of(measured) if named else assign_floors(np.zeros(len(leg), bool), measured)
     assert (only(floors[leg == 0]), only(floors[leg == 2])) == ((0, 1) if sign > 0 else (1, 0))
     assert set(floors.tolist()) <= ({-1, 0, 1} if named else {0, 1})
 
@@ -104,11 +104,11 @@ def test_a_jump_of_the_odometry_to_the_side_is_no_other_floor():
 def test_a_step_in_height_between_two_sessions_is_no_ramp():
     height = np.concatenate([np.zeros(8), [0.15, 0.3], [1.1, 1.25], np.full(8, 1.4)])
     level = np.zeros(20, bool)
-    assert len(set(floor_levels(level, along(height)).tolist())) == 2
-    assert not floor_levels(level, along(height), np.repeat([0, 1], 10)).any()
+    assert len(set(assign_floors(level, along(height)).tolist())) == 2
+    assert not assign_floors(level, along(height), np.repeat([0, 1], 10)).any()
 
 
 def test_a_walk_may_have_any_number_of_ramps():
     """Up and down by turns, each a little lower than the one before, so that the steepest one is always the first."""
     height = np.linspace(0.9, 0.6, 6000) * np.tile([0.0, 0.5, 1.0, 0.5], 1500)
-    assert not floor_levels(np.zeros(len(height), bool), along(height)).any()
+    assert not assign_floors(np.zeros(len(height), bool), along(height)).any()

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lexis.config import LabelConfig
-from lexis.floors import floor_levels
+from lexis.floors import assign_floors
 from lexis.stairs import lift_rides, on_stairs
 
 
@@ -35,7 +35,7 @@ def test_no_keyframe_on_a_level_floor_is_on_the_stairs(pitch, spacing, sign):
 def test_floors_stay_apart_if_the_images_of_the_stairs_between_them_are_lost(spacing):
     positions, leg = profile((8, 0), (1.5, 1.1), (8, 0), spacing=spacing)
     seen = positions[leg != 1]
-    assert np.unique(floor_levels(on_stairs(seen, LabelConfig()), seen)).tolist() == [-1, 0, 1]
+    assert np.unique(assign_floors(on_stairs(seen, LabelConfig()), seen)).tolist() == [-1, 0, 1]
 
 
 def test_a_floor_between_two_flights_stays_a_floor():

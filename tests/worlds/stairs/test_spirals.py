@@ -10,7 +10,7 @@ from shapely.affinity import rotate
 from shapely.geometry import Point, box
 
 from lexis.config import LabelConfig
-from lexis.floors import floor_levels
+from lexis.floors import assign_floors
 from lexis.stairs import lift_rides, on_stairs
 from sim.tours.tour import plan_tour
 from worlds.errors import HouseError
@@ -95,7 +95,7 @@ def test_lexis_takes_a_tour_up_and_down_a_spiral_for_stairs_between_floors(house
     tour = plan_tour(house, Walkable(house), np.random.default_rng(0))
     at = np.interp(np.arange(0.0, tour.length_m, 0.5), tour.distances_m, np.arange(len(tour.stamps))).astype(int)
     positions = tour.T_W_B[at, :3, 3]
-    floors = floor_levels(on_stairs(positions, LabelConfig()), positions)
+    floors = assign_floors(on_stairs(positions, LabelConfig()), positions)
     ground = positions[:, 2] - tour.eye_height_m
     for number, storey in enumerate(house.storeys):
         level = np.abs(ground - storey.floor_m) < 1e-6
