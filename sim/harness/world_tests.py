@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     from sim.faults import Fault
     from sim.harness.scenario import Scenario
 
-Tier = Literal["layout", "features", "render"]
-"""Kind of test. layout: the test checks houses only. features, render: the test checks runs of this fidelity."""
-TIERS: tuple[Tier, ...] = get_args(Tier)
+TestFidelity = Literal["layout", "features", "render"]
+"""What a test checks. layout: houses only. features, render: runs of this fidelity (`sim.fidelity.Fidelity`)."""
+TEST_FIDELITIES: tuple[TestFidelity, ...] = get_args(TestFidelity)
 ATTRIBUTE = "lexis_worlds"
 """Attribute of a decorated test that holds its `WorldFamily`."""
 HOUSE_SEEDS = 1_000_000
@@ -61,7 +61,7 @@ class World(Protocol):
         """Build the scenario. Raises `SimError` or `worlds.WorldsError`."""
 
 
-def usual_rate_hz(fidelity: Tier) -> float:
+def usual_rate_hz(fidelity: TestFidelity) -> float:
     """Return the default frame rate of runs of this fidelity [Hz]."""
     return RENDER_FRAME_RATE_HZ if fidelity == "render" else FEATURES_FRAME_RATE_HZ
 
@@ -75,7 +75,7 @@ class WorldFamily:
     storeys: int | None
     max_rooms: int | None
     n: int
-    fidelity: Tier
+    fidelity: TestFidelity
     plans: bool
     length_m: float | None
     frame_rate_hz: float
@@ -211,7 +211,7 @@ def worlds(
     storeys: int | None = None,
     max_rooms: int | None = None,
     n: int = 10,
-    fidelity: Tier = "features",
+    fidelity: TestFidelity = "features",
     plans: bool | None = None,
     length_m: float | None = None,
     frame_rate_hz: float | None = None,
@@ -242,7 +242,7 @@ def worlds(
         SimError: an argument is not valid.
     """
     _check_names("presets", presets, PRESETS)
-    _check_names("fidelity", (fidelity,), TIERS)
+    _check_names("fidelity", (fidelity,), TEST_FIDELITIES)
     check_count("worlds: n", n, 1, MOST_WORLDS)
     if storeys is not None:
         check_count("worlds: storeys", storeys, 1, MAX_STOREYS_ASKED)
@@ -299,7 +299,7 @@ def _check_positive(argument: str, value: object, unit: str) -> None:
         raise SimError(f"worlds: {argument} is {value!r:.60}; valid: a number of {unit} greater than 0")
 
 
-def _check_encoder(encoder: object, fidelity: Tier) -> None:
+def _check_encoder(encoder: object, fidelity: TestFidelity) -> None:
     """Raise `SimError` for an encoder that cannot be used with this fidelity.
 
     The names of open_clip are not checked, because loading open_clip takes seconds.
@@ -317,7 +317,7 @@ def _check_encoder(encoder: object, fidelity: Tier) -> None:
         raise SimError(f"worlds: encoder is {encoder!r:.60}{guess}; valid with fidelity {fidelity!r}: {valid}")
 
 
-def _faults(given: object, fidelity: Tier) -> tuple["Fault", ...]:
+def _faults(given: object, fidelity: TestFidelity) -> tuple["Fault", ...]:
     """Return the faults as objects. Raises `SimError` for an unknown fault, or one that needs images and gets none.
 
     Only tests with faults import the faults, and the modules that compute with images, while pytest collects them.

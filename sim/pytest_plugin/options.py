@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from sim.durations import duration_s
-from sim.harness.world_tests import SCENARIO, TIERS
+from sim.harness.world_tests import SCENARIO, TEST_FIDELITIES
 
 DEFAULT_SEED = 7
 PROFILES = ("lexis-pr", "lexis-nightly")
@@ -68,8 +68,10 @@ def _seed(text: str) -> int:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Register the markers and choose the seed. Workers of xdist get the seed from the process that starts them."""
-    for tier in TIERS:
-        config.addinivalue_line("markers", f"{tier}: a test in simulated houses, on the tier {tier!r} of LEXIS-sim")
+    for fidelity in TEST_FIDELITIES:
+        config.addinivalue_line(
+            "markers", f"{fidelity}: a test in simulated houses, with fidelity {fidelity!r} of LEXIS-sim"
+        )
     config.addinivalue_line("markers", "xdist_group(name): pytest-xdist runs the tests of a group in one process")
     nightly = config.option.lexis_profile == "lexis-nightly"
     given = getattr(config, "workerinput", {}).get("lexis_seed", config.option.lexis_seed)
