@@ -1,4 +1,4 @@
-"""Words for messages: lists in sentences (`joined`), counts (`counted`), shares (`percent`), names and kinds of values."""
+"""Words for messages: lists in sentences (`joined`), counts (`counted`), shares (`percent`), names and classes of values."""
 
 from collections.abc import Sequence
 
@@ -24,6 +24,6 @@ def qualified_name(value: object) -> str:
     return f"{kind.__module__}:{kind.__qualname__}"
 
 
-def kind_of(value: object) -> str:
+def class_of(value: object) -> str:
     """Say what a value is, for messages about a wrong argument: "an instance of list", or "the class GridSlam"."""
     return f"the class {value.__name__}" if isinstance(value, type) else f"an instance of {type(value).__name__}"

@@ -15,7 +15,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 from sim.errors import SimError
 from sim.harness.results import MATCHES, RunResult, figure_meant
 from sim.number_checks import is_finite
-from sim.wording import kind_of
+from sim.wording import class_of
 
 _OPERATORS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
     {"<=": operator.le, ">=": operator.ge, "==": operator.eq, "!=": operator.ne, "<": operator.lt, ">": operator.gt}
@@ -75,7 +75,7 @@ class Claim:
         if isinstance(claim, Claim):
             return claim
         if not isinstance(claim, str):
-            raise SimError(f'{place} is {kind_of(claim)}; valid: a claim, such as "rooms.pq >= 0.6"')
+            raise SimError(f'{place} is {class_of(claim)}; valid: a claim, such as "rooms.pq >= 0.6"')
         return Claim.parse(claim)
 
     def __str__(self) -> str:

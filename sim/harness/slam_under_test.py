@@ -16,7 +16,7 @@ from sim.feature_sensor.model import FeatureModel
 from sim.feature_sensor.oracle import Oracle
 from sim.harness.estimate import Estimate
 from sim.harness.last_run import last_run
-from sim.wording import kind_of
+from sim.wording import class_of
 
 
 @runtime_checkable
@@ -75,11 +75,11 @@ def check_slam_factory(place: str, new_slam: object, valid: str = _NO_ARGUMENTS)
     `place` names the argument in the message. If `new_slam` takes arguments, the message ends with `valid`.
     """
     if not callable(new_slam):
-        raise SimError(f"{place} is {kind_of(new_slam)}; valid: the class of a SLAM, or a function that makes a SLAM")
+        raise SimError(f"{place} is {class_of(new_slam)}; valid: the class of a SLAM, or a function that makes a SLAM")
     try:
         inspect.signature(new_slam).bind()
     except TypeError as error:
-        takes = f"{kind_of(new_slam)}, which cannot be called without arguments: {error}"
+        takes = f"{class_of(new_slam)}, which cannot be called without arguments: {error}"
         raise SimError(f"{place} is {takes}; valid: {valid}") from None
     except ValueError:  # a callable that is written in C states no signature
         pass

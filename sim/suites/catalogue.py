@@ -16,7 +16,7 @@ from sim.suites.consistency import CONSISTENCY, LEVEL_FLOORS, Consistent
 from sim.suites.laws import LAWS
 from sim.suites.plans import plans_can_be_walked
 from sim.suites.suite import Suite, SuitePart, claims
-from sim.wording import kind_of
+from sim.wording import class_of
 from worlds.presets import sample_house
 from worlds.valid_names import did_you_mean
 from worlds.variant import in_light, variant
@@ -388,5 +388,5 @@ def suite_named(suite: Suite | str) -> Suite:
     if isinstance(suite, Suite):
         return suite
     if not isinstance(suite, str):
-        raise SimError(f"suite is {kind_of(suite)}; valid: a Suite, or the name of one: {', '.join(SUITES)}")
+        raise SimError(f"suite is {class_of(suite)}; valid: a Suite, or the name of one: {', '.join(SUITES)}")
     return SUITES[suite]

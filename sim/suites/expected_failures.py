@@ -11,7 +11,7 @@ from pydantic import BaseModel
 from lexis.files.reading import FileKind, read_model
 from sim.errors import SimError
 from sim.suites.suite_means import name_of_mean
-from sim.wording import kind_of
+from sim.wording import class_of
 from worlds.valid_names import did_you_mean, listed
 
 NONE_EXPECTED: Mapping[str, str] = MappingProxyType({})
@@ -92,7 +92,7 @@ def expected_failures_of(reasons: object, names: Sequence[str]) -> tuple[Expecte
     Raises `SimError` if the reasons are no such mapping, or if a pattern stands for no check.
     """
     if not isinstance(reasons, Mapping):
-        raise SimError(f"expected_failures is {kind_of(reasons)}; valid: a mapping of 'part: check' to a reason")
+        raise SimError(f"expected_failures is {class_of(reasons)}; valid: a mapping of 'part: check' to a reason")
     return tuple(_entry(pattern, reason, names) for pattern, reason in reasons.items())
 
 

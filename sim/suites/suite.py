@@ -13,7 +13,7 @@ from sim.harness.scenario import Scenario
 from sim.harness.world_tests import RENDER_FRAME_RATE_HZ
 from sim.number_checks import check_count, is_finite
 from sim.suites.checks import Check, ClaimCheck
-from sim.wording import kind_of
+from sim.wording import class_of
 from worlds.valid_names import did_you_mean, listed
 
 
@@ -104,7 +104,7 @@ class Suite:
         makes no claim, for a claim with == or !=, and for a limit that is not finite.
         """
         if not isinstance(limits, Mapping):
-            raise SimError(f"suite {self.name}: limits is {kind_of(limits)}; valid: a mapping, such as {{'rooms.pq': 0.5}}")
+            raise SimError(f"suite {self.name}: limits is {class_of(limits)}; valid: a mapping, such as {{'rooms.pq': 0.5}}")
         made = [check.claim for part in self.parts for check in part.checks if isinstance(check, ClaimCheck)]
         known = {claim.quantity for claim in made} | {f"mean {claim.quantity}" for claim in self.means}
         equalities = {claim.quantity: claim for claim in made if claim.comparison in ("==", "!=")}

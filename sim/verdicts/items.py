@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from typing import TypeVar
 
 from sim.errors import SimError
-from sim.wording import kind_of
+from sim.wording import class_of
 
 T = TypeVar("T")
 
@@ -16,8 +16,8 @@ def items(place: str, kind: type[T], given: object) -> Iterator[T]:
     another kind.
     """
     if isinstance(given, str) or not isinstance(given, Iterable):
-        raise SimError(f"{place} is {kind_of(given)}; valid: several values of the class {kind.__name__}, such as a list")
+        raise SimError(f"{place} is {class_of(given)}; valid: several values of the class {kind.__name__}, such as a list")
     for i, value in enumerate(given):
         if not isinstance(value, kind):
-            raise SimError(f"{place}[{i}] is {kind_of(value)}; valid: an instance of {kind.__name__}")
+            raise SimError(f"{place}[{i}] is {class_of(value)}; valid: an instance of {kind.__name__}")
         yield value

@@ -113,7 +113,7 @@ def find_kind(text: str) -> OpeningKind | None:
     return _KINDS.get(word) or _KINDS.get(word.removesuffix("s")) or _KINDS.get(word.removesuffix("es"))
 
 
-def kind_of(where: str, text: str) -> OpeningKind:
+def opening_kind_of(where: str, text: str) -> OpeningKind:
     """The kind of opening that a text stands for. Raises `SpecError` if the text is no known kind."""
     if (kind := find_kind(text)) is None:
         guess = did_you_mean(normalised_name(text), KINDS)

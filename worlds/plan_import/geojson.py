@@ -26,9 +26,9 @@ from worlds.plan_import.drawn_plan import (
     DrawnRoom,
     Stroke,
     checked,
-    kind_of,
     label_of,
     listed_some,
+    opening_kind_of,
     spelling_notes,
     storey_of,
 )
@@ -73,7 +73,7 @@ def _drawing(data: object, metres_per_unit: float) -> DrawnPlan:
         elif "kind" in properties:
             details = tuple((key, properties[key]) for key in _DETAILS if key in properties)
             points = _ends(where, geometry, metres_per_unit)
-            strokes.append(Stroke(where, kind_of(where, str(properties["kind"])), storey, points, details))
+            strokes.append(Stroke(where, opening_kind_of(where, str(properties["kind"])), storey, points, details))
         else:
             ignored.append(where)
     if rooms and _in_degrees(rooms):

@@ -35,10 +35,10 @@ from worlds.plan_import.drawn_plan import (
     checked,
     find_kind,
     find_label,
-    kind_of,
     label_of,
     listed_some,
     normalised_name,
+    opening_kind_of,
     spelling_notes,
     storey_of,
 )
@@ -155,7 +155,7 @@ def _meaning(thing: Named) -> tuple[str | None, OpeningKind | None]:
     """
     attributes, tag = thing.attributes, thing.tag
     if "data-kind" in attributes:
-        return None, kind_of(thing.where, attributes["data-kind"])
+        return None, opening_kind_of(thing.where, attributes["data-kind"])
     if "data-label" in attributes:
         return label_of(thing.where, attributes["data-label"]), None
     for text in thing.names:
