@@ -191,14 +191,13 @@ class Walkable:
         _, part = connected_components(self.graph, directed=False)
         return np.equal(part, np.argmax(np.bincount(part, minlength=1)))
 
-    def distances_from(self, start: Float64[np.ndarray, "3"] | Node, limit_m: float = np.inf) -> Float64[np.ndarray, "n"]:
+    def distances_from(self, start: Float64[np.ndarray, "3"] | Node) -> Float64[np.ndarray, "n"]:
         """Return the length of the shortest path along the graph from `start` to every node [m].
 
-        `start` is a point in W [m] or the number of a node. The length is infinite for nodes to which there is no path, and
-        for nodes farther away than `limit_m` [m].
+        `start` is a point in W [m] or the number of a node. The length is infinite for nodes to which there is no path.
         """
         node = self._node(start)
-        return np.ravel(dijkstra(self.graph, indices=[node], limit=limit_m))
+        return np.ravel(dijkstra(self.graph, indices=[node]))
 
     def distance(self, start: Float64[np.ndarray, "3"], goal: Float64[np.ndarray, "3"]) -> float:
         """Return the length of the `path` between two points in W [m]. Raises `UnreachableError` where `path` does."""

@@ -65,9 +65,9 @@ class StageGain:
     """Standard errors of the means; NaN for a single house."""
 
 
-def measure_stages(presets: Sequence[str], seeds: Sequence[int], workers: int | None = None) -> Iterator[list[StageRow]]:
+def measure_stages(presets: Sequence[str], seeds: Sequence[int]) -> Iterator[list[StageRow]]:
     """Yield the rows of each house as soon as it is finished, on the feature sensor, in as many processes as cores."""
-    with process_pool(workers or os.cpu_count() or 1) as pool:
+    with process_pool(os.cpu_count() or 1) as pool:
         houses = [pool.submit(measure_house, preset, seed) for preset in presets for seed in seeds]
         for finished in as_completed(houses):
             yield finished.result()

@@ -49,12 +49,12 @@ class Throughput:
     handled: tuple[Handled, ...]
 
 
-def measure_throughput(houses: int, seed: int, workers: int | None = None) -> Iterator[Throughput]:
+def measure_throughput(houses: int, seed: int) -> Iterator[Throughput]:
     """Measure the tests `layout` (without a SLAM) and `features` (with LEXIS) on homes with seeds from `seed` upwards.
 
-    By default, there is one worker process for each processor core.
+    There is one worker process for each processor core.
     """
-    workers = workers or os.cpu_count() or 1
+    workers = os.cpu_count() or 1
     for tier, wanted, handle in (("layout", 30.0, check_layout), ("features", 2.0, run_on_features)):
         yield _measured(tier, wanted, handle, range(seed, seed + houses), workers)
 

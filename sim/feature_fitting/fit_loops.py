@@ -89,12 +89,12 @@ def fit_loops(trials: Trials) -> LoopModel:
     return LoopModel(model.weights, share, model.false_rate, model.true_edges, model.false_edges)
 
 
-def try_verification(choice: HouseDraw, encoder: Encoder, seed: int, camera: Camera | None = None) -> Trials:
+def try_verification(choice: HouseDraw, encoder: Encoder, seed: int) -> Trials:
     """Run LEXIS on rendered images of a walk through a house, and return the outcomes of verifying pairs of keyframes.
 
     The pairs are LEXIS's loop candidates and other pairs of nearby keyframes.
     """
-    camera, config = camera or wide_camera(), Config()
+    camera, config = wide_camera(), Config()
     house = build_house(choice.spec())
     rng = np.random.default_rng((choice.seed, seed))
     tour = plan_tour(house, Walkable(house), rng, TourConfig(frame_rate_hz=_FRAME_RATE_HZ))

@@ -6,12 +6,10 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int
 
 from lexis.perception import Encoder
-from lexis.types import Camera
 from sim.feature_sensor.surroundings import Surroundings, survey
 from sim.feature_sensor.visible_shares import VisibleShares, look
 from sim.render.camera import CameraRenderer, fovy_deg, wide_camera
 from sim.render.scene import build_scene
-from sim.tours.config import TourKind
 from sim.tours.tour import Tour, TourConfig, plan_tour
 from sim.training.houses import HouseDraw
 from worlds.house import House, build_house
@@ -52,9 +50,9 @@ def choices(houses: int, first_seed: int) -> tuple[HouseDraw, ...]:
     )
 
 
-def sample(choice: HouseDraw, encoder: Encoder, frames: int, camera: Camera | None = None) -> Sample:
+def sample(choice: HouseDraw, encoder: Encoder, frames: int) -> Sample:
     """Render and encode up to `frames` frames, which are evenly spread over a tour through a house."""
-    camera = camera or wide_camera()
+    camera = wide_camera()
     house = build_house(choice.spec())
     tour = tour_through(house, choice.seed)
     poses = tour.T_W_B[np.unique(np.linspace(0, len(tour.stamps) - 1, frames).astype(int))]
@@ -66,6 +64,6 @@ def sample(choice: HouseDraw, encoder: Encoder, frames: int, camera: Camera | No
     return Sample(around, poses, look(around, poses, camera), embeddings)
 
 
-def tour_through(house: House, seed: int, kind: TourKind = "rooms") -> Tour:
+def tour_through(house: House, seed: int) -> Tour:
     """Plan the tour that samples and benchmarks use in a house."""
-    return plan_tour(house, Walkable(house), np.random.default_rng(seed), TourConfig(kind))
+    return plan_tour(house, Walkable(house), np.random.default_rng(seed), TourConfig())

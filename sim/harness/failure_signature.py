@@ -140,12 +140,12 @@ class FailureTest:
             return self.condition is None and (not isinstance(kept, Crash) or kept.what == outcome.what)
         return self.condition is not None and outcome.signature == Signature(str(self.condition))
 
-    def observe(self, scenario: Scenario, progress: Progress | None = None) -> Observed:
+    def observe(self, scenario: Scenario) -> Observed:
         """Run the SLAM like `outcome`, but return completed runs only.
 
         Raises what `outcome` raises and, after a crash, the exception of the SLAM.
         """
-        outcome = self.outcome(scenario, progress)
+        outcome = self.outcome(scenario)
         if isinstance(outcome, Crash):
             raise outcome.error
         return outcome

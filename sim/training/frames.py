@@ -89,11 +89,6 @@ def rendered(houses: Sequence[HouseDraw], folder: Path, workers: int = 1) -> Ite
         yield from pool.map(partial(_kept, folder), houses)
 
 
-def frames_in(folder: Path) -> Frames:
-    """Load all frames that `rendered` saved in a folder. Raises `SimError` if the folder has no frames."""
-    return Frames.joined(list(frames_by_house(folder)))
-
-
 def frames_by_house(folder: Path) -> Iterator[Frames]:
     """Yield the frames that `rendered` saved in a folder, one house at a time, which needs less memory than all at once.
 

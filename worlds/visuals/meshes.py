@@ -13,6 +13,7 @@ from jaxtyping import Float64, Int
 from worlds.parts import Part, Vector
 
 _SIDES = 10
+_BALL_RINGS = 6
 _GROWTH_M = 2e-5
 """Every part is drawn larger than it is: by this length for each part that comes before it in its solid [m]. Where faces of
 two parts lie in one plane, the face of the later part is therefore the visible one."""
@@ -137,8 +138,8 @@ def _lathe(profile: Sequence[tuple[float, float]]) -> Float64[np.ndarray, "f 4 3
     return np.concatenate(quads)
 
 
-def _ball_profile(rings: int = 6) -> list[tuple[float, float]]:
-    angles = np.linspace(-np.pi / 2, np.pi / 2, rings + 1)
+def _ball_profile() -> list[tuple[float, float]]:
+    angles = np.linspace(-np.pi / 2, np.pi / 2, _BALL_RINGS + 1)
     return [(float(0.5 * np.cos(a)), float(0.5 * np.sin(a))) for a in angles]
 
 

@@ -89,11 +89,10 @@ def measure_responses(
     seeds: Sequence[int],
     sections: Sequence[str] = SECTIONS,
     fidelity: Fidelity = "features",
-    workers: int | None = None,
 ) -> Iterator[list[StageRow]]:
     """Yield the rows of each house as soon as it is finished, from as many processes as there are cores."""
     measure = partial(measure_house_responses, tried=variants(sections), fidelity=fidelity)
-    with process_pool(workers or os.cpu_count() or 1) as pool:
+    with process_pool(os.cpu_count() or 1) as pool:
         houses = [pool.submit(measure, preset, seed) for preset in presets for seed in seeds]
         for finished in as_completed(houses):
             yield finished.result()

@@ -25,7 +25,7 @@ from sim.training.command import TrainingRun, train_encoder
 from sim.training.dense import DenseLearner, accuracy_among_present
 from sim.training.export import model_config, start_trunk_from
 from sim.training.fit import Progress, Schedule, fit
-from sim.training.frames import BARE, THINGS, Frames, frames_at, frames_in, frames_of_house, rendered
+from sim.training.frames import BARE, THINGS, Frames, frames_at, frames_by_house, frames_of_house, rendered
 from sim.training.houses import HELD_OUT_LOOKS, TEST_SEEDS, TRAINING_SEEDS, TUNING_SEEDS, HouseDraw, draw_houses
 from sim.training.settling import settle
 from sim.training.temperature import best_temperature
@@ -294,7 +294,7 @@ def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_pa
     encoder = OpenClipEncoder("mini", model, tokenizer, squashing(IMAGE_SIZE[1], IMAGE_SIZE[0]))
     said = encoder.encode_rooms(["kitchen", "place to cook"])
     np.testing.assert_allclose(said, room_embeddings(text, ["kitchen", "place to cook"]), atol=0.02)
-    seen = frames_in(work / "frames")
+    seen = Frames.joined(list(frames_by_house(work / "frames")))
     untrained = AlignLearner(DenseLearner(seen).module.eval(), text, seen, wordings=(2, 1)).accuracy(seen)
     embedded = np.array([encoder.encode_image(image) for image in seen.images])
     assert accuracy_among_present(embedded @ encoder.encode_rooms(ROOM_LABELS).T, seen.rooms) > untrained + 0.1
