@@ -37,5 +37,8 @@ ROOM_LABELS = (
 OUTDOOR_LABELS = ("garden", "balcony")
 """Labels of outdoor rooms, which have no ceiling, and fences instead of outer walls."""
 
+LIVED_IN_LABELS = ("living room", "dining room", "bedroom", "children's room", "library")
+"""Labels of rooms that people furnish for living, with pictures, plants and loose things."""
+
 CIRCULATION_LABELS = ("corridor", "entrance hall", "lobby")
 """Labels of rooms that people walk along to reach other rooms."""

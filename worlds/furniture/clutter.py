@@ -6,10 +6,9 @@ from worlds.furniture.kinds import AgainstWall, OnFloor, OnTop, Parts, PerClutte
 from worlds.furniture.palette import BRIGHT, CARDBOARD, GREEN, LINEN, PAPER, TERRACOTTA, UPHOLSTERY, WHITE, pick
 from worlds.furniture.registry import furniture
 from worlds.furniture.shapes import about, ball, box, cylinder, inset, split
-from worlds.labels import CIRCULATION_LABELS, OUTDOOR_LABELS
+from worlds.labels import CIRCULATION_LABELS, LIVED_IN_LABELS, OUTDOOR_LABELS
 from worlds.parts import Part
 
-_LIVED_IN = ("living room", "dining room", "bedroom", "children's room", "library")
 _WORKED_IN = ("office", "meeting room", "open-plan office", "classroom", "laboratory", "print room")
 _STORES = ("storage room", "garage", "laundry room", "pantry")
 _TOPS = (
@@ -29,7 +28,7 @@ def _each(labels: tuple[str, ...], per_clutter: float) -> dict[str, PerClutter]:
     width=(0.42, 0.62),
     depth=(0.34, 0.46),
     height=(0.5, 1.6),
-    rooms=_each((*_LIVED_IN, *_STORES, *CIRCULATION_LABELS), 1.3)
+    rooms=_each((*LIVED_IN_LABELS, *_STORES, *CIRCULATION_LABELS), 1.3)
     | _each((*_WORKED_IN, "kitchen", "gym"), 0.7)
     | _each(("bathroom",), 0.3),
     place=AgainstWall(beside=("box pile", "cardboard boxes")),
@@ -50,7 +49,7 @@ def box_pile(s: Size, rng: Generator) -> Parts:
     width=(0.24, 0.34),
     depth=(0.2, 0.28),
     height=(0.2, 0.8),
-    rooms=_each((*_LIVED_IN, "office"), 1.8) | _each(CIRCULATION_LABELS, 0.5) | _each(("classroom",), 0.5),
+    rooms=_each((*LIVED_IN_LABELS, "office"), 1.8) | _each(CIRCULATION_LABELS, 0.5) | _each(("classroom",), 0.5),
     place=OnFloor(),
 )
 def book_pile(s: Size, rng: Generator) -> Parts:
@@ -247,7 +246,7 @@ def stowed_boxes(s: Size, rng: Generator) -> Parts:
     width=(0.3, 0.42),
     depth=(0.22, 0.3),
     height=(0.08, 0.24),
-    rooms=_each((*_LIVED_IN, "kitchen", "corridor", "entrance hall"), 0.6)
+    rooms=_each((*LIVED_IN_LABELS, "kitchen", "corridor", "entrance hall"), 0.6)
     | _each((*_WORKED_IN, "laundry room", "lobby", "storage room"), 0.6),
     place=OnTop(_TOPS),
 )

@@ -22,9 +22,9 @@ from worlds.furniture.palette import (
 )
 from worlds.furniture.registry import furniture
 from worlds.furniture.shapes import about, ball, box, cone, cylinder, inset, split
+from worlds.labels import LIVED_IN_LABELS
 
-_LIVED_IN = ("living room", "dining room", "bedroom", "children's room", "library")
-_WORKED_IN = ("office", "meeting room", "open-plan office", "classroom", "laboratory", "lobby", "gym", "print room")
+_WORK_AND_PUBLIC = ("office", "meeting room", "open-plan office", "classroom", "laboratory", "lobby", "gym", "print room")
 _FRAMES = (*WOODS, BLACK, WHITE, (0.8, 0.65, 0.25))
 _TABLES = (
     "dining table",
@@ -77,7 +77,7 @@ def _curtains(s: Size, rng: Generator) -> Parts:
     depth=(0.02, 0.035),
     height=(0.35, 0.75),
     rooms={"living room": (2, 3), "dining room": (1, 2), "bedroom": (1, 2), "library": (1, 2)}
-    | dict.fromkeys(_WORKED_IN, 0.8)
+    | dict.fromkeys(_WORK_AND_PUBLIC, 0.8)
     | {"children's room": 0.6, "corridor": (3, 5), "entrance hall": 0.6, "kitchen": 0.3, "bathroom": 0.2, "toilet": 0.7},
     place=OnWall((1.2, 1.55)),
 )
@@ -216,7 +216,7 @@ def plant(s: Size, rng: Generator) -> Parts:
     width=(0.18, 0.28),
     depth=(0.18, 0.28),
     height=(0.25, 0.45),
-    rooms=dict.fromkeys((*_LIVED_IN, "office", "meeting room", "corridor", "entrance hall", "lobby"), 0.35)
+    rooms=dict.fromkeys((*LIVED_IN_LABELS, "office", "meeting room", "corridor", "entrance hall", "lobby"), 0.35)
     | {"kitchen": 0.3, "bathroom": 0.5},
     place=OnTop((*_TABLES, "kitchen counter", "bathroom stool", "bookshelf")),
 )
@@ -330,7 +330,7 @@ def ceiling_light_panel(s: Size, rng: Generator) -> Parts:
     width=(0.8, 1.2),
     depth=(0.09, 0.12),
     height=(0.5, 0.6),
-    rooms=dict.fromkeys(_LIVED_IN, 0.7)
+    rooms=dict.fromkeys(LIVED_IN_LABELS, 0.7)
     | {"office": 0.6, "corridor": 0.5, "bathroom": 0.4, "kitchen": 0.2, "classroom": 0.8, "meeting room": 0.5},
     place=OnWall((0.12, 0.18)),
 )
