@@ -211,10 +211,10 @@ def _processed(
     return given, delivered, refused
 
 
-def scene_of(scenario: Scenario) -> Session:
-    """Return a session with the house, tour, odometry and camera of a scenario, to render single frames.
+def picture_session(scenario: Scenario) -> Session:
+    """Return a session of a scenario without a feature sensor, to render single frames.
 
-    The session has no feature sensor. Raises `WorldsError` or `SimError` if the scenario is impossible.
+    Raises `WorldsError` or `SimError` if the scenario is impossible.
     """
     return _session(scenario, walk(scenario), None)
 
@@ -227,7 +227,7 @@ def _session_of(scenario: Scenario, model: FeatureModel | None) -> Session:
     """
     if model is not None:
         shared = scenario.feature_model is None
-        return _remembered_session(scenario, walk(scenario)) if shared else _session(scenario, walk(scenario), model)
+        return _session_on_features(scenario, walk(scenario)) if shared else _session(scenario, walk(scenario), model)
     frames, camera = len(walk(scenario).tour.stamps), build_rig(scenario.rig).front
     size = 3 * frames * sum(each.intrinsics.width * each.intrinsics.height for each in camera.rig)
     return (
@@ -244,7 +244,7 @@ def _session(scenario: Scenario, walked: Walk, model: FeatureModel | None, keeps
 
 
 @lru_cache(maxsize=2)
-def _remembered_session(scenario: Scenario, walked: Walk) -> Session:
+def _session_on_features(scenario: Scenario, walked: Walk) -> Session:
     """Return the session of a scenario on the features of the shipped model.
 
     Successive runs of the scenario share the session, so that percepts are computed only once when several laws run it.

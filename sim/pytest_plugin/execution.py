@@ -128,14 +128,14 @@ class Execution:
     def first_wrong(self) -> str:
         """Room, time and kind of the first error that affects the figure of the failure, as text; "" if it is not known."""
         from sim.harness.failures.first_wrong import crash_frame, first_wrong
-        from sim.harness.runner import scene_of
+        from sim.harness.runner import picture_session
 
         if self.run is not None:
             reference = None if self.reference is None else self.reference.run
             return str(first_wrong(self.run, self.failure.figure if self.failure else None, reference) or "")
         if self.tested is None or self.crashed_at is None:
             return ""
-        return str(crash_frame(scene_of(self.tested), self.crashed_at))
+        return str(crash_frame(picture_session(self.tested), self.crashed_at))
 
 
 EXECUTION = pytest.StashKey[Execution]()

@@ -17,7 +17,7 @@ from sim.harness.failures.search import Reference, Search
 from sim.harness.nearest_changes import nearest
 from sim.harness.reducer import Reduction
 from sim.harness.reductions import ScenarioSize, difference, relabelled_rooms
-from sim.harness.runner import Run, scene_of
+from sim.harness.runner import Run, picture_session
 from sim.harness.slam_under_test import CommandSlam
 from sim.render.image_files import encoded
 from sim.report.frame_picture import FrameClaims, place_image
@@ -229,7 +229,7 @@ def _crash_frame_page(crash: Crash) -> Page:
     """Make the section about the frame at which the SLAM raised an exception; it is empty if this frame is not known."""
     if crash.done is None:
         return Page((), {})
-    session = scene_of(crash.scenario)
+    session = picture_session(crash.scenario)
     return _frame_page("## Where it happened", session, crash_frame(session, crash.done), crash.scenario.fidelity)
 
 

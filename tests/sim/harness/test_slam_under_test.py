@@ -21,7 +21,7 @@ from sim.harness.figures import evaluate
 from sim.harness.last_run import LastRun, last_run, noted
 from sim.harness.report_data import report_data
 from sim.harness.results import FloorFigures, LabelFigures, LoopFigures, RoomFigures
-from sim.harness.runner import scene_of
+from sim.harness.runner import picture_session
 from sim.harness.slam_under_test import check_slam_factory
 from sim.report.findings import findings
 from worlds.presets import sample_from_rooms
@@ -210,7 +210,7 @@ def test_a_crash_is_placed_at_the_frame_that_the_slam_was_given_even_if_frames_w
     slam = Lost()
     faulty = Scenario(**{**vars(SCENARIO), "faults": (Dropped(0.5),)})
     crash = attempt(lambda scenario, progress: run(scenario, slam, progress), faulty)
-    assert crash_frame(scene_of(faulty), crash.done).frame == slam.frames[-1] > 10
+    assert crash_frame(picture_session(faulty), crash.done).frame == slam.frames[-1] > 10
 
 
 def test_an_exception_before_a_run_is_no_crash_of_the_run_before():

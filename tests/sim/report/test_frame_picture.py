@@ -9,7 +9,7 @@ from shapely.geometry import LineString, Polygon
 from shapely.ops import unary_union
 
 from sim.harness import Scenario
-from sim.harness.runner import scene_of
+from sim.harness.runner import picture_session
 from sim.report.drawing import STYLES, Drawing, Mark
 from sim.report.frame_picture import FrameClaims, frame_marks, place_image
 from sim.report.legend import LegendEntry, with_legend
@@ -23,7 +23,7 @@ FRAME = 20
 @pytest.fixture(scope="module")
 def session():
     house = sample_from_rooms(("kitchen", "bedroom"), seed=21)
-    return scene_of(Scenario(house=house, seed=5, length_m=15.0, frame_rate_hz=4.0, fidelity="features"))
+    return picture_session(Scenario(house=house, seed=5, length_m=15.0, frame_rate_hz=4.0, fidelity="features"))
 
 
 @pytest.fixture(scope="module")
@@ -123,7 +123,7 @@ def test_a_turned_estimate_has_another_line_of_sight(session, claims):
 
 
 def test_only_what_is_on_the_storey_of_the_frame_is_drawn():
-    session = scene_of(Scenario(house=sample_house("home", 3), seed=5, fidelity="features", frame_rate_hz=2.0))
+    session = picture_session(Scenario(house=sample_house("home", 3), seed=5, fidelity="features", frame_rate_hz=2.0))
     storeys = np.array([truth.storey for truth in session.truths])
     assert set(storeys) == {0, 1}
     frames = np.arange(len(session))
