@@ -20,6 +20,7 @@ Glossary:
 
 - run: one house, one tour, one odometry and one SLAM, with all results.
 - tour: the camera's path through a house, with a pose for every frame.
+- walk: a house with a tour through it and the odometry along the tour: what a run needs before images and a SLAM.
 - fidelity: the input of LEXIS. "render" stands for images, "features" for the predictions of the feature sensor.
 - rig: the cameras that are mounted on one body.
 - fault: a disturbance of a run. A fault of the stream changes observations. A fault of the world changes the house, or adds
