@@ -73,9 +73,14 @@ class Reason:
         return f"no figure {name!r}{figure_meant(type(error.obj), name)}; valid: {', '.join(valid)}"
 
     @property
+    def uses_none(self) -> bool:
+        """Whether the test compares or computes with None."""
+        return isinstance(self.error, TypeError) and "NoneType" in str(self.error)
+
+    @property
     def lacks_figure(self) -> bool:
-        """Whether the test computes with a figure that is None, such as one about claims that the SLAM does not make."""
-        return self.figure is not None and isinstance(self.error, TypeError) and "NoneType" in str(self.error)
+        """Whether the test needs a figure that is misspelt or None, which no smaller scenario can change."""
+        return bool(self.unknown_figure) or (self.figure is not None and self.uses_none)
 
     @property
     def text(self) -> str:

@@ -31,8 +31,7 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
         search, problem = None, None
         further = execution.world.name if execution.world not in (None, world_of(item)) else ""
         try:
-            mistaken = execution.failure.unknown_figure or execution.failure.lacks_figure  # in every house
-            if wants_to_shrink(item.config) and not mistaken:
+            if wants_to_shrink(item.config) and not execution.failure.lacks_figure:
                 execution, search = shrunk(item, nextitem, execution, original)
             if execution.reference is None:
                 execution.reference = reference_of(item, nextitem, original)
