@@ -90,14 +90,15 @@ def _check_contents(directory: Path, config: DatasetConfig) -> None:
         raise DatasetError(f"{directory}: is a file and not a dataset; {valid}") from None
     except OSError as error:
         raise DatasetError(f"{directory}: no dataset there: {error.strerror}; {valid}") from None
+    if other or not missing:
+        return
     for setting, name, usual in (("odometry", config.odometry, ODOMETRY), ("camera", config.camera, CAMERA)):
-        if name in missing and IMAGE_LIST not in missing and not other:
+        if name in missing and IMAGE_LIST not in missing:
             raise DatasetError(
                 f"{directory}: holds no {name}; valid: the {setting}'s one file in TUM RGB-D, such as {usual}"
             )
-    if missing and not other:
-        what = "is empty" if empty else f"holds no {', no '.join(missing)}"
-        raise DatasetError(f"{directory}: {what}; {valid}")
+    what = "is empty" if empty else f"holds no {', no '.join(missing)}"
+    raise DatasetError(f"{directory}: {what}; {valid}")
 
 
 def assumed_covariances(T_O_B: Poses, config: DatasetConfig) -> Float64[np.ndarray, "n 6 6"]:
