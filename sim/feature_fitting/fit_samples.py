@@ -10,7 +10,7 @@ from sim.feature_sensor.surroundings import Surroundings, survey
 from sim.feature_sensor.visible_shares import VisibleShares, look
 from sim.render.camera import CameraRenderer, fovy_deg, wide_camera
 from sim.render.scene import build_scene
-from sim.tours.tour import Tour, TourConfig, plan_tour
+from sim.tours.tour import Tour, plan_tour
 from sim.training.houses import HouseDraw
 from worlds.house import House, build_house
 from worlds.truth import room_at
@@ -66,4 +66,4 @@ def sample(choice: HouseDraw, encoder: Encoder, frames: int) -> Sample:
 
 def tour_through(house: House, seed: int) -> Tour:
     """Plan the tour that samples and benchmarks use in a house."""
-    return plan_tour(house, Walkable(house), np.random.default_rng(seed), TourConfig())
+    return plan_tour(house, Walkable(house), np.random.default_rng(seed))
