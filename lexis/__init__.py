@@ -25,7 +25,8 @@ Glossary:
 - percept: the embedding of one image with its features, or with points on what it shows; LEXIS accepts a percept in place of
   the image.
 - label: the room name of a keyframe. An instance is one room of that name: two kitchens are two instances.
-- query: the new keyframe, for which earlier keyframes of the same place are sought. Questions of people are no queries.
+- query: the new keyframe, for which earlier keyframes of the same place are sought. The command `lexis query`
+  has another meaning: it asks a map a question.
 - candidate: an earlier keyframe that place recognition proposes for a query. Verification turns it into a loop edge, or
   rejects it.
 """
