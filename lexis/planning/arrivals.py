@@ -5,7 +5,7 @@ among all keyframes of a room: the keyframe nearest to the start is mostly one i
 keyframe is therefore surely inside its room if three conditions hold:
 
 1. Keyframes with other labels are at least `INSIDE_M` away, because labels are uncertain at the boundary of a room, and
-   because a robot whose estimate has drifted may stop a little in front of the keyframe.
+   because a robot whose estimate has drifted stops up to 0.4 m in front of the keyframe.
 2. The images are sure of the label: its probability (`LexisMap.probabilities`) is at least `SURE`.
 3. The evidence at the keyframe (`lexis.planning.evidence`) is at least the share `CLEAR` of the evidence at the innermost
    keyframe of any room with the label.
@@ -19,14 +19,15 @@ from lexis.maths.ties import rounded
 from lexis.planning.evidence import evidence_at
 from lexis.types import LexisMap, RoomInstance
 
-INSIDE_M = 0.8
+INSIDE_M = 0.9
 """Least distance of a keyframe that is surely inside its room from the nearest keyframe with another label [m]."""
-SURE = 0.997
+SURE = 0.995
 """Least probability of the room's label at a keyframe that is surely inside the room. It is high, because where a path can
 end first, in front of an open boundary, some images are wrong and still quite sure. With an encoder that is never so sure,
 paths end at the innermost keyframe."""
-CLEAR = 0.2
-"""Least evidence at a keyframe that is surely inside its room, as a share of the largest evidence of rooms of its label."""
+CLEAR = 0.45
+"""Least evidence at a keyframe that is surely inside its room, as a share of the largest evidence of rooms of its label. Just
+behind a door or an open boundary, about half of the images still show the other room, and the share is lower."""
 
 
 def surely_inside(map: LexisMap, room: RoomInstance, clear: float) -> Int[np.ndarray, "k"]:
