@@ -12,9 +12,10 @@ FLOOR_PATH_M = 4.0
 """Least length of a level stretch of the walk that certainly lies on a floor and not on a landing [m]."""
 FLOOR_TOLERANCE_M = 0.4
 """Smallest height difference between a half landing and the nearest floor [m]."""
-LEVEL_M = 0.03
+LEVEL_M = 0.045
 """A keyframe at an end of the stairs is on the floor if its height differs from that of the next keyframe off the stairs by
-less than this [m]."""
+less than this [m]. Odometry drifts by less than this from one keyframe to the next, and a stair
+riser is more than three times as high."""
 RIDE_M = 1.2
 """Smallest change of height of a ride in a lift [m]."""
 RIDE_SLOPE = 1.3
