@@ -15,8 +15,8 @@ from sim.bench.planted_bugs import BUGS, MENDED, planted
 from sim.errors import SimError
 from sim.faults import parse_fault
 from sim.fidelity import ORACLE
-from sim.harness.failure_signature import CRASH, FailureTest
 from sim.harness.scenario import Scenario
+from sim.harness.shrinking.failure_signature import CRASH, FailureTest
 from sim.harness.world_tests import HOUSE_SEEDS
 from sim.odometry.config import ODOMETRY_PRESETS
 from sim.tours.config import TOUR_KINDS

@@ -24,7 +24,7 @@ from sim.feature_sensor.sensor import FeatureSensor
 from sim.fidelity import FIDELITIES
 from sim.harness import Scenario, evaluate, run
 from sim.harness.adapters import Lexis
-from sim.harness.parts import house_spec
+from sim.harness.run_settings import house_spec
 from sim.harness.walk import walk
 from sim.render.rig import RigConfig, build_rig
 from worlds.presets import PRESETS

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from sim.harness import Scenario
-from sim.harness.parts import house_spec, in_house
+from sim.harness.run_settings import house_spec, in_house
 from worlds.variant import variant
 
 

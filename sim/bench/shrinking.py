@@ -17,11 +17,11 @@ import numpy as np
 
 from sim.bench.failing_scenarios import FAMILIES, Family, failing_scenario
 from sim.bench.planted_bugs import MENDED
-from sim.harness.blame_table import BlameTable
-from sim.harness.failure_signature import FailureTest
+from sim.harness.failures.blame_table import BlameTable
 from sim.harness.failures.failure_folder import Replay, write_failure
-from sim.harness.reducer import Reduction, is_valid, reduce
 from sim.harness.scenario import Scenario
+from sim.harness.shrinking.failure_signature import FailureTest
+from sim.harness.shrinking.reducer import Reduction, is_valid, reduce
 from sim.harness.walk import walk
 from sim.harness.world_tests import TEST_REPLAY
 from sim.processes import process_pool

@@ -1,7 +1,8 @@
 """`lexis-sim bench stages`: how much each stage costs in labels, rooms, trajectories and plans, over many houses.
 
-LEXIS maps every house as it is, and once more for each substitution of the blame table (`sim.harness.blame_table`). A
-substitution puts the truth in the place of one stage, or leaves out one difficulty. What it gains is what the stage costs.
+LEXIS maps every house as it is, and once more for each substitution of the blame table
+(`sim.harness.failures.blame_table`). A substitution puts the truth in the place of one stage, or leaves out one difficulty.
+What it gains is what the stage costs.
 """
 
 import os
@@ -16,9 +17,9 @@ from lexis.errors import PlanError
 from sim.bench.row_files import grouped
 from sim.harness import Scenario, evaluate
 from sim.harness.adapters import Lexis
-from sim.harness.blame_table import substitutions
+from sim.harness.failures.blame_table import substitutions
 from sim.harness.planning import planned_pairs
-from sim.harness.reductions import with_listed_house
+from sim.harness.run_settings import with_listed_house
 from sim.harness.runner import Run, run
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
 from sim.processes import process_pool

@@ -12,8 +12,8 @@ from sim.durations import duration_s
 from sim.errors import SimError
 
 if TYPE_CHECKING:
-    from sim.harness.blame_table import BlameRow
-    from sim.harness.reducer import TriedCandidate
+    from sim.harness.failures.blame_table import BlameRow
+    from sim.harness.shrinking.reducer import TriedCandidate
 
 FAILS_HELP = 'what is true of a failing run, such as "labels.accuracy < 0.7"; or the word crash, for a SLAM that raises'
 DEADLINE_HELP = "such as 90s or 3m; the smallest failure so far is kept (default: 3m; 10m with --command)"
@@ -46,12 +46,12 @@ def add_to(commands: Commands) -> None:
 
 def _shrink(arguments: argparse.Namespace) -> int:
     from sim.harness import Scenario, blame
-    from sim.harness.failure_signature import FailureTest, check_fails
     from sim.harness.failures.failure_folder import write_failure
     from sim.harness.failures.why_page import WHY
     from sim.harness.outputs import MARKERS
-    from sim.harness.reducer import DEADLINE_S, reduce
-    from sim.harness.reductions import STEPS
+    from sim.harness.shrinking.failure_signature import FailureTest, check_fails
+    from sim.harness.shrinking.reducer import DEADLINE_S, reduce
+    from sim.harness.shrinking.reductions import STEPS
     from sim.harness.world_tests import SCENARIO
 
     reference = None if arguments.reference is None else runner_of_class(arguments.reference, "--reference")

@@ -5,20 +5,15 @@
     result = check(Scenario(preset="home", seed=7), MySlam())
     assert result.floors.accuracy > 0.9
 
-`scenario` describes a run; `parts` and `walk` build its house, tour and odometry. `slam_under_test` is the interface of a
-SLAM, `estimate` holds the SLAM's claims, and `adapters` contains LEXIS and others. `runner` gives the observations to the
-SLAM, and `planning` lets a robot drive the SLAM's plans; `upright` turns claimed poses so that z points up. `figures` (with
-`loops`) computes the figures that `results` holds.
-`claims` reads statements about figures, such as "rooms.pq >= 0.6". `outputs` writes the folder of a run with its report, for
-which `report_data` prepares the data.
+`scenario` describes a run; `run_settings` and `walk` derive its house, tour and odometry. `slam_under_test` is the interface
+of a SLAM, `estimate` holds the SLAM's claims, and `adapters` contains LEXIS and others. `runner` gives the observations to
+the SLAM, and `planning` lets a robot drive the SLAM's plans; `upright` turns claimed poses so that z points up. `figures`
+(with `loops`) computes the figures that `results` holds. `claims` reads statements about figures, such as "rooms.pq >= 0.6".
+`outputs` writes the folder of a run with its report, for which `report_data` prepares the data. `crash` runs a SLAM, and
+distinguishes a crash of the SLAM from a scenario that cannot be run.
 
-`crash` runs a SLAM, and distinguishes a crash of the SLAM from a scenario that cannot be run.
-
-`failure_signature` says whether and how a run fails, and `good_slam` whether a good SLAM fails there, too;
-`original_failure` compares the failure in a smaller scenario with the first one. `reducer` finds the smallest scenario that
-fails in the same way, by the steps of `reductions` and `house_reductions`. `blame_table` replaces one part of the run at a
-time to find the part that causes the failure, and `nearest_changes` finds the smallest changes by which it goes away. The
-package `failures` writes all this into a folder.
+Three packages explain a failure. `diagnosis` finds where in the run the SLAM first went wrong. `shrinking` finds the
+smallest scenario in which the SLAM fails in the same way. `failures` finds the causes, and writes all this into a folder.
 
 `world_tests` holds the decorator `worlds` for tests in pytest; the plugin `sim.pytest_plugin` runs the decorated tests.
 Through `last_run` the plugin learns which run a test has started.

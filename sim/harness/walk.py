@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from sim.harness.parts import house_spec, odometry_config, random_streams, tour_config
+from sim.harness.run_settings import house_spec, odometry_config, random_streams, tour_config
 from sim.harness.scenario import Scenario
 from sim.odometry.simulation import Odometry, tour_odometry
 from sim.tours.tour import Tour, plan_tour, shortest_length

@@ -126,7 +126,7 @@ class FreshWorld:
 
         The scenario contains the house, so that a stored failure stays the same when the generator of houses changes.
         """
-        from sim.harness.parts import TOUR_LENGTH_M
+        from sim.harness.run_settings import TOUR_LENGTH_M
         from sim.harness.scenario import Scenario
         from sim.harness.walk import with_walk_m
         from worlds.presets import sample_house

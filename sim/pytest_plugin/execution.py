@@ -132,7 +132,7 @@ class Execution:
     @property
     def first_wrong(self) -> str:
         """Room, time and kind of the first error that affects the figure of the failure, as text; "" if it is not known."""
-        from sim.harness.failures.first_wrong import crash_frame, first_wrong
+        from sim.harness.diagnosis.first_wrong import crash_frame, first_wrong
         from sim.harness.runner import picture_session
 
         if self.run is not None:

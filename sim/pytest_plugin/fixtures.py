@@ -33,7 +33,7 @@ def scenario(request: pytest.FixtureRequest) -> "Scenario":
 @pytest.fixture
 def house(scenario: "Scenario") -> "House":
     """The house of the scenario, built and checked."""
-    from sim.harness.parts import house_spec
+    from sim.harness.run_settings import house_spec
     from worlds.validation import built_and_checked
 
     with _mistakes_without_traceback():

@@ -13,11 +13,11 @@ from sim.pytest_plugin.collection import REFERENCE, has_own_fixture
 from sim.pytest_plugin.execution import Execution, execute
 
 if TYPE_CHECKING:
-    from sim.harness.failure_signature import Signature
     from sim.harness.failures.search import Reference, Search
     from sim.harness.results import RunResult
     from sim.harness.runner import Run
     from sim.harness.scenario import Scenario
+    from sim.harness.shrinking.failure_signature import Signature
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class _Failure:
 
     def __init__(self, item: pytest.Item, nextitem: pytest.Item | None, found: Execution) -> None:
         """Remember how the test failed in the execution `found`."""
-        from sim.harness.original_failure import OriginalFailure
+        from sim.harness.shrinking.original_failure import OriginalFailure
 
         self._item, self._nextitem = item, nextitem
         self._signature = _signature(found)
@@ -136,9 +136,9 @@ def shrunk(
     returned. After Ctrl-C, the smallest failure so far is returned, and pytest is told to stop after this test.
     """
     from sim.harness.adapters.lexis import Lexis
-    from sim.harness.blame_table import blame
+    from sim.harness.failures.blame_table import blame
     from sim.harness.failures.search import Search
-    from sim.harness.reducer import reduce
+    from sim.harness.shrinking.reducer import reduce
     from worlds.errors import WorldsError
 
     failure = _Failure(item, nextitem, found)
@@ -174,7 +174,7 @@ def _stop(item: pytest.Item) -> None:
 
 def _signature(execution: Execution) -> "Signature | None":
     """Return the signature of a failure: the type of the exception and the line that raised it; None without a failure."""
-    from sim.harness.failure_signature import Signature
+    from sim.harness.shrinking.failure_signature import Signature
 
     failure = execution.failure
     return None if failure is None else Signature(f"raises {failure.kind} at {failure.where}")

@@ -13,7 +13,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from sim.harness.parts import house_spec
+from sim.harness.run_settings import house_spec
 from sim.harness.scenario import Scenario
 from sim.suites.checks import AfterChange, Check, NotWorse, SameClaims
 from sim.suites.consistency import LastLoopsFit

@@ -9,15 +9,15 @@ from lexis.errors import LexisError, one_line
 from lexis.files.replace import replaced_folder
 from sim.errors import USER_ERRORS, SimError
 from sim.harness.adapters.lexis import Lexis
-from sim.harness.blame_table import blame
 from sim.harness.crash import Runner
-from sim.harness.failure_signature import FailureTest, Signature
+from sim.harness.failures.blame_table import blame
 from sim.harness.failures.failure_folder import LEXIS_REPLAY, Replay, not_reproduced, write_failure
 from sim.harness.failures.why_page import WHY
 from sim.harness.outputs import MARKERS
-from sim.harness.reducer import DEADLINE_S, Reduction, reduce
-from sim.harness.reductions import with_listed_house
+from sim.harness.run_settings import with_listed_house
 from sim.harness.scenario import Scenario
+from sim.harness.shrinking.failure_signature import FailureTest, Signature
+from sim.harness.shrinking.reducer import DEADLINE_S, Reduction, reduce
 from sim.harness.world_tests import SCENARIO, TEST_REPLAY, slug_of
 from sim.suites import catalogue
 from sim.suites.checks import Check, CheckFinding, ClaimCheck, NewSlam

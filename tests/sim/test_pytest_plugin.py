@@ -16,10 +16,11 @@ import pytest
 from helpers.documentation import ROOT
 from helpers.pytest_process import isolate_pytest
 
-import sim.harness.reducer
-import sim.harness.reductions
+import sim.harness.shrinking.reducer
+import sim.harness.shrinking.reductions
 import sim.pytest_plugin.protocol
 from sim.harness import Scenario
+from sim.harness.run_settings import with_listed_house
 from sim.harness.world_tests import FreshWorld
 from sim.pytest_plugin.collection import with_world
 from sim.pytest_plugin.execution import Reason
@@ -97,6 +98,7 @@ def test_house(scenario):
 
 LIGHT = """
 import types
+from sim.harness.run_settings import with_listed_house
 from sim.harness.world_tests import FreshWorld
 FreshWorld.scenario = lambda self: types.SimpleNamespace(seed=self.seed)
 """
@@ -120,8 +122,8 @@ def loaded():
     """Load what cannot be loaded twice, before `pytester` notes which modules are to stay."""
     for module in (
         "sim.harness.failures.failed_test",
-        "sim.harness.failures.first_wrong",
-        "sim.harness.reducer",
+        "sim.harness.diagnosis.first_wrong",
+        "sim.harness.shrinking.reducer",
         "worlds.strategies",
     ):
         importlib.import_module(module)
@@ -298,8 +300,8 @@ def test_the_first_wrong_frame_is_wrong_for_the_figure_in_the_assertion(pytester
 
 
 def test_the_page_of_a_failure_of_floors_counts_the_kinds_of_errors(pytester, inner, monkeypatch):
-    steps = {"shorten the tour": sim.harness.reductions.STEPS["shorten the tour"]}
-    monkeypatch.setattr(sim.harness.reducer, "reduce", partial(sim.harness.reducer.reduce, steps=steps))
+    steps = {"shorten the tour": sim.harness.shrinking.reductions.STEPS["shorten the tour"]}
+    monkeypatch.setattr(sim.harness.shrinking.reducer, "reduce", partial(sim.harness.shrinking.reducer.reduce, steps=steps))
     pytester.makepyfile(test_slam=SLAM + FLOORS)
     inner("--lexis-out", "kept", "-k", "test_floors").assert_outcomes(failed=1)
     (page,) = (page.read_text() for page in pytester.path.glob("kept/*/why.md"))
@@ -357,8 +359,8 @@ def test_drift(run):
 def test_a_scenario_that_cannot_run_is_not_one_that_passes(pytester, inner, monkeypatch):
     room = {"id": "a", "label": "kitchen", "polygon_m": [[0, 0], [1.2, 0], [1.2, 1.2], [0, 1.2]]}
     cupboard = HouseSpec.from_json(json.dumps({"storeys": [{"rooms": [room]}]}))  # valid, but there is nowhere to walk to
-    steps = {"a cupboard": lambda scenario: [sim.harness.reductions.with_listed_house(replace(scenario, house=cupboard))]}
-    monkeypatch.setattr(sim.harness.reducer, "reduce", partial(sim.harness.reducer.reduce, steps=steps))
+    steps = {"a cupboard": lambda scenario: [with_listed_house(replace(scenario, house=cupboard))]}
+    monkeypatch.setattr(sim.harness.shrinking.reducer, "reduce", partial(sim.harness.shrinking.reducer.reduce, steps=steps))
     pytester.makepyfile(test_slam=SLAM + DRIFTS)
     inner().assert_outcomes(failed=1)
     (why,) = (page.read_text() for page in pytester.path.glob(".lexis-failures/*/why.md"))
@@ -367,8 +369,8 @@ def test_a_scenario_that_cannot_run_is_not_one_that_passes(pytester, inner, monk
 
 
 def test_a_failure_is_stored_in_the_smallest_scenario_with_what_mends_it(pytester, inner, monkeypatch):
-    steps = {name: sim.harness.reductions.STEPS[name] for name in ("drop drift", "shorten the tour")}
-    monkeypatch.setattr(sim.harness.reducer, "reduce", partial(sim.harness.reducer.reduce, steps=steps))
+    steps = {name: sim.harness.shrinking.reductions.STEPS[name] for name in ("drop drift", "shorten the tour")}
+    monkeypatch.setattr(sim.harness.shrinking.reducer, "reduce", partial(sim.harness.shrinking.reducer.reduce, steps=steps))
     pytester.makepyfile(test_slam=SLAM + DRIFTS)
     result = inner()
     result.assert_outcomes(failed=1)
@@ -392,9 +394,9 @@ def test_a_failure_is_shown_even_if_it_cannot_be_found_where_the_original_run_we
     def unknown(*_):
         raise RuntimeError("no idea")
 
-    steps = {"shorten the tour": sim.harness.reductions.STEPS["shorten the tour"]}
-    monkeypatch.setattr(sim.harness.reducer, "reduce", partial(sim.harness.reducer.reduce, steps=steps))
-    monkeypatch.setattr("sim.harness.failures.first_wrong.first_wrong", unknown)
+    steps = {"shorten the tour": sim.harness.shrinking.reductions.STEPS["shorten the tour"]}
+    monkeypatch.setattr(sim.harness.shrinking.reducer, "reduce", partial(sim.harness.shrinking.reducer.reduce, steps=steps))
+    monkeypatch.setattr("sim.harness.diagnosis.first_wrong.first_wrong", unknown)
     pytester.makepyfile(test_slam=SLAM + DRIFTS)
     result = inner()
     result.assert_outcomes(failed=1)
@@ -425,8 +427,8 @@ class TestLoops:
 
 
 def test_a_test_relative_to_the_odometry_is_shrunk_to_a_scenario_that_a_mended_slam_passes(pytester, inner, monkeypatch):
-    steps = {name: sim.harness.reductions.STEPS[name] for name in ("drop rooms", "drop drift", "shorten the tour")}
-    monkeypatch.setattr(sim.harness.reducer, "reduce", partial(sim.harness.reducer.reduce, steps=steps))
+    steps = {name: sim.harness.shrinking.reductions.STEPS[name] for name in ("drop rooms", "drop drift", "shorten the tour")}
+    monkeypatch.setattr(sim.harness.shrinking.reducer, "reduce", partial(sim.harness.shrinking.reducer.reduce, steps=steps))
     pytester.makepyfile(test_slam=SLAM + RELATIVE)
     inner().assert_outcomes(failed=1)
     (folder,) = (pytester.path / ".lexis-failures").iterdir()
@@ -460,8 +462,8 @@ def test_house(scenario, slam):
 
 
 def test_the_test_passes_with_the_reference_in_the_smallest_scenario(pytester, inner, monkeypatch):
-    steps = {name: sim.harness.reductions.STEPS[name] for name in ("drop rooms", "shorten the tour")}
-    monkeypatch.setattr(sim.harness.reducer, "reduce", partial(sim.harness.reducer.reduce, steps=steps))
+    steps = {name: sim.harness.shrinking.reductions.STEPS[name] for name in ("drop rooms", "shorten the tour")}
+    monkeypatch.setattr(sim.harness.shrinking.reducer, "reduce", partial(sim.harness.shrinking.reducer.reduce, steps=steps))
     pytester.makepyfile(test_slam=SLAM + REFERENCE)
     told, left_out = (
         "reference: test_slam:Silent passes in this scenario",
@@ -504,8 +506,8 @@ def test_rooms(run, house):
 
 
 def test_a_test_that_is_skipped_in_a_smaller_scenario_does_not_pass_there(pytester, inner, monkeypatch):
-    steps = {"drop rooms": sim.harness.reductions.STEPS["drop rooms"]}
-    monkeypatch.setattr(sim.harness.reducer, "reduce", partial(sim.harness.reducer.reduce, steps=steps))
+    steps = {"drop rooms": sim.harness.shrinking.reductions.STEPS["drop rooms"]}
+    monkeypatch.setattr(sim.harness.shrinking.reducer, "reduce", partial(sim.harness.shrinking.reducer.reduce, steps=steps))
     pytester.makepyfile(test_slam=SLAM + SKIPPED)
     inner().assert_outcomes(failed=1)
     (folder,) = (pytester.path / ".lexis-failures").iterdir()
@@ -573,7 +575,7 @@ def test_a_search_that_breaks_does_not_lose_the_failure(pytester, inner, monkeyp
     def broken(*_):
         raise RuntimeError("no smaller house")
 
-    monkeypatch.setattr(sim.harness.reducer, "reduce", broken)
+    monkeypatch.setattr(sim.harness.shrinking.reducer, "reduce", broken)
     pytester.makepyfile(test_slam=SLAM + DRIFTS)
     result = inner()
     result.assert_outcomes(failed=1)

@@ -11,7 +11,7 @@ from jaxtyping import Float64, Int, UInt8
 
 from lexis.config import KeyframeConfig
 from lexis.types import Poses
-from sim.harness.parts import tour_config
+from sim.harness.run_settings import tour_config
 from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
 from sim.training.array_cache import Arrays, cached_arrays, house_origin, origin

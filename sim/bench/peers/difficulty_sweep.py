@@ -29,7 +29,7 @@ from sim.bench.row_files import grouped, is_picture, mean_and_std, picture, writ
 from sim.fidelity import Fidelity
 from sim.harness import Scenario, SlamUnderTest, evaluate
 from sim.harness.adapters import GeometricRooms, Lexis
-from sim.harness.parts import house_spec, in_house
+from sim.harness.run_settings import house_spec, in_house
 from sim.harness.walk import with_walk_m
 from sim.harness.world_tests import RENDER_FRAME_RATE_HZ, usual_rate_hz
 from worlds.variant import in_light, in_texture

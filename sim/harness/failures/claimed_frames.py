@@ -9,7 +9,7 @@ from jaxtyping import Int
 from lexis.evaluation.trajectory import aligned
 from lexis.maths.se3 import inverse
 from lexis.types import Poses
-from sim.harness.failures.first_wrong import WITH_LABELS, WrongFrame, wrong_claims
+from sim.harness.diagnosis.first_wrong import WITH_LABELS, WrongFrame, wrong_claims
 from sim.harness.runner import Run
 from sim.report.data import NO_LABEL
 from sim.report.frame_picture import FrameClaims

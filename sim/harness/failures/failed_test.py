@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lexis.files.replace import replaced_folder
 from sim.harness.crash import Crash
-from sim.harness.failures.first_wrong import shown_failure
+from sim.harness.diagnosis.first_wrong import shown_failure
 from sim.harness.failures.search import NO_REFERENCE, Reference, Search
 from sim.harness.failures.why_page import Page, crash_page, failed_test_page
 from sim.harness.figures import EvaluatedRun

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sim.errors import SimError
-from sim.harness.blame_table import BlameTable
 from sim.harness.claims import Claim
 from sim.harness.crash import Crash
-from sim.harness.failure_signature import FailureTest
-from sim.harness.failures.first_wrong import shown_failure
+from sim.harness.diagnosis.first_wrong import shown_failure
+from sim.harness.failures.blame_table import BlameTable
 from sim.harness.failures.why_page import why_page
 from sim.harness.outputs import write_crash, write_run
-from sim.harness.reducer import Reduction
+from sim.harness.shrinking.failure_signature import FailureTest
+from sim.harness.shrinking.reducer import Reduction
 from sim.harness.world_tests import TEST_REPLAY
 
 

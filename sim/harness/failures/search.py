@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-from sim.harness.blame_table import BlameTable
-from sim.harness.reducer import Reduction
+from sim.harness.failures.blame_table import BlameTable
 from sim.harness.runner import Run
 from sim.harness.scenario import Scenario
+from sim.harness.shrinking.reducer import Reduction
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,17 +7,18 @@ from dataclasses import dataclass
 
 from sim.errors import GraphicsError
 from sim.fidelity import Fidelity
-from sim.harness.blame_table import BlameTable
 from sim.harness.crash import TRACEBACK, Crash
-from sim.harness.failure_signature import FailureTest, Observed
+from sim.harness.diagnosis.error_kinds import most_frequent
+from sim.harness.diagnosis.first_wrong import WrongFrame, crash_frame, first_wrong
+from sim.harness.failures.blame_table import BlameTable
 from sim.harness.failures.claimed_frames import claimed_frames
-from sim.harness.failures.error_kinds import most_frequent
-from sim.harness.failures.first_wrong import WrongFrame, crash_frame, first_wrong
+from sim.harness.failures.nearest_changes import nearest
 from sim.harness.failures.search import Reference, Search
-from sim.harness.nearest_changes import nearest
-from sim.harness.reducer import Reduction
-from sim.harness.reductions import ScenarioSize, difference, relabelled_rooms
 from sim.harness.runner import Run, picture_session
+from sim.harness.shrinking.failure_signature import FailureTest, Observed
+from sim.harness.shrinking.reducer import Reduction
+from sim.harness.shrinking.scenario_difference import difference, relabelled_rooms
+from sim.harness.shrinking.scenario_size import ScenarioSize
 from sim.harness.slam_under_test import CommandSlam
 from sim.render.image_files import encoded
 from sim.report.frame_picture import FrameClaims, place_image

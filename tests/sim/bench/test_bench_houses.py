@@ -4,7 +4,7 @@ import pytest
 
 from sim.bench.houses import configs
 from sim.harness import Scenario
-from sim.harness.parts import house_spec
+from sim.harness.run_settings import house_spec
 from worlds.errors import WorldsError
 from worlds.house import build_house
 from worlds.truth import openness

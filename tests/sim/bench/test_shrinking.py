@@ -14,7 +14,7 @@ from sim.cli import main
 from sim.errors import SimError
 from sim.faults.poses import OdometryNaN
 from sim.harness import Scenario, evaluate, reduce, write_run
-from sim.harness.reductions import size
+from sim.harness.shrinking.scenario_size import size
 
 OPEN_PLAN = FAMILIES[0]
 

@@ -11,7 +11,7 @@ import pytest
 from sim.cli import main
 from sim.errors import ProgramError
 from sim.harness import Scenario
-from sim.harness.reductions import STEPS
+from sim.harness.shrinking.reductions import STEPS
 from sim.render.rig import RigConfig, build_rig
 from sim.world_states import FrameRenderer
 from worlds.presets import sample_from_rooms

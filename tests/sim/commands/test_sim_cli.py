@@ -27,7 +27,7 @@ from sim.commands.run import DEMO_SEED
 from sim.errors import SimError
 from sim.faults import FAULTS, parse_fault
 from sim.harness import Scenario
-from sim.harness.parts import tour_config
+from sim.harness.run_settings import tour_config
 from sim.odometry.imu import ImuConfig
 from sim.render.lens import Distortion
 from sim.render.rig import RigConfig, build_rig

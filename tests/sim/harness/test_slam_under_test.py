@@ -15,8 +15,8 @@ from sim.faults.delivery import Dropped
 from sim.faults.stamps import StampJump
 from sim.harness import Estimate, LoopClaims, Scenario, check, run, try_plans, write_run
 from sim.harness.crash import Crash, attempt
+from sim.harness.diagnosis.first_wrong import crash_frame, first_wrong
 from sim.harness.estimate import VerdictClaim
-from sim.harness.failures.first_wrong import crash_frame, first_wrong
 from sim.harness.figures import evaluate
 from sim.harness.last_run import LastRun, last_run, noted
 from sim.harness.report_data import report_data

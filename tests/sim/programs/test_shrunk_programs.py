@@ -4,7 +4,7 @@ import pytest
 from helpers.planted_commands import planted_command, program
 
 from sim.harness import Claim, FailureTest, Scenario, blame, reduce
-from sim.harness.reductions import size
+from sim.harness.shrinking.scenario_size import size
 from sim.programs import run_command
 
 HOME = Scenario(seed=500, frame_rate_hz=4.0)

@@ -28,7 +28,8 @@ from sim.harness.adapters import OdometryOnly
 from sim.harness.crash import TRACEBACK
 from sim.harness.failures.failure_folder import Replay
 from sim.harness.last_run import noted
-from sim.harness.reductions import STEPS, size
+from sim.harness.shrinking.reductions import STEPS
+from sim.harness.shrinking.scenario_size import size
 from sim.suites.checks import CheckFinding
 from sim.suites.examination import COMPLETES, finding
 from sim.suites.report import check_slam

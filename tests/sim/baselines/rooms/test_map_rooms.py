@@ -9,7 +9,7 @@ from sim.baselines.rooms import MapRooms, Voronoi, WordlessLexis
 from sim.errors import SimError
 from sim.harness import Scenario, evaluate, run
 from sim.harness.adapters import Lexis
-from sim.harness.parts import house_spec
+from sim.harness.run_settings import house_spec
 from worlds.variant import variant
 
 USUAL = Scenario(preset="home", seed=901, fidelity="features", frame_rate_hz=2.0)

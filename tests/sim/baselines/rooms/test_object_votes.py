@@ -7,7 +7,7 @@ import numpy as np
 from sim.baselines.rooms import HydraPlaces, MapRooms, ObjectVotes, Voronoi
 from sim.baselines.rooms.object_scores import Counted, count_rooms
 from sim.harness import Scenario, evaluate, run
-from sim.harness.parts import house_spec
+from sim.harness.run_settings import house_spec
 from worlds.variant import variant
 
 USUAL = Scenario(preset="home", seed=101, fidelity="features", frame_rate_hz=2.0)

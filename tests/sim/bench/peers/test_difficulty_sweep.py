@@ -9,7 +9,7 @@ from sim.bench.peers import difficulty_sweep as module
 from sim.bench.peers.difficulty_sweep import DIFFICULTIES, METHODS, SweepMean, SweepRow, means, sweep, write_sweep
 from sim.harness import Scenario
 from sim.harness.adapters import GeometricRooms, Lexis, OdometryOnly
-from sim.harness.parts import house_spec, tour_config
+from sim.harness.run_settings import house_spec, tour_config
 
 
 def test_every_method_finds_rooms_in_the_same_house(monkeypatch):

@@ -8,8 +8,8 @@ import pytest
 from lexis.evaluation.trajectory import aligned
 from sim.bench.planted_bugs import no_bug, planted
 from sim.harness import Scenario
+from sim.harness.diagnosis.first_wrong import first_wrong
 from sim.harness.failures.claimed_frames import claimed_frames
-from sim.harness.failures.first_wrong import first_wrong
 from worlds.presets import sample_from_rooms
 
 SCENARIO = Scenario(

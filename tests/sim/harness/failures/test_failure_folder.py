@@ -12,10 +12,10 @@ from sim.cli import main
 from sim.errors import GraphicsError
 from sim.faults import parse_fault
 from sim.harness import Claim, FailureTest, Scenario, blame, reduce, write_failure
-from sim.harness.blame_table import BlameTable
+from sim.harness.failures.blame_table import BlameTable
 from sim.harness.failures.failure_folder import Replay
 from sim.harness.failures.why_page import wrong_frame_page
-from sim.harness.reductions import STEPS
+from sim.harness.shrinking.reductions import STEPS
 from sim.pytest_plugin.execution import Reason
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from sim.bench.planted_bugs import floors, no_bug, planted, revisits, twins
 from sim.harness import Claim, FailureTest, Scenario, reduce, run
-from sim.harness.failures.error_kinds import (
+from sim.harness.diagnosis.error_kinds import (
     NO_FLOOR,
     NO_ROOM,
     SPLIT,
@@ -20,8 +20,8 @@ from sim.harness.failures.error_kinds import (
     error_kinds,
     most_frequent,
 )
-from sim.harness.failures.first_wrong import first_wrong
-from sim.harness.reductions import STEPS
+from sim.harness.diagnosis.first_wrong import first_wrong
+from sim.harness.shrinking.reductions import STEPS
 from worlds.presets import sample_from_rooms
 
 BEDROOMS = Scenario(

@@ -8,12 +8,12 @@ from sim.fidelity import Fidelity
 from sim.harness.claims import Claim
 from sim.harness.crash import Crash, Runner, attempt, attempt_plans
 from sim.harness.figures import evaluate
-from sim.harness.original_failure import OriginalFailure
 from sim.harness.planning import Trial
-from sim.harness.reductions import with_listed_house
 from sim.harness.results import RunResult
+from sim.harness.run_settings import with_listed_house
 from sim.harness.runner import Progress, Run
 from sim.harness.scenario import Scenario
+from sim.harness.shrinking.original_failure import OriginalFailure
 
 CRASH = "crash"
 """Word for `FailureTest.parse`: the run fails if the SLAM raises an exception, or if the program under test fails."""
@@ -31,7 +31,7 @@ class Signature:
 
     @property
     def unavoidable(self) -> "Signature":
-        """The signature of the same failure in a scenario in which a good SLAM fails, too; see `sim.harness.good_slam`."""
+        """The signature of the same failure in a scenario in which a good SLAM fails, too; see `good_slam`."""
         return replace(self, what=f"{self.what}, where a good SLAM fails, too")
 
     @property
@@ -71,7 +71,7 @@ class FailureTest:
     """Runs a SLAM on a scenario and says whether it fails.
 
     A run fails if the condition is true or, without a condition, if the SLAM crashes. At its first failure, the test chooses
-    a good SLAM that does not fail there (`sim.harness.good_slam`), and remembers the kinds of errors. A later failure has
+    a good SLAM that does not fail there (see `good_slam`), and remembers the kinds of errors. A later failure has
     another signature if this good SLAM fails in its scenario, too (`Signature.unavoidable`), if the `reference` does so
     (`Signature.of_reference`), or if its errors are of other kinds (`Signature.with_other_errors`).
 

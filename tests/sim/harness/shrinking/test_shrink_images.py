@@ -5,8 +5,9 @@ from dataclasses import replace
 import pytest
 
 from sim.harness import Claim, FailureTest, Scenario, reduce, run, write_failure
-from sim.harness.blame_table import BlameTable
-from sim.harness.reductions import STEPS, size
+from sim.harness.failures.blame_table import BlameTable
+from sim.harness.shrinking.reductions import STEPS
+from sim.harness.shrinking.scenario_size import size
 from sim.render.rig import RigConfig
 from worlds.presets import sample_from_rooms
 

@@ -9,8 +9,10 @@ from sim.bench.planted_bugs import drift, floors, no_bug, open_plan, planted
 from sim.errors import SimError
 from sim.harness import Claim, FailureTest, Lexis, Scenario, Signature, blame, evaluate, reduce, run
 from sim.harness.adapters import OdometryOnly
-from sim.harness.reducer import is_valid
-from sim.harness.reductions import STEPS, size, with_listed_house
+from sim.harness.run_settings import with_listed_house
+from sim.harness.shrinking.reducer import is_valid
+from sim.harness.shrinking.reductions import STEPS
+from sim.harness.shrinking.scenario_size import size
 from worlds.presets import sample_from_rooms
 
 LABELS = ("kitchen", "living room", "bedroom", "dining room")

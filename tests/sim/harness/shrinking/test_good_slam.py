@@ -9,9 +9,10 @@ from helpers.open_flat import OPEN_FLAT
 
 from lexis.maths.se3 import between
 from sim.faults.poses import OdometryNaN
-from sim.harness import Estimate, Lexis, Scenario, evaluate, good_slam, run
+from sim.harness import Estimate, Lexis, Scenario, evaluate, run
 from sim.harness.adapters import GeometricRooms, OdometryOnly
-from sim.harness.good_slam import GOOD_SLAMS, GoodSlam, GoodSlamChoice, with_true_loops
+from sim.harness.shrinking import good_slam
+from sim.harness.shrinking.good_slam import GOOD_SLAMS, GoodSlam, GoodSlamChoice, with_true_loops
 from worlds.presets import sample_from_rooms
 
 LONG = replace(OPEN_FLAT, length_m=80.0)

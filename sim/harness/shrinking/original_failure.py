@@ -3,12 +3,12 @@
 from collections import Counter
 from collections.abc import Callable, Sequence
 
-from sim.harness.failures.error_kinds import are_alike, error_kinds, most_frequent
-from sim.harness.failures.first_wrong import first_wrong
-from sim.harness.good_slam import GoodSlamChoice
+from sim.harness.diagnosis.error_kinds import are_alike, error_kinds, most_frequent
+from sim.harness.diagnosis.first_wrong import first_wrong
 from sim.harness.planning import Trial
 from sim.harness.results import RunResult
 from sim.harness.runner import Run
+from sim.harness.shrinking.good_slam import GoodSlamChoice
 from sim.wording import counted
 
 
@@ -25,7 +25,7 @@ class OriginalFailure:
         """Where and how the original run first went wrong, as text; "" before the first failing run, or if it is unknown."""
 
     def is_unavoidable(self, run: Run, trials: Sequence[Trial], passes: Callable[[RunResult], bool]) -> bool:
-        """Return whether a good SLAM fails in the situation of a failing run, too; see `sim.harness.good_slam`.
+        """Return whether a good SLAM fails in the situation of a failing run, too; see `good_slam`.
 
         `passes` evaluates the test or claim on the figures of another SLAM. The first call is for the original run.
         """

@@ -10,13 +10,13 @@ from sim.feature_sensor.oracle import Oracle
 from sim.fidelity import ORACLE
 from sim.harness.adapters.lexis import Lexis
 from sim.harness.adapters.true_stages import TrueStages
-from sim.harness.failure_signature import FailureTest, Observed, Signature
-from sim.harness.house_reductions import keep_furniture
-from sim.harness.parts import house_spec
-from sim.harness.reducer import Fails, Reduction
-from sim.harness.reductions import with_features
+from sim.harness.run_settings import house_spec
 from sim.harness.runner import run
 from sim.harness.scenario import Scenario
+from sim.harness.shrinking.failure_signature import FailureTest, Observed, Signature
+from sim.harness.shrinking.house_edits import keep_furniture
+from sim.harness.shrinking.reducer import Fails, Reduction
+from sim.harness.shrinking.reductions import with_features
 from sim.wording import joined
 from worlds.errors import WorldsError
 from worlds.spec import HouseSpec

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sim.harness import Estimate, LoopClaims, Scenario, run
-from sim.harness.failures.first_wrong import first_wrong
+from sim.harness.diagnosis.first_wrong import first_wrong
 from worlds.presets import sample_from_rooms
 
 SCENARIO = Scenario(

@@ -10,8 +10,13 @@ from hypothesis import strategies as st
 from sim.errors import SimError
 from sim.faults.delivery import Dropped
 from sim.harness import Scenario
-from sim.harness import house_reductions as steps
-from sim.harness.reductions import STEPS, difference, for_images, relabelled_rooms, size, with_listed_house
+from sim.harness.run_settings import with_listed_house
+from sim.harness.shrinking.house_edits import keep_furniture, keep_rooms
+from sim.harness.shrinking.house_reductions import fewer_openings, fewer_rooms, fewer_storeys, less_furniture, without_parts
+from sim.harness.shrinking.reductions import STEPS, for_images
+from sim.harness.shrinking.scenario_difference import difference, relabelled_rooms
+from sim.harness.shrinking.scenario_size import size
+from sim.harness.shrinking.wall_reductions import narrower
 from sim.harness.walk import shortest_walk_m, walk
 from sim.render.rig import RigConfig
 from worlds.presets import sample_from_rooms, sample_house
@@ -55,7 +60,7 @@ def test_steps_make_any_house_smaller(spec, name):
     assert all(size(candidate) < size(scenario) for candidate in STEPS[name](scenario))
 
 
-@pytest.mark.parametrize("step", [steps.fewer_storeys, steps.fewer_rooms, steps.less_furniture, steps.fewer_openings])
+@pytest.mark.parametrize("step", [fewer_storeys, fewer_rooms, less_furniture, fewer_openings])
 def test_what_remains_keeps_its_shape(step):
     rooms = {room.id: room for storey in LISTED.house.storeys for room in storey.rooms}
     pieces = {piece.id: piece for storey in LISTED.house.storeys for piece in storey.furniture}
@@ -69,21 +74,21 @@ def test_what_remains_keeps_its_shape(step):
 
 def test_parts_cover_everything_down_to_single_items():
     items = list(range(7))
-    left = list(steps.without_parts(items))
+    left = list(without_parts(items))
     assert left[0] == [] and left[-7:] == [[k for k in items if k != gone] for gone in items]
-    assert list(steps.without_parts([])) == [] and list(steps.without_parts([1])) == [[]]
+    assert list(without_parts([])) == [] and list(without_parts([1])) == [[]]
 
 
 def test_all_rooms_kept_is_the_same_house():
     ids = {room.id for storey in LISTED.house.storeys for room in storey.rooms}
-    assert steps.keep_rooms(LISTED.house, ids) == LISTED.house
-    assert steps.keep_rooms(LISTED.house, set()) is None
+    assert keep_rooms(LISTED.house, ids) == LISTED.house
+    assert keep_rooms(LISTED.house, set()) is None
 
 
 def test_moving_walls_together_keeps_the_topology():
-    narrower = list(steps.narrower(LISTED.house))
-    assert narrower
-    for house in narrower:
+    moved = list(narrower(LISTED.house))
+    assert moved
+    for house in moved:
         for old, new in zip(LISTED.house.storeys, house.storeys, strict=True):
             assert [o.rooms for o in old.openings] == [o.rooms for o in new.openings]
             doors = [(a.width_m, b.width_m) for a, b in zip(old.openings, new.openings, strict=True) if a.kind != "open"]
@@ -107,13 +112,13 @@ def test_differences_name_what_changed():
     assert difference(LISTED, replace(LISTED, odometry="perfect")) == "odometry: mono -> perfect"
     room = LISTED.house.storeys[-1].rooms[0]
     ids = {r.id for storey in LISTED.house.storeys for r in storey.rooms} - {room.id}
-    said = difference(LISTED, replace(LISTED, house=steps.keep_rooms(LISTED.house, ids)))
+    said = difference(LISTED, replace(LISTED, house=keep_rooms(LISTED.house, ids)))
     assert said.startswith(f"without {room.id!r}")
 
 
 def test_rooms_with_another_label_are_named_by_their_ids():
     assert relabelled_rooms(LISTED, LISTED) == ()
-    empty = replace(LISTED, house=steps.keep_furniture(LISTED.house, set()))
+    empty = replace(LISTED, house=keep_furniture(LISTED.house, set()))
     last = list(STEPS["simplest labels"](empty))[-1]
     before, after = (
         {room.id: room.label for storey in each.house.storeys for room in storey.rooms} for each in (LISTED, last)

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping
 
-from sim.harness.failures.first_wrong import misplaced
+from sim.harness.diagnosis.first_wrong import misplaced
 from sim.harness.runner import Run
 
 NO_FLOOR, TOO_HIGH, TOO_LOW = "claimed on no floor", "claimed on a floor too high", "claimed on a floor too low"

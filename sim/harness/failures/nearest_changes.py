@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, fields
 
-from sim.harness.parts import house_spec
+from sim.harness.run_settings import house_spec
 from sim.harness.scenario import Scenario
 from worlds.spec import HouseSpec
 

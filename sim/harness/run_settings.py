@@ -1,14 +1,16 @@
-"""Settings of a run's parts, derived from its scenario: the house, the tour, the odometry and the random streams."""
+"""Settings of a run that follow from its scenario: the house, the tour, the odometry and the random streams."""
 
 from dataclasses import replace
 
 import numpy as np
 
+from sim.errors import SimError
 from sim.harness.scenario import Scenario
 from sim.odometry.config import ODOMETRY_PRESETS, OdometryConfig
 from sim.tours.config import TourConfig
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec
+from worlds.variant import explicit
 
 TOUR_LENGTH_M = {"home": 140.0}
 """Usual length of a tour by preset [m]; other presets have none. The length limits tours that would visit all rooms of a
@@ -40,6 +42,22 @@ def in_house(scenario: Scenario, spec: HouseSpec) -> Scenario:
     Without an explicit length, a walk through a house of one's own would not have the usual length of the preset.
     """
     return replace(scenario, house=spec, length_m=tour_config(scenario).length_m)
+
+
+def with_listed_house(scenario: Scenario) -> Scenario:
+    """Return a scenario of the same run that lists all rooms, furniture and windows, and the length of the tour.
+
+    Raises `WorldsError` for a house that cannot be built.
+    """
+    return in_house(scenario, explicit(house_spec(scenario)))
+
+
+def listed_house(scenario: Scenario) -> HouseSpec:
+    """Return the house of a scenario that lists its whole house. Raises `SimError` for other scenarios."""
+    spec = scenario.house
+    if spec is None or any(storey.furniture is None or storey.windows is None for storey in spec.storeys):
+        raise SimError("scenario: its house does not list everything; valid: the result of with_listed_house()")
+    return spec
 
 
 def odometry_config(scenario: Scenario) -> OdometryConfig:

@@ -5,9 +5,11 @@ from dataclasses import replace
 import pytest
 
 from sim.harness import Scenario
-from sim.harness import house_reductions as steps
-from sim.harness.nearest_changes import nearest
-from sim.harness.reductions import with_listed_house
+from sim.harness.failures.nearest_changes import nearest
+from sim.harness.run_settings import with_listed_house
+from sim.harness.shrinking.house_edits import keep_furniture, keep_rooms
+from sim.harness.shrinking.house_reductions import fewer_openings, fewer_windows, simpler_openings
+from sim.harness.shrinking.wall_reductions import narrower
 from worlds.presets import sample_from_rooms
 
 SMALLEST = with_listed_house(
@@ -23,12 +25,12 @@ ROOMS = {room.id for room in SMALLEST.house.storeys[0].rooms}
 
 
 def without_rooms(*gone):
-    return replace(SMALLEST, house=steps.keep_rooms(SMALLEST.house, ROOMS - set(gone)))
+    return replace(SMALLEST, house=keep_rooms(SMALLEST.house, ROOMS - set(gone)))
 
 
 def with_furniture(count):
     ids = [piece.id for piece in SMALLEST.house.storeys[0].furniture]
-    return replace(SMALLEST, house=steps.keep_furniture(SMALLEST.house, set(ids[:count])))
+    return replace(SMALLEST, house=keep_furniture(SMALLEST.house, set(ids[:count])))
 
 
 def test_of_nested_sets_of_rooms_the_smallest_are_kept():
@@ -52,12 +54,12 @@ def test_of_nested_sets_of_furniture_the_smallest_is_kept():
 def test_changes_of_different_things_are_all_kept():
     perfect, modest = replace(SMALLEST, odometry="perfect"), replace(SMALLEST, overconfidence=1.0)
     both = replace(perfect, overconfidence=1.0)
-    closed = list(steps.fewer_openings(SMALLEST.house))[-1]
+    closed = list(fewer_openings(SMALLEST.house))[-1]
     passing = [both, perfect, replace(SMALLEST, house=closed), modest]
     assert nearest(SMALLEST, passing) == passing[1:]
 
 
-@pytest.mark.parametrize("step", [steps.fewer_windows, steps.fewer_openings, steps.narrower, steps.simpler_openings])
+@pytest.mark.parametrize("step", [fewer_windows, fewer_openings, narrower, simpler_openings])
 def test_of_equal_changes_one_is_kept(step):
     changed = [replace(SMALLEST, house=house) for house in step(SMALLEST.house)][:1]
     assert nearest(SMALLEST, changed * 2) == changed

@@ -13,9 +13,11 @@ from typing import Literal
 
 from sim.errors import USER_ERRORS, SimError
 from sim.fidelity import Fidelity
-from sim.harness.failure_signature import Signature
-from sim.harness.reductions import STEPS, ScenarioSize, Step, for_images, size, with_features, with_listed_house
+from sim.harness.run_settings import with_listed_house
 from sim.harness.scenario import Scenario
+from sim.harness.shrinking.failure_signature import Signature
+from sim.harness.shrinking.reductions import STEPS, Step, for_images, with_features
+from sim.harness.shrinking.scenario_size import ScenarioSize, size
 from sim.wording import counted
 from worlds.errors import WorldsError
 from worlds.spec import HouseSpec

@@ -13,9 +13,10 @@ from sim.feature_sensor.oracle import Oracle
 from sim.harness import Claim, FailureTest, Scenario, Signature, blame, reduce, run
 from sim.harness.adapters import Lexis
 from sim.harness.adapters.true_stages import TrueStages
-from sim.harness.blame_table import BlameRow, BlameTable, substitutions
-from sim.harness.house_reductions import keep_furniture
-from sim.harness.reductions import STEPS, with_listed_house
+from sim.harness.failures.blame_table import BlameRow, BlameTable, substitutions
+from sim.harness.run_settings import with_listed_house
+from sim.harness.shrinking.house_edits import keep_furniture
+from sim.harness.shrinking.reductions import STEPS
 from worlds.presets import sample_from_rooms
 from worlds.validation import built_and_checked
 
