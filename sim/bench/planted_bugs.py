@@ -17,8 +17,9 @@ from lexis.maths.se3 import between
 from lexis.types import Camera, Observation
 from sim.harness.crash import Runner
 from sim.harness.estimate import Estimate
+from sim.harness.finished_run import Run
 from sim.harness.last_run import last_run
-from sim.harness.runner import Progress, Run, run
+from sim.harness.runner import Progress, run
 from sim.harness.scenario import Scenario
 from worlds.truth import boundary_openness, room_graph
 

@@ -13,8 +13,8 @@ from lexis.evaluation.loops import opposite_edges, opposite_revisits
 from sim.fidelity import Fidelity
 from sim.harness import Scenario, evaluate, run
 from sim.harness.adapters import Lexis
+from sim.harness.finished_run import Run
 from sim.harness.loops import edge_truth
-from sim.harness.runner import Run
 from sim.harness.world_tests import usual_rate_hz
 
 TRUSTED = 0.5

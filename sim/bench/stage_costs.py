@@ -18,9 +18,10 @@ from sim.bench.row_files import grouped
 from sim.harness import Scenario, evaluate
 from sim.harness.adapters import Lexis
 from sim.harness.failures.blame_table import substitutions
+from sim.harness.finished_run import Run
 from sim.harness.planning import planned_pairs
 from sim.harness.run_settings import with_listed_house
-from sim.harness.runner import Run, run
+from sim.harness.runner import run
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
 from sim.processes import process_pool
 

@@ -8,11 +8,11 @@ from .failures.blame_table import blame as blame
 from .failures.failure_folder import write_failure as write_failure
 from .figures import check as check
 from .figures import evaluate as evaluate
+from .finished_run import Run as Run
 from .outputs import write_run as write_run
 from .planning import Trial as Trial
 from .planning import try_plans as try_plans
 from .results import RunResult as RunResult
-from .runner import Run as Run
 from .runner import run as run
 from .scenario import Scenario as Scenario
 from .shrinking.failure_signature import FailureTest as FailureTest

@@ -14,9 +14,10 @@ import sim
 import worlds
 from lexis.errors import EncoderError, LexisError, encodable, one_line
 from sim.errors import USER_ERRORS, ClaimError, ProgramError, SimError
+from sim.harness.finished_run import Run
 from sim.harness.last_run import noted
 from sim.harness.planning import Trial, try_plans
-from sim.harness.runner import Progress, Run
+from sim.harness.runner import Progress
 from sim.harness.scenario import Scenario
 from sim.wording import qualified_name
 

@@ -21,6 +21,7 @@ from lexis.place_recognition import old_enough
 from lexis.types import Poses
 from sim.doctor import versions
 from sim.faults import written
+from sim.harness.finished_run import Run
 from sim.harness.last_run import last_run
 from sim.harness.planning import Trial, try_plans
 from sim.harness.results import (
@@ -39,7 +40,7 @@ from sim.harness.results import (
     TrajectoryFigures,
     WalkFigures,
 )
-from sim.harness.runner import Run, run
+from sim.harness.runner import run
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import CommandSlam, SlamUnderTest
 from worlds.truth import ambiguity_at, floor_area, openness

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 from sim.wording import qualified_name
 
 if TYPE_CHECKING:
+    from sim.harness.finished_run import Run
     from sim.harness.planning import Trial
     from sim.harness.results import RunResult
-    from sim.harness.runner import Run
     from sim.harness.scenario import Scenario
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from lexis.evaluation.loops import true_edges
-from sim.harness.runner import Run
+from sim.harness.finished_run import Run
 
 
 def edge_truth(run: Run) -> Bool[np.ndarray, "loops"]:

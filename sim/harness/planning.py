@@ -14,9 +14,9 @@ from lexis.maths.se3 import inverse
 from lexis.maths.ties import rounded
 from lexis.types import Pose
 from sim.errors import ClaimError, SimError
+from sim.harness.finished_run import Run
 from sim.harness.last_run import last_run
 from sim.harness.run_settings import odometry_config
-from sim.harness.runner import Run
 from sim.harness.slam_under_test import PlansPaths
 from sim.harness.upright import upright
 from sim.odometry.simulation import OdometryConfig

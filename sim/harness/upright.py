@@ -4,7 +4,7 @@ import numpy as np
 
 from lexis.maths.se3 import between
 from lexis.types import Poses
-from sim.harness.runner import Run
+from sim.harness.finished_run import Run
 
 
 def upright(run: Run, poses: Poses) -> Poses:

@@ -19,8 +19,9 @@ import numpy as np
 from lexis.errors import LexisError, one_line
 from lexis.timing import StageTimer
 from sim.errors import ProgramError, ProgramFilesError, SimError
+from sim.harness.finished_run import Given, Run
 from sim.harness.last_run import last_run
-from sim.harness.runner import Given, Progress, Run
+from sim.harness.runner import Progress
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import CommandSlam
 from sim.programs.program_files import AT_REST, RecordedTimes, claim_files, read_estimate

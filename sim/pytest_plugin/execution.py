@@ -22,8 +22,8 @@ from sim.pytest_plugin.options import replayed_file
 
 if TYPE_CHECKING:
     from sim.harness.failures.search import Reference
+    from sim.harness.finished_run import Run
     from sim.harness.results import RunResult
-    from sim.harness.runner import Run
     from sim.harness.scenario import Scenario
 
 
@@ -133,7 +133,7 @@ class Execution:
     def first_wrong(self) -> str:
         """Room, time and kind of the first error that affects the figure of the failure, as text; "" if it is not known."""
         from sim.harness.diagnosis.first_wrong import crash_frame, first_wrong
-        from sim.harness.runner import picture_session
+        from sim.harness.scenario_sessions import picture_session
 
         if self.run is not None:
             reference = None if self.reference is None else self.reference.run

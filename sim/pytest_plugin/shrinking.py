@@ -14,8 +14,8 @@ from sim.pytest_plugin.execution import Execution, execute
 
 if TYPE_CHECKING:
     from sim.harness.failures.search import Reference, Search
+    from sim.harness.finished_run import Run
     from sim.harness.results import RunResult
-    from sim.harness.runner import Run
     from sim.harness.scenario import Scenario
     from sim.harness.shrinking.failure_signature import Signature
 

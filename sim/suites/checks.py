@@ -17,7 +17,8 @@ from sim.harness.claims import Claim
 from sim.harness.crash import Crash, attempt, attempt_plans
 from sim.harness.estimate import Estimate, LoopClaims
 from sim.harness.figures import EvaluatedRun, evaluate
-from sim.harness.runner import Progress, Run, run
+from sim.harness.finished_run import Run
+from sim.harness.runner import Progress, run
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import CommandSlam, SlamUnderTest, made_slam
 from sim.harness.walk import walk

@@ -13,7 +13,7 @@ from lexis.maths.ties import reaches
 from lexis.types import Poses
 from sim.harness.estimate import LoopClaims
 from sim.harness.figures import EvaluatedRun
-from sim.harness.runner import Run
+from sim.harness.finished_run import Run
 from sim.harness.upright import upright
 from sim.suites.agreement import apart
 from sim.suites.checks import CheckFinding, NewSlam

@@ -7,8 +7,8 @@ from jaxtyping import Int
 
 from lexis.errors import one_line
 from sim.errors import USER_ERRORS, ClaimError
+from sim.harness.finished_run import Run
 from sim.harness.planning import ask_plan, planned_pairs
-from sim.harness.runner import Run
 from sim.harness.slam_under_test import PlansPaths
 from sim.suites.checks import CheckFinding
 

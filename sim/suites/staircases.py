@@ -5,7 +5,7 @@ from jaxtyping import Float64
 from scipy.spatial import cKDTree
 
 from lexis.maths.paths import arc_length
-from sim.harness.runner import Run
+from sim.harness.finished_run import Run
 from sim.harness.upright import upright
 from sim.suites.checks import CheckFinding
 from worlds.labels import STAIRS

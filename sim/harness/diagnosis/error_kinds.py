@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 
 from sim.harness.diagnosis.first_wrong import misplaced
-from sim.harness.runner import Run
+from sim.harness.finished_run import Run
 
 NO_FLOOR, TOO_HIGH, TOO_LOW = "claimed on no floor", "claimed on a floor too high", "claimed on a floor too low"
 NO_ROOM, SPLIT = "in no claimed room", "claimed apart from the rest of their room"

@@ -11,8 +11,8 @@ from jaxtyping import Bool, Float64, Int
 from lexis.evaluation.trajectory import aligned
 from lexis.types import Poses
 from sim.harness.diagnosis.wrong_motion import first_wrong_motion
+from sim.harness.finished_run import Run
 from sim.harness.loops import edge_truth
-from sim.harness.runner import Run
 from sim.report.data import NO_LABEL, ShownFailure
 from sim.session import Session
 

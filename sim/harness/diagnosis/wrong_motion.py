@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from lexis.maths.se3 import between, rotation_angle
 from lexis.types import Poses
-from sim.harness.runner import Run
+from sim.harness.finished_run import Run
 from sim.wording import joined
 
 _STRETCH_S = 0.5

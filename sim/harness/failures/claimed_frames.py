@@ -10,7 +10,7 @@ from lexis.evaluation.trajectory import aligned
 from lexis.maths.se3 import inverse
 from lexis.types import Poses
 from sim.harness.diagnosis.first_wrong import WITH_LABELS, WrongFrame, wrong_claims
-from sim.harness.runner import Run
+from sim.harness.finished_run import Run
 from sim.report.data import NO_LABEL
 from sim.report.frame_picture import FrameClaims
 from sim.report.palette import instance_colours, label_colours

@@ -14,7 +14,8 @@ from sim.harness.failures.blame_table import BlameTable
 from sim.harness.failures.claimed_frames import claimed_frames
 from sim.harness.failures.nearest_changes import nearest
 from sim.harness.failures.search import Reference, Search
-from sim.harness.runner import Run, picture_session
+from sim.harness.finished_run import Run
+from sim.harness.scenario_sessions import picture_session
 from sim.harness.shrinking.failure_signature import FailureTest, Observed
 from sim.harness.shrinking.reducer import Reduction
 from sim.harness.shrinking.scenario_difference import difference, relabelled_rooms

@@ -21,7 +21,7 @@ from sim.harness.figures import evaluate
 from sim.harness.last_run import LastRun, last_run, noted
 from sim.harness.report_data import report_data
 from sim.harness.results import FloorFigures, LabelFigures, LoopFigures, RoomFigures
-from sim.harness.runner import picture_session
+from sim.harness.scenario_sessions import picture_session
 from sim.harness.slam_under_test import check_slam_factory
 from sim.report.findings import findings
 from worlds.presets import sample_from_rooms

@@ -9,7 +9,7 @@ from shapely.geometry import LineString, Polygon
 from shapely.ops import unary_union
 
 from sim.harness import Scenario
-from sim.harness.runner import picture_session
+from sim.harness.scenario_sessions import picture_session
 from sim.report.drawing import STYLES, Drawing, Mark
 from sim.report.frame_picture import FrameClaims, frame_marks, place_image
 from sim.report.legend import LegendEntry, with_legend
