@@ -2,14 +2,14 @@ from .errors import SimError as SimError
 from .faults import parse_fault as parse_fault
 from .feature_sensor import FeatureSensor as FeatureSensor
 from .feature_sensor import load_features as load_features
+from .harness import CandidateVerdict as CandidateVerdict
 from .harness import Estimate as Estimate
+from .harness import EstimatedLoops as EstimatedLoops
 from .harness import Lexis as Lexis
-from .harness import LoopClaims as LoopClaims
 from .harness import Run as Run
 from .harness import RunResult as RunResult
 from .harness import Scenario as Scenario
 from .harness import SlamUnderTest as SlamUnderTest
-from .harness import VerdictClaim as VerdictClaim
 from .harness import check as check
 from .harness import evaluate as evaluate
 from .harness import run as run

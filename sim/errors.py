@@ -20,11 +20,11 @@ class ProgramError(SimError):
         self.how, self.stdout, self.stderr = how, stdout, stderr
 
 
-class ClaimError(SimError):
-    """The claims of a SLAM under test are not valid: they contradict each other, or refer to frames that do not exist."""
+class EstimateError(SimError):
+    """The estimates of a SLAM under test are not valid: they contradict each other, or refer to frames that do not exist."""
 
 
-class ProgramFilesError(ProgramError, ClaimError):
+class ProgramFilesError(ProgramError, EstimateError):
     """A program under test has written files that are not valid."""
 
     def __init__(self, message: str, files: Mapping[str, bytes], stdout: bytes, stderr: bytes) -> None:

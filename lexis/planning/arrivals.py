@@ -26,8 +26,8 @@ SURE = 0.995
 end first, in front of an open boundary, some images are wrong and still quite sure. With an encoder that is never so sure,
 paths end at the innermost keyframe."""
 CLEAR = 0.45
-"""Least evidence at a keyframe that is surely inside its room, as a share of the largest evidence of rooms of its label. Just
-behind a door or an open boundary, about half of the images still show the other room, and the share is lower."""
+"""Least evidence at a keyframe that is surely inside its room, as a share of the largest evidence of rooms of its label.
+Just behind a door or an open boundary, about half of the images still show the other room, and the share is lower."""
 
 
 def surely_inside(map: LexisMap, room: RoomInstance, clear: float) -> Int[np.ndarray, "k"]:

@@ -1,4 +1,4 @@
-"""Planted bugs: simulated SLAM systems that claim the true poses, labels, rooms and floors, except for one kind of mistake.
+"""Planted bugs: simulated SLAM systems that return the true poses, labels, rooms and floors, except for one kind of mistake.
 
 They test the harness: the reducer has to find the smallest scenario in which a bug shows. Unlike a real SLAM, a planted bug
 knows the ground truth. A bug shows only in scenarios with its trigger, such as an open boundary or stairs.
@@ -25,7 +25,7 @@ from worlds.truth import boundary_openness, room_graph
 
 Bug = Callable[[Run], Estimate]
 """A function that returns the estimate of a faulty SLAM. Its argument is a finished run, which knows the ground truth; the
-run's own estimate contains frames, but no claims about them."""
+run's own estimate contains frames, but nothing about them."""
 
 _OPEN_SHARE = 0.5
 _SMALL_M2 = 6.0
@@ -39,7 +39,7 @@ _OFF_M = 0.005
 
 
 class _NoClaims:
-    """A SLAM that claims nothing about the frames that it was given."""
+    """A SLAM that returns nothing about the frames that it was given."""
 
     def __init__(self) -> None:
         self._frames: set[int] = set()
@@ -52,7 +52,7 @@ class _NoClaims:
         self._frames.add(observation.index)
 
     def finish(self) -> Estimate:
-        """Return an estimate that contains the indices of all frames, and no claims."""
+        """Return an estimate that contains the indices of all frames, and nothing about them."""
         return Estimate(np.array(sorted(self._frames), int))
 
 
@@ -68,13 +68,13 @@ def planted(bug: Bug) -> Runner:
 
 
 def no_bug(run: Run) -> Estimate:
-    """Claim true poses, labels, rooms and floors."""
+    """Return true poses, labels, rooms and floors."""
     floors = np.where(run.on_stairs, NO_FLOOR, run.true_storeys)
     return replace(run.estimate, T_W_B=run.true_poses, labels=run.true_labels, rooms=run.true_rooms, floors=floors)
 
 
 def small_errors(run: Run) -> Estimate:
-    """Claim the truth, but positions that are 5 mm too high or too low in turn, since no real SLAM is exact."""
+    """Return the truth, but with positions that are 5 mm too high or too low in turn, since no real SLAM is exact."""
     poses = run.true_poses.copy()
     poses[::2, 2, 3] += _OFF_M
     poses[1::2, 2, 3] -= _OFF_M
@@ -82,7 +82,7 @@ def small_errors(run: Run) -> Estimate:
 
 
 def open_plan(run: Run) -> Estimate:
-    """Claim the truth, but swap the labels of two rooms if more than half of the boundary between them is open."""
+    """Return the truth, but swap the labels of two rooms if more than half of the boundary between them is open."""
     labels, rooms = run.true_labels, run.true_rooms
     for pair, share in boundary_openness(run.house).items():
         if share > _OPEN_SHARE:
@@ -92,7 +92,7 @@ def open_plan(run: Run) -> Estimate:
 
 
 def small_rooms(run: Run) -> Estimate:
-    """Claim the truth, but give every room of less than 6 m² the label of a room from which a passage leads into it."""
+    """Return the truth, but give every room of less than 6 m² the label of a room from which a passage leads into it."""
     labels, rooms, place = run.true_labels, run.true_rooms, _indices(run)
     for passage in room_graph(run.house).passages:
         for small, other in (passage.rooms, passage.rooms[::-1]):
@@ -102,30 +102,30 @@ def small_rooms(run: Run) -> Estimate:
 
 
 def corners(run: Run) -> Estimate:
-    """Claim the truth, but give every room with more than four corners a wrong label."""
+    """Return the truth, but give every room with more than four corners a wrong label."""
     angular = [len(room.polygon.exterior.coords) > 5 for room in run.house.rooms]  # the list ends with the first corner
     return replace(no_bug(run), labels=_mislabelled(run, np.array(angular)))
 
 
 def clutter(run: Run) -> Estimate:
-    """Claim the truth, but give every room with five or more pieces of furniture a wrong label."""
+    """Return the truth, but give every room with five or more pieces of furniture a wrong label."""
     pieces = [piece.room for piece in run.house.furniture]
     full = [pieces.count(room.id) >= _CLUTTERED for room in run.house.rooms]
     return replace(no_bug(run), labels=_mislabelled(run, np.array(full)))
 
 
 def floors(run: Run) -> Estimate:
-    """Claim the truth, but claim that every frame is on the lowest floor."""
+    """Return the truth, but with every frame on the lowest floor."""
     return replace(no_bug(run), floors=np.zeros_like(run.true_storeys))
 
 
 def third_floor(run: Run) -> Estimate:
-    """Claim the truth, but claim the second floor for every frame above it."""
+    """Return the truth, but with every frame above the second floor on the second floor."""
     return replace(no_bug(run), floors=np.minimum(run.true_storeys, 1))
 
 
 def ring(run: Run) -> Estimate:
-    """Claim the truth, but merge all rooms on loops of connected rooms, and on paths between two loops, into one room."""
+    """Return the truth, but merge all rooms on loops of connected rooms, and on paths between two loops, into one room."""
     rooms, place = run.true_rooms, _indices(run)
     beside = {
         room: {o for p in room_graph(run.house).passages if room in p.rooms for o in p.rooms} - {room} for room in place
@@ -140,22 +140,22 @@ def ring(run: Run) -> Estimate:
 
 
 def twins(run: Run) -> Estimate:
-    """Claim the truth, but merge all rooms of one label into one room."""
+    """Return the truth, but merge all rooms of one label into one room."""
     return replace(no_bug(run), rooms=run.true_labels)
 
 
 def revisits(run: Run) -> Estimate:
-    """Claim the truth, but claim a new room whenever a room is entered again."""
+    """Return the truth, but start a new room whenever a room is entered again."""
     return replace(no_bug(run), rooms=np.cumsum(np.diff(run.true_rooms, prepend=-1) != 0))
 
 
 def drift(run: Run) -> Estimate:
-    """Claim the truth, but claim the poses of the odometry."""
+    """Return the truth, but with the poses of the odometry."""
     return replace(no_bug(run), T_W_B=run.odometry_poses)
 
 
 def wrong_side(run: Run) -> Estimate:
-    """Claim the truth, but add up the steps of the odometry in the frame of the world instead of that of the body."""
+    """Return the truth, but add up the steps of the odometry in the frame of the world instead of that of the body."""
     poses = run.odometry_poses
     for k, step in enumerate(between(poses[:-1], poses[1:])):
         poses[k + 1] = step @ poses[k]
@@ -163,24 +163,24 @@ def wrong_side(run: Run) -> Estimate:
 
 
 def kidnap(run: Run) -> Estimate:
-    """Claim the truth, but miss every step of more than a metre that the odometry does not report."""
+    """Return the truth, but miss every step of more than a metre that the odometry does not report."""
     jumps = (_steps_m(run.true_poses) > _JUMP_M) & (_steps_m(run.odometry_poses) < _JUMP_M)
     return replace(no_bug(run), T_W_B=_without_steps(run.true_poses, jumps))
 
 
 def gaps(run: Run) -> Estimate:
-    """Claim the truth, but miss the motion wherever no observation arrives for more than 1.2 s."""
+    """Return the truth, but miss the motion wherever no observation arrives for more than 1.2 s."""
     return replace(no_bug(run), T_W_B=_without_steps(run.true_poses, np.diff(run.stamps) > _GAP_S))
 
 
 def long_walks(run: Run) -> Estimate:
-    """Claim the truth, but notice no motion after the first 30 m of the path."""
+    """Return the truth, but notice no motion after the first 30 m of the path."""
     travelled_m = arc_length(run.true_poses[:, :3, 3])
     return replace(no_bug(run), T_W_B=_without_steps(run.true_poses, travelled_m[1:] > _LONG_M))
 
 
 def gait(run: Run) -> Estimate:
-    """Claim the truth, but shift the position by a metre along x for each 0.1 rad that the body rolls."""
+    """Return the truth, but shift the position by a metre along x for each 0.1 rad that the body rolls."""
     poses = run.true_poses.copy()
     roll_rad = np.arcsin(np.clip(poses[:, 2, 1], -1.0, 1.0))
     poses[:, 0, 3] += np.where(np.abs(roll_rad) > _TILT_RAD, 10.0 * roll_rad, 0.0)
@@ -188,14 +188,14 @@ def gait(run: Run) -> Estimate:
 
 
 def wet_rooms(run: Run) -> Estimate:
-    """Claim the truth, but raise ZeroDivisionError if a frame is in a bathroom or a toilet."""
+    """Return the truth, but raise ZeroDivisionError if a frame is in a bathroom or a toilet."""
     if any(run.room_names[label] in _WET for label in run.true_labels):
         raise ZeroDivisionError("the area of a wet room")
     return no_bug(run)
 
 
 def nan_poses(run: Run) -> Estimate:
-    """Claim the truth, but raise FloatingPointError if a pose of the odometry is not finite."""
+    """Return the truth, but raise FloatingPointError if a pose of the odometry is not finite."""
     if not all(np.isfinite(given.T_O_B).all() for given in run.given.values()):
         raise FloatingPointError("the odometry is not finite")
     return no_bug(run)

@@ -15,7 +15,7 @@ from sim.commands.check_suite import add_suite, refuse_suite_options, run_suite
 from sim.commands.progress import progress_bar
 from sim.commands.run import print_gaps, print_result
 from sim.commands.slams import add_slam, check_claimable, replay_of, runner_of, slam_options
-from sim.errors import ClaimError, SimError
+from sim.errors import EstimateError, SimError
 
 if TYPE_CHECKING:
     from sim.harness import Claim, RunResult, Scenario
@@ -107,15 +107,15 @@ def _crashed(crash: "Crash", arguments: argparse.Namespace) -> int:
 
 @contextmanager
 def _claims_kept(scenario: "Scenario", arguments: argparse.Namespace) -> Iterator[None]:
-    """If the claims of the SLAM are refused in the block, write the folder of `--out`, then pass the error on."""
+    """If the estimates of the SLAM are refused in the block, write the folder of `--out`, then pass the error on."""
     from sim.harness.crash import Crash
     from sim.harness.last_run import noted
 
     with noted() as last:
         try:
             yield
-        except ClaimError as error:
-            _write_crash("The claims of the SLAM are not valid", Crash(scenario, error, None, last.slam_name), arguments)
+        except EstimateError as error:
+            _write_crash("The estimates of the SLAM are not valid", Crash(scenario, error, None, last.slam_name), arguments)
             raise
 
 
@@ -137,6 +137,6 @@ def _failure(fails: "Claim", result: "RunResult") -> str:
     value = fails.value(result)
     if value is None:
         null = " or ".join(fails.figures)
-        why = "the SLAM makes no claim about it, or claims about too few frames, or nothing in the run calls for it"
+        why = "the SLAM makes no estimate about it, or estimates about too few frames, or nothing in the run calls for it"
         return f"failed: {null} is null: {why}; it cannot be judged by {str(fails)!r}"
     return f"failed: {fails.figure} is {value:g}, and fails if {fails}"

@@ -1,8 +1,8 @@
 from .adapters import Lexis as Lexis
 from .claims import Claim as Claim
+from .estimate import CandidateVerdict as CandidateVerdict
 from .estimate import Estimate as Estimate
-from .estimate import LoopClaims as LoopClaims
-from .estimate import VerdictClaim as VerdictClaim
+from .estimate import EstimatedLoops as EstimatedLoops
 from .failures.blame_table import BlameTable as BlameTable
 from .failures.blame_table import blame as blame
 from .failures.failure_folder import write_failure as write_failure

@@ -13,7 +13,7 @@ import lexis
 import sim
 import worlds
 from lexis.errors import EncoderError, LexisError, encodable, one_line
-from sim.errors import USER_ERRORS, ClaimError, ProgramError, SimError
+from sim.errors import USER_ERRORS, EstimateError, ProgramError, SimError
 from sim.harness.finished_run import Run
 from sim.harness.last_run import noted
 from sim.harness.planning import Trial, try_plans
@@ -84,14 +84,14 @@ def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None
     """Run a SLAM; return the finished run, or the crash of the SLAM or of the program under test.
 
     A crash is an exception in a method of the SLAM, or a failure of the program. Exceptions from outside the SLAM's methods
-    are passed on. `SimError` and `EncoderError` are always passed on: the scenario or the claims of the SLAM are not valid,
-    or a model cannot be loaded.
+    are passed on. `SimError` and `EncoderError` are always passed on: the scenario or the estimates of the SLAM are not
+    valid, or a model cannot be loaded.
     """
     with noted() as last, chdir("."):  # a SLAM may change the working directory
         last.forget()
         try:
             return runner(scenario, progress)
-        except ClaimError:
+        except EstimateError:
             raise
         except ProgramError as error:
             return Crash(scenario, error, None, last.slam_name)
@@ -106,7 +106,7 @@ def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None
 def attempt_plans(finished: Run) -> Sequence[Trial] | Crash:
     """Let a robot drive the SLAM's plans; return the driven plans, or the crash if the SLAM's `plan` raised an exception.
 
-    Exceptions from outside `plan` are passed on. Raises `ClaimError` for a plan that is not valid.
+    Exceptions from outside `plan` are passed on. Raises `EstimateError` for a plan that is not valid.
     """
     return _attempted(finished, partial(try_plans, finished), SimError)
 

@@ -1,4 +1,4 @@
-"""The claims of a SLAM about a run. Every claim is optional: figures that need a missing claim are null, never 0."""
+"""What a SLAM estimates in a run. Every estimate is optional: figures that need a missing one are null, never 0."""
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -15,15 +15,15 @@ from lexis.errors import encodable
 from lexis.inputs import MAX_POSITION_M
 from lexis.maths.se3 import is_rigid
 from lexis.types import Poses
-from sim.errors import ClaimError
+from sim.errors import EstimateError
 
 _NO_SECONDS: Mapping[str, float] = MappingProxyType({})
 _LONGEST_S = 1e9
 """Longest time of a stage [s]."""
 _TYPES = MappingProxyType({"iu": np.int64, "fiu": np.float64})
-"""The type into which the arrays of a claim are converted, by the valid values of `dtype.kind`."""
+"""The type into which the arrays of an estimate are converted, by the valid values of `dtype.kind`."""
 _RIGID = 1e-3
-"""Tolerance in the check of claimed rotation matrices, which may have been computed in single precision."""
+"""Tolerance in the check of estimated rotation matrices, which may have been computed in single precision."""
 _FORMS: Mapping[str, tuple[str, tuple[int | None, ...]]] = MappingProxyType(
     {
         "T_W_B": ("fiu", (4, 4)),
@@ -34,16 +34,16 @@ _FORMS: Mapping[str, tuple[str, tuple[int | None, ...]]] = MappingProxyType(
         "similarities": ("fiu", (None,)),
     }
 )
-"""For each claim, the valid values of numpy's `dtype.kind`, and the shape of one row (None: any length)."""
+"""For each estimate, the valid values of numpy's `dtype.kind`, and the shape of one row (None: any length)."""
 
 _MEANINGS: Mapping[str, str] = MappingProxyType(
     dict.fromkeys(("labels", "baseline_labels"), ", indices into room_names or -1") | {"floors": ", with -1 on stairs"}
 )
-"""What the numbers of a claim mean, as the end of a message; for claims whose numbers are easily mistaken."""
+"""What the numbers of an estimate mean, as the end of a message; for estimates whose numbers are easily mistaken."""
 
 
 @dataclass(frozen=True, eq=False)
-class LoopClaims:
+class EstimatedLoops:
     """Loop closures: pairs of frames with the relative pose that the SLAM measured between them."""
 
     query: Int[np.ndarray, "m"]
@@ -55,15 +55,15 @@ class LoopClaims:
     weights: Float64[np.ndarray, "m"] | None = None
     """Final confidence of the SLAM in each loop, in [0, 1]; None if the SLAM gives no confidences."""
 
-    def converted(self) -> "LoopClaims":
-        """Return the same claims with indices as int64 and all other numbers as float64."""
+    def converted(self) -> "EstimatedLoops":
+        """Return the same estimates with indices as int64 and all other numbers as float64."""
         query, match = (each.astype(np.int64, copy=False) for each in (self.query, self.match))
         weights = None if self.weights is None else self.weights.astype(np.float64, copy=False)
-        return LoopClaims(query, match, self.T_match_query.astype(np.float64, copy=False), weights)
+        return EstimatedLoops(query, match, self.T_match_query.astype(np.float64, copy=False), weights)
 
 
 @dataclass(frozen=True)
-class VerdictClaim:
+class CandidateVerdict:
     """What became of one proposed revisit, and why."""
 
     query: int
@@ -81,15 +81,15 @@ class VerdictClaim:
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """The claims of a SLAM about a run. Arrays have one row for each frame in `frames`: a SLAM's keyframes, or all frames.
+    """What a SLAM estimates in a run. Arrays have one row for each frame in `frames`: its keyframes, or all frames.
 
-    Raises `ClaimError` for claims of another type than the fields state; for arrays that differ in their number of rows, or
-    have numbers that are not finite; for rows that do not exist; for poses that are no rigid motions or not on Earth; for
-    labels, rooms and floors below -1; and for loops whose query is not later than its match.
+    Raises `EstimateError` for estimates of another type than the fields state; for arrays that differ in their number of
+    rows, or have numbers that are not finite; for rows that do not exist; for poses that are no rigid motions or not on
+    Earth; for labels, rooms and floors below -1; and for loops whose query is not later than its match.
     """
 
     frames: Int[np.ndarray, "n"]
-    """`Observation.index` of every frame about which the SLAM makes claims, ascending and each once."""
+    """`Observation.index` of every frame about which the SLAM makes estimates, ascending and each once."""
     T_W_B: Poses | None = None
     """Poses of the body in the SLAM's own world frame. To compute figures, this frame is aligned with the true world
     frame."""
@@ -102,11 +102,11 @@ class Estimate:
     """Room instance of every frame, as a number from 0 that the SLAM chooses; -1 for a frame in no room."""
     floors: Int[np.ndarray, "n"] | None = None
     """Floor number of every frame: 0 for the lowest floor, -1 for a frame on stairs."""
-    loops: LoopClaims | None = None
+    loops: EstimatedLoops | None = None
     candidates: tuple[tuple[int, tuple[int, ...]], ...] | None = None
     """Proposed revisits: for each query (a row of `frames`), the rows of the frames that may show the same place, the most
     similar first."""
-    verdicts: tuple[VerdictClaim, ...] | None = None
+    verdicts: tuple[CandidateVerdict, ...] | None = None
     """What became of proposed revisits. Only the report shows these verdicts; no figure depends on them."""
     similarities: Float64[np.ndarray, "n names"] | None = None
     """Similarity of every frame with every room name. The report shows the highest similarities of some frames."""
@@ -118,15 +118,15 @@ class Estimate:
     def __post_init__(self) -> None:
         n = _checked_frames(self.frames)
         for name, (kinds, row) in _FORMS.items():
-            if (claim := getattr(self, name)) is not None:
-                _check_rows(name, claim, n, kinds, row)
+            if (estimate := getattr(self, name)) is not None:
+                _check_rows(name, estimate, n, kinds, row)
         if self.T_W_B is not None:
             _check_rigid("T_W_B", self.T_W_B)
         for name in ("labels", "baseline_labels", "rooms", "floors"):
-            claim = getattr(self, name)
-            if claim is not None and (below := np.flatnonzero(claim < -1)).size:
-                bad = f"{name} has {claim[below[0]]} in row {below[0]}"
-                raise ClaimError(f"estimate: {bad}; valid: numbers from 0, or -1 for none")
+            estimate = getattr(self, name)
+            if estimate is not None and (below := np.flatnonzero(estimate < -1)).size:
+                bad = f"{name} has {estimate[below[0]]} in row {below[0]}"
+                raise EstimateError(f"estimate: {bad}; valid: numbers from 0, or -1 for none")
         if self.loops is not None:
             _check_loops(self.loops)
         rows = [] if self.loops is None else [*self.loops.query.tolist(), *self.loops.match.tolist()]
@@ -137,22 +137,23 @@ class Estimate:
             _check_text("encoder", self.encoder)
         if rows and not 0 <= min(rows) <= max(rows) < n:
             found = f"rows {min(rows)} to {max(rows)}"
-            raise ClaimError(f"estimate: loops, candidates and verdicts refer to {found}; valid: 0 to {n - 1}")
+            raise EstimateError(f"estimate: loops, candidates and verdicts refer to {found}; valid: 0 to {n - 1}")
         self._convert_arrays()
 
     def _convert_arrays(self) -> None:
         """Convert whole numbers to int64 and other numbers to float64, so that figures do not depend on a SLAM's types."""
         object.__setattr__(self, "frames", self.frames.astype(np.int64, copy=False))
         for name, (kinds, _) in _FORMS.items():
-            if (claim := getattr(self, name)) is not None:
-                object.__setattr__(self, name, claim.astype(_TYPES[kinds], copy=False))
+            if (estimate := getattr(self, name)) is not None:
+                object.__setattr__(self, name, estimate.astype(_TYPES[kinds], copy=False))
         if self.loops is not None:
             object.__setattr__(self, "loops", self.loops.converted())
 
     def named_rooms(self, room_names: tuple[str, ...]) -> dict[int, str] | None:
         """Return the most frequent label of every room instance, by the instance's number.
 
-        Instances without any labelled frame are left out. The result is None unless the SLAM claims both rooms and labels.
+        Instances without any labelled frame are left out. The result is None unless the SLAM estimates both rooms and
+        labels.
         """
         if self.rooms is None or self.labels is None:
             return None
@@ -162,28 +163,28 @@ class Estimate:
 
 
 def _checked_frames(frames: object) -> int:
-    """Return the number of frames. Raises `ClaimError` unless `frames` contains indices from 0, ascending and each once."""
+    """Return the number of frames. Raises `EstimateError` unless `frames` holds indices from 0, ascending and each once."""
     if not isinstance(frames, np.ndarray) or frames.dtype.kind not in "iu" or frames.ndim != 1:
-        raise ClaimError(f"estimate: frames is {_form_of(frames)}; valid: an array of whole numbers, one for each frame")
+        raise EstimateError(f"estimate: frames is {_form_of(frames)}; valid: an array of whole numbers, one for each frame")
     valid = "valid: one or more indices of observations, from 0 and ascending, each once"
     if len(frames) == 0:
-        raise ClaimError(f"estimate: frames is empty; {valid}")
+        raise EstimateError(f"estimate: frames is empty; {valid}")
     if (below := np.flatnonzero(frames < 0)).size:
-        raise ClaimError(f"estimate: frames has {frames[below[0]]} in row {below[0]}; {valid}")
+        raise EstimateError(f"estimate: frames has {frames[below[0]]} in row {below[0]}; {valid}")
     if (falls := 1 + np.flatnonzero(frames[1:] <= frames[:-1])).size:
         row = falls[0]
         late = "faults may deliver observations late or twice"
-        raise ClaimError(f"estimate: frames has {frames[row]} after {frames[row - 1]} in row {row}; {valid} ({late})")
+        raise EstimateError(f"estimate: frames has {frames[row]} after {frames[row - 1]} in row {row}; {valid} ({late})")
     return len(frames)
 
 
 def _candidate_rows(candidates: object) -> list[int]:
-    """Return all rows that proposed revisits refer to. Raises `ClaimError` for another form."""
+    """Return all rows that proposed revisits refer to. Raises `EstimateError` for another form."""
     if _is_list(candidates) and all(_is_list(pair) and len(pair) == 2 and _is_list(pair[1]) for pair in candidates):
         with suppress(TypeError):
             return [index(row) for query, matches in candidates for row in (query, *matches)]
     valid = "a tuple of pairs of a row and other rows, such as ((7, (2, 0)),)"
-    raise ClaimError(f"estimate: candidates is {candidates!r:.60}; valid: {valid}")
+    raise EstimateError(f"estimate: candidates is {candidates!r:.60}; valid: {valid}")
 
 
 def _is_list(value: object) -> TypeGuard[Sequence[Any]]:
@@ -192,92 +193,92 @@ def _is_list(value: object) -> TypeGuard[Sequence[Any]]:
 
 
 def _verdict_rows(verdicts: object) -> list[int]:
-    """Return all rows that verdicts refer to. Raises `ClaimError` for anything but a sequence of `VerdictClaim`."""
-    if not isinstance(verdicts, Sequence) or not all(isinstance(each, VerdictClaim) for each in verdicts):
-        raise ClaimError(f"estimate: verdicts is {verdicts!r:.60}; valid: a tuple of VerdictClaim")
+    """Return all rows that verdicts refer to. Raises `EstimateError` for anything but a sequence of `CandidateVerdict`."""
+    if not isinstance(verdicts, Sequence) or not all(isinstance(each, CandidateVerdict) for each in verdicts):
+        raise EstimateError(f"estimate: verdicts is {verdicts!r:.60}; valid: a tuple of CandidateVerdict")
     for verdict in verdicts:
         _check_text("reason of a verdict", verdict.reason)
         if not isinstance(verdict.figures, Mapping):
-            raise ClaimError(
+            raise EstimateError(
                 f"estimate: figures of a verdict are {verdict.figures!r:.40}; valid: a mapping of names to numbers"
             )
         for name, value in verdict.figures.items():
             _check_text("name of a figure of a verdict", name)
             if not isinstance(value, Real):
                 given = f"figures[{name!r:.40}] of a verdict is {value!r:.40}"
-                raise ClaimError(f"estimate: {given}; valid: a number; leave unknown figures out")
+                raise EstimateError(f"estimate: {given}; valid: a number; leave unknown figures out")
     try:
         return [index(row) for verdict in verdicts for row in (verdict.query, verdict.match)]
     except TypeError:
-        raise ClaimError("estimate: query or match of a verdict is no whole number; valid: rows of frames") from None
+        raise EstimateError("estimate: query or match of a verdict is no whole number; valid: rows of frames") from None
 
 
 def _checked_stages(seconds: object) -> Mapping[str, float]:
-    """Return the times of the stages as numbers of Python. Raises `ClaimError` for anything but a mapping to numbers."""
+    """Return the times of the stages as numbers of Python. Raises `EstimateError` for anything but a mapping to numbers."""
     if not isinstance(seconds, Mapping) or not all(isinstance(each, Real) for each in seconds.values()):
-        raise ClaimError(f"estimate: stage_seconds is {seconds!r:.60}; valid: a mapping of the stage's name to seconds")
+        raise EstimateError(f"estimate: stage_seconds is {seconds!r:.60}; valid: a mapping of the stage's name to seconds")
     for name, value in seconds.items():
         _check_text("name in stage_seconds", name)
         if not 0.0 <= value <= _LONGEST_S:
-            raise ClaimError(f"estimate: stage_seconds[{name!r:.40}] is {value!r:.40}; valid: 0 to {_LONGEST_S:g} s")
+            raise EstimateError(f"estimate: stage_seconds[{name!r:.40}] is {value!r:.40}; valid: 0 to {_LONGEST_S:g} s")
     return MappingProxyType({name: float(value) for name, value in seconds.items()})
 
 
 def _check_text(name: str, text: object) -> None:
-    """Raise `ClaimError` unless a claim is a text that can be written to a file."""
+    """Raise `EstimateError` unless an estimate is a text that can be written to a file."""
     if not isinstance(text, str) or encodable(text) != text:
-        raise ClaimError(f"estimate: {name} is {text!r:.40}; valid: a text")
+        raise EstimateError(f"estimate: {name} is {text!r:.40}; valid: a text")
 
 
 def _check_loops(loops: object) -> None:
-    """Raise `ClaimError` unless there are as many earlier matches, rigid motions and weights in [0, 1] as later queries."""
-    if not isinstance(loops, LoopClaims):
-        raise ClaimError(f"estimate: loops is {_form_of(loops)}; valid: LoopClaims")
+    """Raise `EstimateError` unless there are as many matches, rigid motions and weights in [0, 1] as queries."""
+    if not isinstance(loops, EstimatedLoops):
+        raise EstimateError(f"estimate: loops is {_form_of(loops)}; valid: EstimatedLoops")
     n = len(loops.query) if _is_plain(loops.query) and loops.query.ndim else 0
     for name in ("query", "match"):
         _check_rows(f"loops.{name}", getattr(loops, name), n, "iu", ())
     if (wrong := np.flatnonzero(loops.query <= loops.match)).size:
         row = wrong[0]
         pair = f"query {loops.query[row]} and match {loops.match[row]} in row {row}"
-        raise ClaimError(f"estimate: loops has {pair}; valid: a query that is later than its match")
+        raise EstimateError(f"estimate: loops has {pair}; valid: a query that is later than its match")
     _check_rows("loops.T_match_query", loops.T_match_query, n, "fiu", (4, 4))
     _check_rigid("loops.T_match_query", loops.T_match_query)
     if loops.weights is not None:
         _check_rows("loops.weights", loops.weights, n, "fiu", ())
         if n and not 0.0 <= loops.weights.min() <= loops.weights.max() <= 1.0:
             found = f"{loops.weights.min():g} to {loops.weights.max():g}"
-            raise ClaimError(f"estimate: loops.weights are {found}; valid: numbers in [0, 1]")
+            raise EstimateError(f"estimate: loops.weights are {found}; valid: numbers in [0, 1]")
 
 
 def _check_rigid(name: str, motions: Float64[np.ndarray, "n 4 4"]) -> None:
-    """Raise `ClaimError` unless all matrices are rigid motions."""
+    """Raise `EstimateError` unless all matrices are rigid motions."""
     rigid = is_rigid(np.asarray(motions, np.float64), _RIGID)
     if not rigid.all():
         row = int(np.argmin(rigid))
         problem = f"estimate: {name} is no rigid motion in row {row}"
         if is_rigid(np.asarray(motions[row], np.float64).T, _RIGID):
-            raise ClaimError(f"{problem}: the last row is not 0 0 0 1; is the pose transposed?")
-        raise ClaimError(f"{problem}; valid: rotation and translation")
+            raise EstimateError(f"{problem}: the last row is not 0 0 0 1; is the pose transposed?")
+        raise EstimateError(f"{problem}; valid: rotation and translation")
     far = np.abs(motions[:, :3, 3]).max(axis=1, initial=0.0) > MAX_POSITION_M
     if far.any():
-        raise ClaimError(
+        raise EstimateError(
             f"estimate: {name} is beyond {MAX_POSITION_M:g} m in row {int(far.argmax())}; valid: places on Earth"
         )
 
 
-def _check_rows(name: str, claim: object, n: int, kinds: str, row: tuple[int | None, ...]) -> None:
-    """Raise `ClaimError` unless a claim is an array with `n` finite rows of the given shape."""
+def _check_rows(name: str, estimate: object, n: int, kinds: str, row: tuple[int | None, ...]) -> None:
+    """Raise `EstimateError` unless an estimate is an array with `n` finite rows of the given shape."""
     wanted = "whole numbers" if kinds == "iu" else "numbers"
-    if not _is_plain(claim) or claim.dtype.kind not in kinds or claim.ndim != 1 + len(row):
+    if not _is_plain(estimate) or estimate.dtype.kind not in kinds or estimate.ndim != 1 + len(row):
         shape = ", ".join(["n", *("any" if size is None else str(size) for size in row)])
         valid = f"an array of {wanted} of shape ({shape}){_MEANINGS.get(name, '')}"
-        raise ClaimError(f"estimate: {name} is {_form_of(claim)}; valid: {valid}")
-    if len(claim) != n:
-        raise ClaimError(f"estimate: {name} has {len(claim)} rows; valid: {n}, one for each of the frames")
-    if any(size not in (None, found) for size, found in zip(row, claim.shape[1:], strict=True)):
-        raise ClaimError(f"estimate: {name} has shape {claim.shape}; valid: {(n, *row)}")
-    if not np.isfinite(claim).all():
-        raise ClaimError(f"estimate: {name} is not finite in row {int(np.argwhere(~np.isfinite(claim))[0, 0])}")
+        raise EstimateError(f"estimate: {name} is {_form_of(estimate)}; valid: {valid}")
+    if len(estimate) != n:
+        raise EstimateError(f"estimate: {name} has {len(estimate)} rows; valid: {n}, one for each of the frames")
+    if any(size not in (None, found) for size, found in zip(row, estimate.shape[1:], strict=True)):
+        raise EstimateError(f"estimate: {name} has shape {estimate.shape}; valid: {(n, *row)}")
+    if not np.isfinite(estimate).all():
+        raise EstimateError(f"estimate: {name} is not finite in row {int(np.argwhere(~np.isfinite(estimate))[0, 0])}")
 
 
 def _form_of(value: object) -> str:

@@ -190,8 +190,8 @@ def _trajectory(run: Run) -> TrajectoryFigures:
         return tuple(0.0 if error is not None and error < _ROUNDING_M else error for error in found)
 
     ate_odometry_m, rpe_8m_odometry_m, rpe_24m_odometry_m = errors(run.odometry_poses)
-    claimed = run.estimate.T_W_B
-    ate_m, rpe_8m_m, rpe_24m_m = (None, None, None) if claimed is None else errors(claimed)
+    estimated = run.estimate.T_W_B
+    ate_m, rpe_8m_m, rpe_24m_m = (None, None, None) if estimated is None else errors(estimated)
     return TrajectoryFigures(ate_odometry_m, ate_m, rpe_8m_m, rpe_8m_odometry_m, rpe_24m_m, rpe_24m_odometry_m)
 
 

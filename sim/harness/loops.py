@@ -1,4 +1,4 @@
-"""`edge_truth`: compares the loop closures that a SLAM claims with the true poses."""
+"""`edge_truth`: compares the loop closures that a SLAM estimates with the true poses."""
 
 import numpy as np
 from jaxtyping import Bool
@@ -8,7 +8,7 @@ from sim.harness.finished_run import Run
 
 
 def edge_truth(run: Run) -> Bool[np.ndarray, "loops"]:
-    """Return, for each claimed loop, whether its relative pose is within 0.5 m and 0.2 rad of the truth."""
+    """Return, for each estimated loop, whether its relative pose is within 0.5 m and 0.2 rad of the truth."""
     loops = run.estimate.loops
     if loops is None:
         return np.zeros(0, bool)

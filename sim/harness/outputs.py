@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from lexis.files.replace import replaced_folder
 from lexis.files.tum_trajectory import write_tum
-from sim.errors import ClaimError, ProgramError, ProgramFilesError
+from sim.errors import EstimateError, ProgramError, ProgramFilesError
 from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.finished_run import Run
 from sim.harness.last_run import last_run
@@ -37,8 +37,8 @@ def write_run(
     """Write result.json, scenario.json, house.json, report.html, the trajectories and the SLAM's own files to `out`.
 
     `more` contains further files: their contents, by file name. The report shows the `failure`, if there is one. A folder of
-    an earlier run is replaced. Raises `LexisError` where `out` holds anything else or cannot be written, `ClaimError` where
-    a file of the SLAM has the name of a file of the harness, and whatever the SLAM raises.
+    an earlier run is replaced. Raises `LexisError` where `out` holds anything else or cannot be written, `EstimateError`
+    where a file of the SLAM has the name of a file of the harness, and whatever the SLAM raises.
     """
     with _folder_with(more, out) as folder:
         fill_run_folder(run, result, trials, folder, failure)
@@ -98,5 +98,7 @@ def _save_files_of(slam: SavesFiles, folder: Path) -> None:
             slam.save(Path(name))
         for path in sorted(Path(name).iterdir()):
             if (folder / path.name).exists():
-                raise ClaimError(f"SLAM under test: save() wrote {path.name!r}, a name of the harness; valid: other names")
+                raise EstimateError(
+                    f"SLAM under test: save() wrote {path.name!r}, a name of the harness; valid: other names"
+                )
             path.rename(folder / path.name)

@@ -1,4 +1,4 @@
-"""Tests the plans of a SLAM: a simulated robot drives from each room label that the SLAM claims to every other label."""
+"""Tests the plans of a SLAM: a simulated robot drives from each room label that the SLAM estimates to every other label."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from lexis.errors import PlanError
 from lexis.maths.se3 import inverse
 from lexis.maths.ties import rounded
 from lexis.types import Pose
-from sim.errors import ClaimError, SimError
+from sim.errors import EstimateError, SimError
 from sim.harness.finished_run import Run
 from sim.harness.last_run import last_run
 from sim.harness.run_settings import odometry_config
@@ -80,9 +80,9 @@ class _Belief:
         truth = run.true_poses
         if steering == "truth":
             return _Belief(truth, np.eye(4), OdometryConfig())
-        claimed = run.estimate.T_W_B
-        keyframes = run.odometry_poses if steering == "odometry" or claimed is None else upright(run, claimed)
-        # The correction T_W_B[-1] @ inverse(T_O_B[-1]) turns the last odometry pose T_O_B[-1] into the claimed T_W_B[-1].
+        estimated = run.estimate.T_W_B
+        keyframes = run.odometry_poses if steering == "odometry" or estimated is None else upright(run, estimated)
+        # The correction T_W_B[-1] @ inverse(T_O_B[-1]) turns the last odometry pose T_O_B[-1] into the estimated T_W_B[-1].
         return _Belief(keyframes, keyframes[-1] @ inverse(truth[-1]), odometry_config(run.scenario))
 
 
@@ -91,10 +91,10 @@ def try_plans(run: Run, steering: Steering = "estimate", blind: bool = False) ->
 
     Stairs are neither start nor goal. The robot starts at the first frame of the plan. Its odometry has the error that it
     had at the end of the run, and drifts on from there. If `blind`, the robot uses no range scan to avoid obstacles. If the
-    SLAM claims no labelled rooms or cannot plan paths, there are no trials. A plan that cannot be driven fails: the robot
+    SLAM estimates no labelled rooms or cannot plan paths, there are no trials. A plan that cannot be driven fails: the robot
     cannot stand at its first frame, or no way leads from there into a room of the goal's label.
 
-    Raises `ClaimError` for a plan that does not consist of rows of the estimate.
+    Raises `EstimateError` for a plan that does not consist of rows of the estimate.
     """
     if not isinstance(run.slam, PlansPaths):
         return []
@@ -104,7 +104,8 @@ def try_plans(run: Run, steering: Steering = "estimate", blind: bool = False) ->
 def planned_pairs(run: Run) -> list[tuple[str, str]]:
     """Return all pairs of labels (start, goal) between which plans are asked for.
 
-    The labels are those of the SLAM's rooms, except stairs, sorted. There are no pairs if the SLAM claims no labelled rooms.
+    The labels are those of the SLAM's rooms, except stairs, sorted. There are no pairs if the SLAM estimates no labelled
+    rooms.
     """
     rooms = run.estimate.named_rooms(run.room_names) or {}
     return list(permutations(sorted(set(rooms.values()) - {STAIRS}), 2))
@@ -113,7 +114,7 @@ def planned_pairs(run: Run) -> list[tuple[str, str]]:
 def ask_plan(run: Run, slam: PlansPaths, start: str, goal: str) -> Int[np.ndarray, "k"] | None:
     """Ask the SLAM for a plan; return the rows of the estimate in driving order, or None if the SLAM finds no plan.
 
-    Raises `ClaimError` unless the plan has one or more rows of the estimate. Other exceptions of the SLAM are passed on.
+    Raises `EstimateError` unless the plan has one or more rows of the estimate. Other exceptions of the SLAM are passed on.
     """
     try:
         with last_run().calling_slam(PlanError):
@@ -127,7 +128,7 @@ def ask_plan(run: Run, slam: PlansPaths, start: str, goal: str) -> Int[np.ndarra
         rows = np.zeros(0)
     if rows.ndim != 1 or not rows.size or rows.dtype.kind not in "iu" or not 0 <= rows.min() <= rows.max() < n:
         valid = f"one or more rows of the estimate, 0 to {n - 1}; without a plan, raise PlanError"
-        raise ClaimError(f"the plan from {start} to {goal} is {plan!r:.60}; valid: {valid}")
+        raise EstimateError(f"the plan from {start} to {goal} is {plan!r:.60}; valid: {valid}")
     return rows
 
 

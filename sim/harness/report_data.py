@@ -40,30 +40,30 @@ def report_data(
         unseen_rooms=run.unseen_rooms,
         candidates=_candidates(run),
         failure=failure,
-        claims_poses=run.estimate.T_W_B is not None,
+        estimates_poses=run.estimate.T_W_B is not None,
     )
 
 
 def _keyframes(run: Run) -> KeyframeTable:
-    truth, claims = run.true_poses, run.estimate
+    truth, estimates = run.true_poses, run.estimate
     odometry = aligned(run.odometry_poses, truth)
     unknown = np.full(len(truth), UNKNOWN)
     return KeyframeTable(
         run.true_stamps,
         truth,
         odometry,
-        odometry if claims.T_W_B is None else aligned(claims.T_W_B, truth),
+        odometry if estimates.T_W_B is None else aligned(estimates.T_W_B, truth),
         run.true_storeys,
         run.true_labels,
-        unknown if claims.baseline_labels is None else claims.baseline_labels,
-        unknown if claims.labels is None else claims.labels,
+        unknown if estimates.baseline_labels is None else estimates.baseline_labels,
+        unknown if estimates.labels is None else estimates.labels,
         tuple(run.house.rooms[room].id for room in run.true_rooms),
         _room_of_frames(run),
     )
 
 
 def _room_of_frames(run: Run) -> tuple[str, ...]:
-    """Return the name of the claimed room instance of every frame; "" for a frame in no room."""
+    """Return the name of the estimated room instance of every frame; "" for a frame in no room."""
     rooms = run.estimate.rooms
     if rooms is None:
         return ("",) * len(run.estimate.frames)
@@ -109,19 +109,21 @@ def _loops(run: Run) -> tuple[LoopMark, ...]:
 
 
 def _candidates(run: Run) -> tuple[CandidateMark, ...]:
-    claims = run.estimate.verdicts or ()
-    query = np.array([claim.query for claim in claims], int)
-    distances_m, angles_rad = separation(run.true_poses, query, np.array([claim.match for claim in claims], int))
+    estimates = run.estimate.verdicts or ()
+    query = np.array([estimate.query for estimate in estimates], int)
+    distances_m, angles_rad = separation(run.true_poses, query, np.array([estimate.match for estimate in estimates], int))
     revisits = (distances_m <= PLACE_M) & (angles_rad <= PLACE_RAD)
-    truths = zip(claims, distances_m.tolist(), revisits.tolist(), strict=True)
+    truths = zip(estimates, distances_m.tolist(), revisits.tolist(), strict=True)
     return tuple(
-        CandidateMark(claim.query, claim.match, claim.accepted, claim.reason, _known(claim.figures), distance_m, revisit)
-        for claim, distance_m, revisit in truths
+        CandidateMark(
+            estimate.query, estimate.match, estimate.accepted, estimate.reason, _known(estimate.figures), distance_m, revisit
+        )
+        for estimate, distance_m, revisit in truths
     )
 
 
 def _known(figures: Mapping[str, float]) -> dict[str, float]:
-    """Return figures as Python's floats, without those that are NaN. A SLAM may claim any kind of number."""
+    """Return figures as Python's floats, without those that are NaN. A SLAM may estimate any kind of number."""
     return {name: float(value) for name, value in figures.items() if not math.isnan(value)}
 
 

@@ -210,7 +210,9 @@ class RunResult:
         """Return the figure with a dotted name, which a benchmark needs. Raises `SimError` if the run cannot have it."""
         value = self[name]
         if value is None:
-            raise SimError(f"{name} is null for seed {self.seed}; valid: a run in which the SLAM claims what {name} needs")
+            raise SimError(
+                f"{name} is null for seed {self.seed}; valid: a run in which the SLAM estimates what {name} needs"
+            )
         return float(value)
 
     def __getitem__(self, name: str) -> Any:

@@ -1,4 +1,4 @@
-"""`run`: gives the observations of a scenario to a SLAM, and returns the SLAM's claims together with the truth."""
+"""`run`: gives the observations of a scenario to a SLAM, and returns the SLAM's estimates together with the truth."""
 
 from collections.abc import Callable, Mapping
 from contextlib import closing
@@ -8,7 +8,7 @@ import numpy as np
 
 from lexis.errors import ObservationError
 from lexis.timing import StageTimer
-from sim.errors import ClaimError
+from sim.errors import EstimateError
 from sim.feature_sensor.model import MINI_FEATURES, FeatureModel
 from sim.fidelity import ORACLE
 from sim.harness.adapters.lexis import Lexis
@@ -55,9 +55,9 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     with timed("slam_s"), last.calling_slam():
         estimate = slam.finish()
     if not isinstance(estimate, Estimate):
-        raise ClaimError(f"SLAM under test: finish() returned {type(estimate).__name__}; valid: an Estimate")
+        raise EstimateError(f"SLAM under test: finish() returned {type(estimate).__name__}; valid: an Estimate")
     seconds = timed.seconds | {"render_s": session.render_seconds - rendered_before_s}
-    # The claims are checked again, because a SLAM may have written into its arrays since it made the estimate.
+    # The estimates are checked again, because a SLAM may have written into its arrays since it made the estimate.
     _check_estimate(replace(estimate), given, len(walked.house.spec.room_labels))
     last.run = Run(
         scenario, session.house, walked.walkable, session, slam, estimate, given, seconds, tuple(delivered), tuple(refused)
@@ -113,15 +113,15 @@ def _indices(given: Mapping[int, Given]) -> str:
 
 
 def _check_estimate(estimate: Estimate, given: Mapping[int, Given], names: int) -> None:
-    """Raise ClaimError for claims about frames that the SLAM was not given, or about room names that do not exist."""
+    """Raise EstimateError for estimates about frames that the SLAM was not given, or about room names that do not exist."""
     for row, frame in enumerate(estimate.frames.tolist()):
         if frame not in given:
-            raise ClaimError(f"estimate: frames has {frame} in row {row}; valid: {_indices(given)}")
+            raise EstimateError(f"estimate: frames has {frame} in row {row}; valid: {_indices(given)}")
     for name in ("labels", "baseline_labels"):
-        claim = getattr(estimate, name)
-        if claim is not None and (beyond := np.flatnonzero(claim >= names)).size:
-            bad = f"{name} has {claim[beyond[0]]} in row {beyond[0]}"
-            raise ClaimError(f"estimate: {bad}; valid: -1 to {names - 1}, since there are {names} room names")
+        values = getattr(estimate, name)
+        if values is not None and (beyond := np.flatnonzero(values >= names)).size:
+            bad = f"{name} has {values[beyond[0]]} in row {beyond[0]}"
+            raise EstimateError(f"estimate: {bad}; valid: -1 to {names - 1}, since there are {names} room names")
     columns = names if estimate.similarities is None else estimate.similarities.shape[1]
     if columns != names:
-        raise ClaimError(f"estimate: similarities has {columns} columns; valid: {names}, one for each room name")
+        raise EstimateError(f"estimate: similarities has {columns} columns; valid: {names}, one for each room name")

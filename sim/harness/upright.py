@@ -1,4 +1,4 @@
-"""`upright`: claimed poses in a frame whose z axis points up, whatever world frame a SLAM uses."""
+"""`upright`: estimated poses in a frame whose z axis points up, whatever world frame a SLAM uses."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from sim.harness.finished_run import Run
 
 
 def upright(run: Run, poses: Poses) -> Poses:
-    """Return claimed poses in the odometry frame, whose z axis points up.
+    """Return estimated poses in the odometry frame, whose z axis points up.
 
     The world frame of a SLAM need not be upright: it may be that of the first camera. The first pose is taken to be that of
     the odometry.

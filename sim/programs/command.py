@@ -1,4 +1,4 @@
-"""`run_command`: a program in any language as the SLAM. The program reads a recording, and writes its claims to files."""
+"""`run_command`: a program in any language as the SLAM. The program reads a recording, and writes its estimates to files."""
 
 import math
 import os
@@ -24,7 +24,7 @@ from sim.harness.last_run import last_run
 from sim.harness.runner import Progress
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import CommandSlam
-from sim.programs.program_files import AT_REST, RecordedTimes, claim_files, read_estimate
+from sim.programs.program_files import AT_REST, RecordedTimes, estimate_files, read_estimate
 from sim.record.recording import check_format, write_take
 from sim.record.take import RecordedFrame, Take, prepare
 from sim.truth import Truth
@@ -32,7 +32,7 @@ from sim.truth import Truth
 TIMEOUT_S, MEMORY_MB = 600.0, 8192.0
 """Usual limits of a program: wall time [s], and the memory that each of its processes may allocate [MB]."""
 DATASET, OUT = "{dataset}", "{out}"
-"""Placeholders in a command for the folder of the recording and the folder of the claims."""
+"""Placeholders in a command for the folder of the recording and the folder of the estimates."""
 _KEPT_BYTES = 1_000_000
 
 
@@ -70,7 +70,7 @@ def run_command(
     images: str = "png",
     progress: Progress | None = None,
 ) -> Run:
-    """Record a scenario without its truth, run a program on the recording, and return the program's claims with the truth.
+    """Record a scenario without its truth, run a program on the recording, and return its estimates with the truth.
 
     Args:
         scenario: the run; its fidelity is "render", since a program needs images.
@@ -82,8 +82,8 @@ def run_command(
         images: png, jpg or, in bags only, raw.
         progress: called after every recorded frame with the share of frames done, in [0, 1].
 
-    Raises `ProgramError` if the program fails, `ProgramFilesError`, a `ClaimError`, if it writes files that are not valid,
-    and whatever `Program` and `sim.record.record` raise.
+    Raises `ProgramError` if the program fails, `ProgramFilesError`, a `EstimateError`, if it writes files that are not
+    valid, and whatever `Program` and `sim.record.record` raise.
     """
     Program(command, format, timeout_s, memory_mb, images)  # checks the arguments
     words = command_words(command)
@@ -111,7 +111,7 @@ def run_command(
             estimate = read_estimate(folders[OUT], _times(take, frames), take.walk.house.spec.room_labels)
         except (SimError, LexisError) as error:
             message = str(error).replace(str(folders[OUT]), OUT)
-            raise ProgramFilesError(message, claim_files(folders[OUT]), *printed) from error
+            raise ProgramFilesError(message, estimate_files(folders[OUT]), *printed) from error
     walked = frames[take.rest_frames :]
     last.run = Run(
         scenario,

@@ -1,4 +1,4 @@
-"""The files of a program's claims: `trajectory.tum`, and optionally `rooms.json` and `loops.json`."""
+"""The files of a program's estimates: `trajectory.tum`, and optionally `rooms.json` and `loops.json`."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -25,13 +25,13 @@ ROOMS = "rooms.json"
 """File with labels, room instances and floors; see `RoomClaims`."""
 AT_REST = -1
 """Value in place of `Observation.index` for frames before the walk, while the body is at rest."""
-_KEPT_FILE = FileKind("a file of claims", 20_000_000, SimError)
-"""A file of claims that is kept although it is not valid: it has at most 20 MB."""
+_KEPT_FILE = FileKind("a file of estimates", 20_000_000, SimError)
+"""A file of estimates that is kept although it is not valid: it has at most 20 MB."""
 _ROOMS_FILE = FileKind("rooms.json as in sim/pages/your-slam.md", 100_000_000, SimError)
 
 
 class FrameClaim(BaseModel):
-    """The claims of a program about one frame."""
+    """The estimates of a program about one frame."""
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
@@ -79,7 +79,7 @@ class RecordedTimes:
 
 
 def read_estimate(folder: Path, times: RecordedTimes, room_names: Sequence[str]) -> Estimate:
-    """Read the claims that a program has written to a folder.
+    """Read the estimates that a program has written to a folder.
 
     The estimate has one row for each stamp of rooms.json or, without this file, of the trajectory. Each row belongs to the
     recorded observation that is nearest in time.
@@ -87,18 +87,18 @@ def read_estimate(folder: Path, times: RecordedTimes, room_names: Sequence[str])
     Raises `SimError` or `LexisError` if a file is not valid, a stamp is near no observation, or a label is unknown.
     """
     poses = _poses(folder / TRAJECTORY, times)
-    claims = _claims(folder / ROOMS, times, poses) if (folder / ROOMS).exists() else None
-    frames = sorted(poses if claims is None else claims)
-    columns = {} if claims is None else _columns(folder / ROOMS, [claims[frame] for frame in frames], room_names)
+    estimates = _estimates(folder / ROOMS, times, poses) if (folder / ROOMS).exists() else None
+    frames = sorted(poses if estimates is None else estimates)
+    columns = {} if estimates is None else _columns(folder / ROOMS, [estimates[frame] for frame in frames], room_names)
     if (folder / LOOPS).exists():
         columns |= read_loops(folder / LOOPS, lambda stamps: _rows(np.array(stamps, float), times, frames))
     return Estimate(np.array(frames), T_W_B=np.array([poses[frame] for frame in frames]), **columns)
 
 
-def claim_files(folder: Path) -> dict[str, bytes]:
+def estimate_files(folder: Path) -> dict[str, bytes]:
     """Return the content of the files that a program has written to a folder, by their names.
 
-    Only the files of claims are returned, and of these only regular files of at most 20 MB.
+    Only the files of estimates are returned, and of these only regular files of at most 20 MB.
     """
     contents = {}
     for name in (TRAJECTORY, ROOMS, LOOPS):
@@ -121,15 +121,15 @@ def _rows(stamps: Float64[np.ndarray, "k"], times: RecordedTimes, frames: Sequen
     if unknown.any():
         stamp = stamps[np.argmax(unknown)]
         raise SimError(
-            f"{LOOPS}: stamp {stamp:.6f} is none of the claimed frames; valid: frames of {ROOMS}, or of {TRAJECTORY}"
+            f"{LOOPS}: stamp {stamp:.6f} is none of the estimated frames; valid: frames of {ROOMS}, or of {TRAJECTORY}"
         )
     return np.where(rest, -1, rows)
 
 
 def _poses(path: Path, times: RecordedTimes) -> dict[int, Pose]:
-    """Return the claimed pose of each frame, by the index of the frame.
+    """Return the estimated pose of each frame, by the index of the frame.
 
-    It is the claimed pose that is nearest in time, and at most half a frame period away.
+    It is the estimated pose that is nearest in time, and at most half a frame period away.
     """
     if not path.exists():
         raise SimError(f"command: the program wrote no {{out}}/{TRAJECTORY}; valid: poses at stamps of frames")
@@ -150,37 +150,37 @@ def _poses(path: Path, times: RecordedTimes) -> dict[int, Pose]:
     return found
 
 
-def _claims(path: Path, times: RecordedTimes, poses: dict[int, Pose]) -> dict[int, FrameClaim]:
-    """Return the claims of rooms.json, by the index of the frame; claims about the rest before the walk are left out.
+def _estimates(path: Path, times: RecordedTimes, poses: dict[int, Pose]) -> dict[int, FrameClaim]:
+    """Return the estimates of rooms.json, by the index of the frame; estimates about the rest before the walk are left out.
 
-    Raises `SimError` if a stamp matches no frame, or if a frame is claimed twice or has no pose.
+    Raises `SimError` if a stamp matches no frame, or if a frame is estimated twice or has no pose.
     """
     listed_frames = read_model(path, _ROOMS_FILE, RoomClaims).frames
-    frames, away_s = times.nearest(np.array([claim.stamp for claim in listed_frames], float))
-    claims: dict[int, FrameClaim] = {}
-    for claim, frame, away in zip(listed_frames, frames.tolist(), away_s.tolist(), strict=True):
+    frames, away_s = times.nearest(np.array([estimate.stamp for estimate in listed_frames], float))
+    estimates: dict[int, FrameClaim] = {}
+    for estimate, frame, away in zip(listed_frames, frames.tolist(), away_s.tolist(), strict=True):
         if away > times.period_s / 2:
-            raise SimError(f"{ROOMS}: stamp {claim.stamp:.6f} matches no frame; valid: {times.span()}")
-        if frame in claims:
-            raise SimError(f"{ROOMS}: stamp {claim.stamp:.6f} is a second claim about one frame; valid: one for each")
+            raise SimError(f"{ROOMS}: stamp {estimate.stamp:.6f} matches no frame; valid: {times.span()}")
+        if frame in estimates:
+            raise SimError(f"{ROOMS}: stamp {estimate.stamp:.6f} is a second estimate about one frame; valid: one for each")
         if frame == AT_REST:
             continue
         if frame not in poses:
-            raise SimError(f"{ROOMS}: stamp {claim.stamp:.6f} has no pose; valid: frames that {TRAJECTORY} holds")
-        claims[frame] = claim
-    if not claims:
+            raise SimError(f"{ROOMS}: stamp {estimate.stamp:.6f} has no pose; valid: frames that {TRAJECTORY} holds")
+        estimates[frame] = estimate
+    if not estimates:
         raise SimError(f"{ROOMS}: every stamp is before the walk, when the body is at rest; valid: also frames of the walk")
-    return claims
+    return estimates
 
 
-def _columns(path: Path, claims: Sequence[FrameClaim], room_names: Sequence[str]) -> dict[str, Any]:
-    """Convert claims to the fields of `Estimate` that are claimed. Raises `SimError` if only some frames claim a field."""
+def _columns(path: Path, estimates: Sequence[FrameClaim], room_names: Sequence[str]) -> dict[str, Any]:
+    """Convert what is listed about frames to fields of `Estimate`. Raises `SimError` if only some frames have a field."""
     columns = {}
     for name, field in (("label", "labels"), ("room", "rooms"), ("floor", "floors")):
-        values = [getattr(claim, name) for claim in claims]
+        values = [getattr(estimate, name) for estimate in estimates]
         missing = values.count(None)
         if 0 < missing < len(values):
-            stamp = claims[values.index(None)].stamp
+            stamp = estimates[values.index(None)].stamp
             raise SimError(f"{ROOMS}: the frame at {stamp:.6f} s has no {name}, others have; valid: all frames or none")
         if not missing:
             columns[field] = np.array([_number(value, room_names) for value in values], int)

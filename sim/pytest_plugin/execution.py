@@ -13,7 +13,7 @@ import pytest
 from _pytest._code.code import TracebackEntry
 from _pytest.runner import runtestprotocol
 
-from sim.errors import USER_ERRORS, ClaimError
+from sim.errors import USER_ERRORS, EstimateError
 from sim.harness.last_run import LastRun, watched
 from sim.harness.world_tests import World
 from sim.pytest_plugin.collection import is_without_worlds
@@ -223,7 +223,7 @@ def reason_of(item: pytest.Item, error: pytest.ExceptionInfo[BaseException], sla
     own = [entry for entry in error.traceback if _is_own(Path(entry.path), item.config.rootpath)]
     entry = own[-1] if own else error.traceback[-1]
     file, line, statement = str(entry.path), entry.lineno + 1, _statement(entry)
-    if not own and isinstance(error.value, ClaimError) and (finish := getattr(type(slam), "finish", None)) is not None:
+    if not own and isinstance(error.value, EstimateError) and (finish := getattr(type(slam), "finish", None)) is not None:
         file, line, statement = _definition(finish) or (file, line, statement)
     where = f"{relpath(file, item.config.invocation_params.dir)}:{line}"
     lines = error.exconly(tryshort=True).splitlines()

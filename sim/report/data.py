@@ -90,7 +90,7 @@ class KeyframeTable:
 
     @property
     def is_labelled(self) -> bool:
-        """Whether any keyframe has a label. A SLAM need not claim labels."""
+        """Whether any keyframe has a label. A SLAM need not estimate labels."""
         return bool((self.predicted_labels != UNKNOWN).any())
 
     @property
@@ -211,12 +211,12 @@ class ReportData:
     candidates: tuple[CandidateMark, ...] = ()
     failure: ShownFailure | None = None
     """Why the run counts as a failure; None for a run without a verdict."""
-    claims_poses: bool = True
-    """Whether the SLAM claims poses. If not, the estimated poses of the keyframes are those of the odometry."""
+    estimates_poses: bool = True
+    """Whether the SLAM estimates poses. If not, the estimated poses of the keyframes are those of the odometry."""
 
     @property
-    def claims_loops(self) -> bool:
-        """Whether the SLAM claims which loops it has closed, which may be none."""
+    def estimates_loops(self) -> bool:
+        """Whether the SLAM estimates which loops it has closed, which may be none."""
         return bool(self.loops) or (self.result.get("loops") or {}).get("verified") is not None
 
     @property

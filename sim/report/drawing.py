@@ -72,10 +72,10 @@ STYLES: dict[str, Style] = {
     "plan": Style(stroke="#8b3fd1", width=3.0, opacity=0.3),
     "path": Style(stroke="#8b3fd1", width=5.0, opacity=0.75),
     "camera": Style(fill="#ffee00", stroke="#111111", width=3.0, radius=0.18),
-    "wrong-claim": Style(fill="#ffffff", stroke="#111111", width=4.0, radius=0.115),
-    "claim": Style(fill="#ffffff", radius=0.08),
-    "later-wrong-claim": Style(fill="#ffffff", stroke="#111111", width=2.5, radius=0.075),
-    "later-claim": Style(fill="#ffffff", radius=0.05),
+    "wrong-estimate": Style(fill="#ffffff", stroke="#111111", width=4.0, radius=0.115),
+    "estimate": Style(fill="#ffffff", radius=0.08),
+    "later-wrong-estimate": Style(fill="#ffffff", stroke="#111111", width=2.5, radius=0.075),
+    "later-estimate": Style(fill="#ffffff", radius=0.05),
     "name": Style(fill="#3a4149"),
     "note": Style(fill="#3a4149"),
     "error": Style(stroke="#d5202a", width=3.0),
@@ -88,9 +88,9 @@ STYLES: dict[str, Style] = {
     "wrong": Style(fill="#ffffff", stroke="#d5202a", width=4.0, radius=0.115),
 }
 """Styles by name, in painting order. For readers who cannot tell green from red, marks of errors are not only red, but also
-larger, dashed or with a thick outline. The camera lies beneath the dot that shows what is claimed there. Claims about many
-frames lie beneath the names of rooms: rings of wrong claims beneath all dots, so that the dots of neighbouring frames, which
-overlap, can still be seen."""
+larger, dashed or with a thick outline. The camera lies beneath the dot that shows what is estimated there. Estimates about
+many frames lie beneath the names of rooms: rings of wrong estimates beneath all dots, so that the dots of neighbouring
+frames, which overlap, can still be seen."""
 
 
 @dataclass(frozen=True, eq=False)

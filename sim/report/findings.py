@@ -154,7 +154,7 @@ def _floors(data: ReportData) -> Iterator[Finding]:
 
 
 def _loops(data: ReportData) -> Iterator[Finding]:
-    if not data.claims_loops:
+    if not data.estimates_loops:
         return
     false = sorted((loop for loop in data.loops if not loop.true), key=lambda loop: -loop.weight)
     if not data.loops:
@@ -179,7 +179,7 @@ def _loops(data: ReportData) -> Iterator[Finding]:
 
 def _trajectory(data: ReportData) -> Iterator[Finding]:
     table = data.keyframes
-    if len(table.stamps) < LEAST_POSES or not data.claims_poses:
+    if len(table.stamps) < LEAST_POSES or not data.estimates_poses:
         return
     worst = int(np.argmax(table.estimated_errors))
     off, drift = table.estimated_errors[worst], table.odometry_errors[worst]

@@ -1,4 +1,4 @@
-"""Pictures of one frame of a session: the image of the camera, and what was true and claimed there on the floor plan."""
+"""Pictures of one frame of a session: the image of the camera, and what was true and estimated there on the floor plan."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -23,40 +23,42 @@ _HEADING_M = 0.5
 """Length of the line that shows where the estimated camera looks [m]."""
 _BLUE = "#1f6feb"
 _LISTED = 12
-"""Largest number of claims in the legend."""
+"""Largest number of estimates in the legend."""
 
 
 @dataclass(frozen=True, eq=False)
-class FrameClaims:
-    """What a SLAM claims about its frames, for a plan. Arrays have one row for each frame."""
+class FrameEstimates:
+    """What a SLAM estimates about its frames, for a plan. Arrays have one row for each frame."""
 
     frames: Int[np.ndarray, "n"]
     """Indices of the frames in the tour, ascending."""
     T_W_B: Poses | None = None
-    """Estimated poses, moved as a whole into the true world frame; None if they are not claimed."""
+    """Estimated poses, moved as a whole into the true world frame; None if they are not estimated."""
     groups: tuple[str, ...] = ()
-    """What is claimed about each frame, in words, such as "claimed room 2"; empty if the plan shows no such claims."""
+    """What is estimated about each frame, in words, such as "estimated room 2"; empty if the plan shows none."""
     wrong: Bool[np.ndarray, "n"] | None = None
-    """For each frame, whether the claim in `groups` is wrong; None if no claim is."""
+    """For each frame, whether the estimate in `groups` is wrong; None if no estimate is."""
     colours: Mapping[str, str] = field(default_factory=dict)
-    """Colour `#rrggbb` of each claim in `groups`. The legend lists the claims in this order."""
+    """Colour `#rrggbb` of each estimate in `groups`. The legend lists the estimates in this order."""
     names_labels: bool = False
     """Whether the plan names the rooms by their true labels, too, and not by their ids alone."""
 
 
-def place_image(session: Session, frame: int, claims: FrameClaims | None = None) -> Image:
-    """Draw the plan of the frame's storey with the true path, the camera's place, the claims and a legend."""
-    named = claims is not None and claims.names_labels
-    return marked_plan_image(session.house, session.truths[frame].storey, *frame_marks(session, frame, claims), named)
+def place_image(session: Session, frame: int, estimates: FrameEstimates | None = None) -> Image:
+    """Draw the plan of the frame's storey with the true path, the camera's place, the estimates and a legend."""
+    named = estimates is not None and estimates.names_labels
+    return marked_plan_image(session.house, session.truths[frame].storey, *frame_marks(session, frame, estimates), named)
 
 
-def frame_marks(session: Session, frame: int, claims: FrameClaims | None = None) -> tuple[list[Mark], list[LegendEntry]]:
+def frame_marks(
+    session: Session, frame: int, estimates: FrameEstimates | None = None
+) -> tuple[list[Mark], list[LegendEntry]]:
     """Return the marks of a frame on the plan of its storey, and the entries of their legend.
 
     The true path on this storey is grey, the estimated path above it is blue, and both are thick up to the frame. The
-    camera's place and what it sees of the floor nearby are yellow. With `claims.groups`, dots at the true positions of the
-    frames show these claims; the dots of later frames are smaller. Otherwise, a line leads from the true to the estimated
-    position of the frame.
+    camera's place and what it sees of the floor nearby are yellow. With `estimates.groups`, dots at the true positions of
+    the frames show these estimates; the dots of later frames are smaller. Otherwise, a line leads from the true to the
+    estimated position of the frame.
     """
     storeys = np.array([truth.storey for truth in session.truths])
     here, positions = storeys == storeys[frame], session.tour.T_W_B[:, :2, 3]
@@ -65,46 +67,50 @@ def frame_marks(session: Session, frame: int, claims: FrameClaims | None = None)
     marks += [Mark("line", "walked", positions[part]) for part in true_stretches(so_far)]
     legend = [LegendEntry("line", "walked", "true path, thick up to this frame")]
     more: list[LegendEntry] = []
-    if claims is not None:
-        shown = here[claims.frames]
-        marks += _estimate(claims, shown, so_far[claims.frames])
-        legend += [] if claims.T_W_B is None else [LegendEntry("line", "estimated", "estimated path")]
-        if claims.groups:
-            now = so_far[claims.frames]
-            marks += _dots(claims, positions[claims.frames], shown & ~now, "later-")
-            marks += _dots(claims, positions[claims.frames], now)
-            more = list(_dot_entries(claims, shown))
-        elif claims.T_W_B is not None and (claims.frames == frame).any():
-            marks += _error(session, frame, claims.T_W_B[claims.frames == frame][0])
+    if estimates is not None:
+        shown = here[estimates.frames]
+        marks += _estimate(estimates, shown, so_far[estimates.frames])
+        legend += [] if estimates.T_W_B is None else [LegendEntry("line", "estimated", "estimated path")]
+        if estimates.groups:
+            now = so_far[estimates.frames]
+            marks += _dots(estimates, positions[estimates.frames], shown & ~now, "later-")
+            marks += _dots(estimates, positions[estimates.frames], now)
+            more = list(_dot_entries(estimates, shown))
+        elif estimates.T_W_B is not None and (estimates.frames == frame).any():
+            marks += _error(session, frame, estimates.T_W_B[estimates.frames == frame][0])
             more = [LegendEntry("line", "error", "from the true to the estimated position")]
     marks += _sight(session, frame)
     return marks, [*legend, LegendEntry("dot", "camera", "the camera at this frame"), *more]
 
 
-def _estimate(claims: FrameClaims, shown: Bool[np.ndarray, "n"], so_far: Bool[np.ndarray, "n"]) -> Iterator[Mark]:
-    if claims.T_W_B is not None:
-        yield from (Mark("line", "belief", claims.T_W_B[part, :2, 3]) for part in true_stretches(shown))
-        yield from (Mark("line", "estimated", claims.T_W_B[part, :2, 3]) for part in true_stretches(so_far))
+def _estimate(estimates: FrameEstimates, shown: Bool[np.ndarray, "n"], so_far: Bool[np.ndarray, "n"]) -> Iterator[Mark]:
+    if estimates.T_W_B is not None:
+        yield from (Mark("line", "belief", estimates.T_W_B[part, :2, 3]) for part in true_stretches(shown))
+        yield from (Mark("line", "estimated", estimates.T_W_B[part, :2, 3]) for part in true_stretches(so_far))
 
 
 def _dots(
-    claims: FrameClaims, positions: Float64[np.ndarray, "n 2"], shown: Bool[np.ndarray, "n"], when: str = ""
+    estimates: FrameEstimates, positions: Float64[np.ndarray, "n 2"], shown: Bool[np.ndarray, "n"], when: str = ""
 ) -> Iterator[Mark]:
     """Yield the dots of the frames that are `shown`, and rings around the wrong ones; `when` is "later-" for small dots."""
     for k in np.flatnonzero(shown).tolist():
-        if claims.wrong is not None and claims.wrong[k]:
-            yield Mark("dot", f"{when}wrong-claim", positions[k : k + 1])
-        yield Mark("dot", f"{when}claim", positions[k : k + 1], claims.colours[claims.groups[k]], claims.groups[k])
+        if estimates.wrong is not None and estimates.wrong[k]:
+            yield Mark("dot", f"{when}wrong-estimate", positions[k : k + 1])
+        yield Mark(
+            "dot", f"{when}estimate", positions[k : k + 1], estimates.colours[estimates.groups[k]], estimates.groups[k]
+        )
 
 
-def _dot_entries(claims: FrameClaims, shown: Bool[np.ndarray, "n"]) -> Iterator[LegendEntry]:
-    present = {claims.groups[k] for k in np.flatnonzero(shown)}
-    listed = [LegendEntry("dot", "claim", group, colour) for group, colour in claims.colours.items() if group in present]
+def _dot_entries(estimates: FrameEstimates, shown: Bool[np.ndarray, "n"]) -> Iterator[LegendEntry]:
+    present = {estimates.groups[k] for k in np.flatnonzero(shown)}
+    listed = [
+        LegendEntry("dot", "estimate", group, colour) for group, colour in estimates.colours.items() if group in present
+    ]
     yield from listed[:_LISTED]
     if len(listed) > _LISTED:
-        yield LegendEntry("dot", "claim", f"and {len(listed) - _LISTED} more", "#ffffff")
-    if claims.wrong is not None and (claims.wrong & shown).any():
-        yield LegendEntry("dot", "wrong-claim", "ringed: wrong")
+        yield LegendEntry("dot", "estimate", f"and {len(listed) - _LISTED} more", "#ffffff")
+    if estimates.wrong is not None and (estimates.wrong & shown).any():
+        yield LegendEntry("dot", "wrong-estimate", "ringed: wrong")
 
 
 def _error(session: Session, frame: int, T_W_B: Pose) -> Iterator[Mark]:

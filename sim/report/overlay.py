@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float, Float64
 from lexis.maths.stretches import true_stretches
 from sim.report.data import PlanPath, ReportData
 from sim.report.drawing import Mark
-from sim.report.palette import claimed_room_colours
+from sim.report.palette import estimated_room_colours
 from worlds.truth import storey_of
 
 _HEADING_M = 0.28
@@ -26,7 +26,7 @@ def run_marks(data: ReportData, level: int, colours: Mapping[str, str]) -> list[
     return [
         *_trajectory(table.true_poses, table.storeys == level, "true"),
         *_trajectory(table.odometry_poses, table.storeys == level, "odometry"),
-        *(_trajectory(table.estimated_poses, table.storeys == level, "estimated") if data.claims_poses else ()),
+        *(_trajectory(table.estimated_poses, table.storeys == level, "estimated") if data.estimates_poses else ()),
         *_plans(data, level),
         *_loops(data, level),
         *_keyframes(data, level, colours),
@@ -75,9 +75,9 @@ def _loops(data: ReportData, level: int) -> Iterator[Mark]:
 def _keyframes(data: ReportData, level: int, colours: Mapping[str, str]) -> Iterator[Mark]:
     """Yield a dot at each keyframe's estimated position, with a tick for heading.
 
-    The dot has the colour of the predicted label or, without any labels, of the claimed room.
+    The dot has the colour of the predicted label or, without any labels, of the estimated room.
     """
-    table, wrong, rooms = data.keyframes, data.keyframes.wrong, claimed_room_colours(data.keyframes)
+    table, wrong, rooms = data.keyframes, data.keyframes.wrong, estimated_room_colours(data.keyframes)
     for k in np.flatnonzero(table.storeys == level):
         pose = table.estimated_poses[k]
         label = data.shown_labels[table.predicted_labels[k]]
@@ -88,7 +88,7 @@ def _keyframes(data: ReportData, level: int, colours: Mapping[str, str]) -> Iter
 
 
 def describe(data: ReportData, k: int) -> str:
-    """Describe keyframe number `k` in one line: time, true and claimed room and label, and position errors."""
+    """Describe keyframe number `k` in one line: time, true and estimated room and label, and position errors."""
     table = data.keyframes
     names = data.shown_labels
     parts = [f"keyframe {k}, {table.stamps[k]:.1f} s", f"in {table.true_rooms[k]} ({names[table.true_labels[k]]})"]
@@ -96,11 +96,11 @@ def describe(data: ReportData, k: int) -> str:
         before = f" (before refinement {names[table.baseline_labels[k]]})" if table.is_labelled_before else ""
         parts.append(f"says {names[table.predicted_labels[k]]}{before}")
     if table.has_rooms:
-        parts.append(f"claimed room {table.predicted_rooms[k].removeprefix('room ') or 'none'}")
+        parts.append(f"estimated room {table.predicted_rooms[k].removeprefix('room ') or 'none'}")
     odometry = f"{table.odometry_errors[k]:.2f} m"
     parts.append(
         f"off by {table.estimated_errors[k]:.2f} m (odometry {odometry})"
-        if data.claims_poses
+        if data.estimates_poses
         else f"odometry off by {odometry}"
     )
     return " · ".join(parts)

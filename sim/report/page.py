@@ -18,7 +18,7 @@ from sim.report.findings import findings
 from sim.report.inline_image import data_uri
 from sim.report.loop_candidates import candidate_lists, reason_counts
 from sim.report.overlay import describe, run_marks
-from sim.report.palette import claimed_room_colours, label_colours
+from sim.report.palette import estimated_room_colours, label_colours
 from sim.report.plan import plan_drawing
 from sim.report.svg import styles_css, to_svg
 from sim.report.timeline import LEFT, WIDTH, positions, timeline_svg
@@ -66,7 +66,7 @@ def write_report(path: Path, data: ReportData) -> None:
 
 def render_report(data: ReportData) -> str:
     """Render the report as the text of an HTML page."""
-    result, claimed = data.result, _without_nulls(data.result)
+    result, estimated = data.result, _without_nulls(data.result)
     colours = label_colours([*data.shown_labels, *(room.label for plan in data.plans for room in plan.rooms)])
     drawings = [plan_drawing(plan, colours).with_marks(run_marks(data, plan.level, colours)) for plan in data.plans]
     right, wrong = _samples(data)
@@ -82,18 +82,18 @@ def render_report(data: ReportData) -> str:
         plan_css=styles_css("figure svg"),
         failed=data.failed,
         colours={name: colours[name] for name in _present(data)},
-        claimed_rooms={name or "no room": colour for name, colour in claimed_room_colours(data.keyframes).items()},
+        estimated_rooms={name or "no room": colour for name, colour in estimated_room_colours(data.keyframes).items()},
         layers=_layers(data),
-        claims_poses=data.claims_poses,
+        estimates_poses=data.estimates_poses,
         timeline=timeline_svg(data, colours),
         is_labelled=is_labelled,
-        claims_loops=data.claims_loops,
+        estimates_loops=data.estimates_loops,
         confusion=confusion(data.keyframes, data.shown_labels) if is_labelled else None,
         right=right,
         wrong=wrong,
         faults_of_images=joined(data.faults_of_images, "and"),
-        sections=[(name, figures(claimed, name)) for name in SECTIONS if figures(claimed, name)],
-        place_recognition=claimed.get(PLACES) or {},
+        sections=[(name, figures(estimated, name)) for name in SECTIONS if figures(estimated, name)],
+        place_recognition=estimated.get(PLACES) or {},
         reasons=reason_counts(data),
         candidate_lists=candidate_lists(data),
         per_room=(result.get("labels") or {}).get("per_room") or {},
@@ -129,15 +129,15 @@ def _is_null(value: object) -> bool:
 def _layers(data: ReportData) -> list[tuple[str, str, bool]]:
     """Return id, name and initial state of each switch that shows or hides a part of the plans.
 
-    There are no switches for what the SLAM does not claim.
+    There are no switches for what the SLAM does not estimate.
     """
-    loops, plans = data.claims_loops, bool(data.paths)
+    loops, plans = data.estimates_loops, bool(data.paths)
     every = (
         ("keyframes", "keyframes", True, True),
         ("only-wrong", "only those with a wrong label", False, data.keyframes.is_labelled),
         ("true", "true path", True, True),
         ("odometry", "odometry", True, True),
-        ("estimated", "estimated path", True, data.claims_poses),
+        ("estimated", "estimated path", True, data.estimates_poses),
         ("loop-true", "true loop edges", True, loops),
         ("loop-false", "false loop edges", True, loops),
         ("plan", "plans that arrived", False, plans),
@@ -145,7 +145,7 @@ def _layers(data: ReportData) -> list[tuple[str, str, bool]]:
         ("furniture", "furniture", True, True),
         ("name", "names", True, True),
     )
-    return [(key, name, on) for key, name, on, is_claimed in every if is_claimed]
+    return [(key, name, on) for key, name, on, is_estimated in every if is_estimated]
 
 
 def _headlines(result: Mapping[str, Any]) -> list[Headline]:

@@ -1,4 +1,4 @@
-"""Assigns one colour to each room label, and to each claimed room, for all pictures of a report."""
+"""Assigns one colour to each room label, and to each estimated room, for all pictures of a report."""
 
 from collections.abc import Iterable
 
@@ -58,10 +58,10 @@ def instance_colours(names: Iterable[str], none: str) -> dict[str, str]:
     return {name: _INSTANCES[numbers[name] % len(_INSTANCES)] if name in numbers else _LABELS[NO_LABEL] for name in names}
 
 
-def claimed_room_colours(table: KeyframeTable) -> dict[str, str]:
-    """Map the name of each claimed room to the colour of its keyframes, and "" to the colour of keyframes in no room.
+def estimated_room_colours(table: KeyframeTable) -> dict[str, str]:
+    """Map the name of each estimated room to the colour of its keyframes, and "" to the colour of keyframes in no room.
 
-    Empty if keyframes have the colours of their labels, because there are labels, or if no rooms are claimed.
+    Empty if keyframes have the colours of their labels, because there are labels, or if no rooms are estimated.
     """
     if table.is_labelled or not table.has_rooms:
         return {}

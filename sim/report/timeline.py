@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float, Float64, Int
 
 from sim.report.data import ReportData
-from sim.report.palette import claimed_room_colours
+from sim.report.palette import estimated_room_colours
 from sim.report.room_errors import numbered_rooms
 
 WIDTH = 1000.0
@@ -26,13 +26,13 @@ def timeline_svg(data: ReportData, colours: Mapping[str, str]) -> str:
     if table.is_labelled_before:
         rows["image alone"] = table.baseline_labels
     if table.is_labelled:
-        rows["refined" if table.is_labelled_before else "claimed"] = table.predicted_labels
+        rows["refined" if table.is_labelled_before else "estimated"] = table.predicted_labels
     body: list[str] = []
     for i, (name, labels) in enumerate(rows.items()):
         body += _strip(i * (_STRIP + _GAP), name, labels, data.shown_labels, edges, colours)
-    if rooms := claimed_room_colours(table):
+    if rooms := estimated_room_colours(table):
         names, indices = numbered_rooms(table.predicted_rooms)
-        body += _strip(len(rows) * (_STRIP + _GAP), "claimed", indices, names, edges, rooms)
+        body += _strip(len(rows) * (_STRIP + _GAP), "estimated", indices, names, edges, rooms)
     if table.is_labelled:
         body += _wrong(3 * (_STRIP + _GAP), edges, data)
     body += _error_chart(data)
@@ -86,7 +86,7 @@ def _error_chart(data: ReportData) -> Iterator[str]:
         yield f'<text class="tick" x="{LEFT - 8}" y="{y + 4:.1f}" text-anchor="end">{fraction * top:g} m</text>'
     curves = {"odometry": table.odometry_errors, "estimated": table.estimated_errors}
     for name, errors in curves.items():
-        if name == "estimated" and not data.claims_poses:
+        if name == "estimated" and not data.estimates_poses:
             continue
         points = _points(x, _CHART_TOP + _CHART * (1 - errors / top))
         yield f'<polyline class="error-{name}" points="{points}"><title>position error, {name}</title></polyline>'
@@ -94,7 +94,7 @@ def _error_chart(data: ReportData) -> Iterator[str]:
 
 def _loop_ticks(data: ReportData) -> Iterator[str]:
     """Yield a tick at the later keyframe of each loop edge: true edges in the upper row, false edges in the lower row."""
-    if not data.claims_loops:
+    if not data.estimates_loops:
         return
     yield _row_name("loops", _LOOPS_TOP + 10)
     x = positions(data.keyframes.stamps)

@@ -16,9 +16,9 @@ quality against openness, and `pytest_items` makes a test for pytest, whose fail
 
 Glossary:
 
-- claim: a statement about a figure of one run, such as "rooms.pq >= 0.5". A SLAM's own claims are its estimate: poses,
-  labels, rooms, floors and loops.
-- law: a statement about two runs, such as "in the rotated house the claims are the same", or about one run, such as "all
+- claim: a statement about a figure of one run, such as "rooms.pq >= 0.5".
+- estimate: what the SLAM returns, which is poses, labels, rooms, floors and loops.
+- law: a statement about two runs, such as "in the rotated house the estimate is the same", or about one run, such as "all
   frames of a room have one label". A law needs no threshold for how good a SLAM is.
 - check: a claim or a law, and the share of the scenarios in which it has to hold.
 """

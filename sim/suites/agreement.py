@@ -1,4 +1,4 @@
-"""`ClaimAgreement`: how well two estimates of one run agree, which needs no ground truth."""
+"""`EstimateAgreement`: how well two estimates of one run agree, which needs no ground truth."""
 
 from dataclasses import dataclass
 
@@ -13,8 +13,8 @@ from sim.harness.estimate import Estimate
 
 
 @dataclass(frozen=True)
-class ClaimAgreement:
-    """How well two estimates agree on the frames that both cover; None for a claim that at least one of them lacks."""
+class EstimateAgreement:
+    """How well two estimates agree on the frames that both cover; None for an estimate that at least one of them lacks."""
 
     frames: float
     """Number of frames that both estimates cover, divided by the number of frames that at least one of them covers."""
@@ -26,20 +26,20 @@ class ClaimAgreement:
     floors: float | None
     """Share of the common frames that have the same floor in both estimates."""
     loops: float | None
-    """Number of loop closures that both estimates claim, divided by the number that at least one of them claims; 1 if both
-    claim none."""
+    """Number of loop closures that both estimates estimate, divided by the number that at least one of them estimates; 1 if
+    both estimate none."""
     rotation_rad: float | None
     """Largest angle between the two orientations of a common frame, after the trajectories are aligned [rad]."""
     position_m: float | None
     """Largest distance between the two positions of a common frame, after the trajectories are aligned [m]."""
 
 
-def agreement(first: Estimate, second: Estimate) -> ClaimAgreement:
+def agreement(first: Estimate, second: Estimate) -> EstimateAgreement:
     """Compare two estimates of one run. The frames of both are matched by `Observation.index`."""
     frames, rows_a, rows_b = np.intersect1d(first.frames, second.frames, return_indices=True)
     union = len(first.frames) + len(second.frames) - len(frames)
     largest = _largest_difference(first, second, rows_a, rows_b)
-    return ClaimAgreement(
+    return EstimateAgreement(
         frames=len(frames) / union,
         labels=_equal_share(first.labels, second.labels, rows_a, rows_b),
         rooms=_rand_index(first.rooms, second.rooms, rows_a, rows_b),

@@ -1,4 +1,4 @@
-"""`changed`: puts a change between the input and a SLAM, and converts the SLAM's claims back to the unchanged input."""
+"""`changed`: puts a change between the input and a SLAM, and converts the SLAM's estimates back to the unchanged input."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -9,13 +9,13 @@ from jaxtyping import Int
 from lexis.maths.se3 import inverse
 from lexis.types import Camera, Observation, Pose
 from sim.errors import SimError
-from sim.harness.estimate import Estimate, LoopClaims
+from sim.harness.estimate import Estimate, EstimatedLoops
 from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput, SlamUnderTest
 from sim.suites.stream_changes import StreamChange, copied
 
 
 class ChangedStream:
-    """A SLAM whose input is changed. Its claims are the claims of the SLAM, converted to the unchanged observations."""
+    """A SLAM whose input is changed. Its estimates are those of the SLAM, converted to the unchanged observations."""
 
     def __init__(self, slam: SlamUnderTest, change: StreamChange) -> None:
         self._slam, self._change = slam, change
@@ -37,7 +37,7 @@ class ChangedStream:
             self._slam.process(replace(given, index=len(self._given) - 1))
 
     def finish(self) -> Estimate:
-        """Return the claims about the unchanged observations, in the unchanged body frame, with the unchanged room names."""
+        """Return the estimates for the unchanged observations, in the unchanged body frame, with unchanged room names."""
         return _restored(self._slam.finish(), np.array(self._given), np.array(self._original_names), self._change)
 
     def _begin(self, camera: Camera, room_names: Sequence[str]) -> tuple[Camera, tuple[str, ...]]:
@@ -66,31 +66,31 @@ def changed(slam: SlamUnderTest, change: StreamChange) -> ChangedStream:
 
 
 def _restored(
-    claims: Estimate, given: Int[np.ndarray, "observations"], name_of: Int[np.ndarray, "names"], change: StreamChange
+    estimates: Estimate, given: Int[np.ndarray, "observations"], name_of: Int[np.ndarray, "names"], change: StreamChange
 ) -> Estimate:
-    """Convert claims about changed observations to claims about the unchanged observations.
+    """Convert estimates about changed observations to estimates about the unchanged observations.
 
     If several frames show one observation, only the last of these frames is kept. Candidates and verdicts are left out.
     """
-    frames, from_end = np.unique(given[claims.frames][::-1], return_index=True)
-    last = len(claims.frames) - 1 - from_end
+    frames, from_end = np.unique(given[estimates.frames][::-1], return_index=True)
+    last = len(estimates.frames) - 1 - from_end
     T_old_new, T_N_B = inverse(change.T_new_old), inverse(change.T_B_N)
-    new_row = np.searchsorted(frames, given[claims.frames])
-    similarities = claims.similarities
+    new_row = np.searchsorted(frames, given[estimates.frames])
+    similarities = estimates.similarities
     if similarities is not None:
         kept = name_of >= 0
         columns = np.zeros((len(similarities), int(name_of.max()) + 1))
         columns[:, name_of[kept]] = similarities[:, kept]
         similarities = columns[last]
     return replace(
-        claims,
+        estimates,
         frames=frames,
-        T_W_B=None if claims.T_W_B is None else T_old_new @ claims.T_W_B[last] @ T_N_B,
-        labels=_renamed(claims.labels, last, name_of),
-        baseline_labels=_renamed(claims.baseline_labels, last, name_of),
-        rooms=None if claims.rooms is None else claims.rooms[last],
-        floors=None if claims.floors is None else claims.floors[last],
-        loops=_moved(claims.loops, new_row, change.T_B_N),
+        T_W_B=None if estimates.T_W_B is None else T_old_new @ estimates.T_W_B[last] @ T_N_B,
+        labels=_renamed(estimates.labels, last, name_of),
+        baseline_labels=_renamed(estimates.baseline_labels, last, name_of),
+        rooms=None if estimates.rooms is None else estimates.rooms[last],
+        floors=None if estimates.floors is None else estimates.floors[last],
+        loops=_moved(estimates.loops, new_row, change.T_B_N),
         candidates=None,
         verdicts=None,
         similarities=similarities,
@@ -103,8 +103,8 @@ def _renamed(
     return None if labels is None else np.where(labels[rows] < 0, -1, name_of[labels[rows]])
 
 
-def _moved(loops: LoopClaims | None, new_row: Int[np.ndarray, "n"], T_B_N: Pose) -> LoopClaims | None:
-    """Convert claimed loops: their frames to rows of the unchanged observations, their poses to the unchanged body frame.
+def _moved(loops: EstimatedLoops | None, new_row: Int[np.ndarray, "n"], T_B_N: Pose) -> EstimatedLoops | None:
+    """Convert estimated loops: their frames to rows of the unchanged observations, their poses to the unchanged body frame.
 
     A loop between two frames of the same unchanged observation is left out. None stays None.
     """
@@ -114,4 +114,4 @@ def _moved(loops: LoopClaims | None, new_row: Int[np.ndarray, "n"], T_B_N: Pose)
     others = query != match  # two frames for one observation may form a loop
     T_match_query = T_B_N @ loops.T_match_query[others] @ inverse(T_B_N)
     weights = None if loops.weights is None else loops.weights[others]
-    return LoopClaims(query[others], match[others], T_match_query, weights)
+    return EstimatedLoops(query[others], match[others], T_match_query, weights)

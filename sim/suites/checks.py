@@ -12,10 +12,10 @@ from typing import Literal, NamedTuple, Protocol
 
 from lexis.errors import one_line
 from lexis.types import Percept
-from sim.errors import ClaimError, ProgramError, SimError
+from sim.errors import EstimateError, ProgramError, SimError
 from sim.harness.claims import Claim
 from sim.harness.crash import Crash, attempt, attempt_plans
-from sim.harness.estimate import Estimate, LoopClaims
+from sim.harness.estimate import Estimate, EstimatedLoops
 from sim.harness.figures import EvaluatedRun, evaluate
 from sim.harness.finished_run import Run
 from sim.harness.runner import Progress, run
@@ -24,7 +24,7 @@ from sim.harness.slam_under_test import CommandSlam, SlamUnderTest, made_slam
 from sim.harness.walk import walk
 from sim.number_checks import check_between
 from sim.programs.command import Program
-from sim.suites.agreement import ClaimAgreement, agreement
+from sim.suites.agreement import EstimateAgreement, agreement
 from sim.suites.changed_stream import changed
 from sim.suites.stream_changes import StreamChange
 from sim.wording import percent
@@ -34,7 +34,7 @@ NewSlam = Callable[[], SlamUnderTest] | Program
 """A function that makes a SLAM that has not run yet; or a program under test, which reads recordings of the scenarios."""
 _CLAIMS = ("labels", "rooms", "floors", "loops", "T_W_B")
 _SHARES = ("frames", "labels", "rooms", "floors", "loops")
-"""The figures of `ClaimAgreement` that are not distances or angles."""
+"""The figures of `EstimateAgreement` that are not distances or angles."""
 
 
 class CheckFinding(NamedTuple):
@@ -98,7 +98,7 @@ class ClaimCheck:
 
 
 @dataclass(frozen=True)
-class SameClaims:
+class SameEstimates:
     """A law about the input: after a change that should hardly matter, the SLAM reports nearly the same results.
 
     The results are the frames that the SLAM used, their poses, labels, rooms and floors, and the loop closures.
@@ -108,14 +108,14 @@ class SameClaims:
     says: str
     change: StreamChange
     least: float = 1.0
-    """Least agreement of each result in `compares`, in [0, 1]; see `ClaimAgreement`."""
+    """Least agreement of each result in `compares`, in [0, 1]; see `EstimateAgreement`."""
     position_m: float = 1e-4
     """Largest allowed distance between the positions that the two runs report for the same frame [m]."""
     rotation_rad: float = 1e-4
     """Largest allowed angle between the orientations that the two runs report for the same frame [rad]."""
     rate: float | None = None
     compares: tuple[str, ...] = _SHARES
-    """The results that have to agree besides the poses, by their names in `ClaimAgreement`."""
+    """The results that have to agree besides the poses, by their names in `EstimateAgreement`."""
     compares_poses: bool = True
     """Whether the poses have to agree."""
     needs: tuple[Literal["labels", "loops"], ...] = ()
@@ -126,19 +126,19 @@ class SameClaims:
     def examine(self, base: EvaluatedRun, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed input, and compare the claims of both runs."""
         if lacking := [name for name in self.needs if not _has_any(base.run.estimate, name)]:
-            return CheckFinding(None, f"the SLAM claims no {' and no '.join(lacking)}")
+            return CheckFinding(None, f"the SLAM estimates no {' and no '.join(lacking)}")
         second = run_on_change(self.change, base.run, new_slam)
         if isinstance(second, CheckFinding):
             return second
         lost = [name for name in _CLAIMS if _claims(base.run.estimate, name) != _claims(second.estimate, name)]
         if lost:
-            return CheckFinding(False, f"only one of the two runs claims {', '.join(lost)}")
+            return CheckFinding(False, f"only one of the two runs estimates {', '.join(lost)}")
         found = agreement(base.run.estimate, second.estimate)
         if found.frames == 0.0:
-            return CheckFinding(False, "the two runs make claims about different frames")
+            return CheckFinding(False, "the two runs make estimates about different frames")
         compared = (*self.compares, "position_m") if self.compares_poses else self.compares
         if all(getattr(found, name) is None for name in compared):
-            return CheckFinding(None, "the SLAM claims nothing that the law compares")
+            return CheckFinding(None, "the SLAM estimates nothing that the law compares")
         poses_agree = self._poses_agree(found)
         if self.needs_poses and not poses_agree:
             return CheckFinding(None, f"the law is about runs whose poses agree; {_written(found)}")
@@ -146,7 +146,7 @@ class SameClaims:
         agree = all(share is None or share >= self.least - 1e-9 for share in shares)
         return CheckFinding(poses_agree and agree, _written(found))
 
-    def _poses_agree(self, found: ClaimAgreement) -> bool:
+    def _poses_agree(self, found: EstimateAgreement) -> bool:
         if not self.compares_poses:
             return True
         near = found.position_m is None or found.position_m <= self.position_m
@@ -194,7 +194,7 @@ class NotWorse:
 
 @dataclass(frozen=True)
 class AfterChange:
-    """A law about the run on a changed input alone, in which the claims of the SLAM must not contradict themselves."""
+    """A law about the run on a changed input alone, in which the estimates of the SLAM must not contradict themselves."""
 
     name: str
     says: str
@@ -221,7 +221,7 @@ def run_on_change(change: StreamChange, base: Run, new_slam: NewSlam) -> Run | C
 
 
 def attempted(scenario: Scenario, new_slam: NewSlam, change: StreamChange | None = None) -> Run | CheckFinding:
-    """Run a SLAM; return a finding that fails if the SLAM raised an exception or made claims that are not valid.
+    """Run a SLAM; return a finding that fails if the SLAM raised an exception or made estimates that are not valid.
 
     With a `change`, the SLAM gets the changed input. Raises `SimError` if the scenario is impossible, if the machine cannot
     run it, or if a `change` is given for a program.
@@ -237,7 +237,7 @@ def attempted(scenario: Scenario, new_slam: NewSlam, change: StreamChange | None
 
     try:
         finished = attempt(runner, scenario)
-    except ClaimError as error:
+    except EstimateError as error:
         return CheckFinding(False, one_line(str(error), 160))
     if not isinstance(finished, Crash):
         return finished
@@ -251,7 +251,7 @@ def evaluated_run(scenario: Scenario, new_slam: NewSlam) -> EvaluatedRun | Check
         return finished
     try:
         trials = attempt_plans(finished) if scenario.fidelity == "render" else ()
-    except ClaimError as error:
+    except EstimateError as error:
         return CheckFinding(False, one_line(str(error), 160))
     if isinstance(trials, Crash):
         return CheckFinding(False, f"plan() of {_described(trials)}", is_crash=True)
@@ -271,12 +271,12 @@ def _claims(estimate: Estimate, name: str) -> bool:
 
 
 def _has_any(estimate: Estimate, name: str) -> bool:
-    """Return whether a SLAM claims a result, and at least one loop closure if the result is about these."""
-    claimed = getattr(estimate, name)
-    return claimed is not None and (not isinstance(claimed, LoopClaims) or len(claimed.query) > 0)
+    """Return whether a SLAM estimates a result, and at least one loop closure if the result is about these."""
+    estimated = getattr(estimate, name)
+    return estimated is not None and (not isinstance(estimated, EstimatedLoops) or len(estimated.query) > 0)
 
 
-def _written(found: ClaimAgreement) -> str:
+def _written(found: EstimateAgreement) -> str:
     """Return an agreement in one line: how much of each result agrees, and how far the poses differ."""
     shares = {name: getattr(found, name) for name in _SHARES}
     text = ", ".join(f"{share:.1%} of the {name}" for name, share in shares.items() if share is not None)

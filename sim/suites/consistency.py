@@ -11,7 +11,7 @@ from lexis.maths.paths import arc_length
 from lexis.maths.se3 import between
 from lexis.maths.ties import reaches
 from lexis.types import Poses
-from sim.harness.estimate import LoopClaims
+from sim.harness.estimate import EstimatedLoops
 from sim.harness.figures import EvaluatedRun
 from sim.harness.finished_run import Run
 from sim.harness.upright import upright
@@ -44,7 +44,7 @@ _FLOOR_M = 1.0
 
 @dataclass(frozen=True)
 class Consistent:
-    """A law about the claims of one run, which needs no second run."""
+    """A law about the estimates of one run, which needs no second run."""
 
     name: str
     says: str
@@ -61,7 +61,7 @@ def steps_follow_odometry(run: Run) -> CheckFinding:
     """Compare the motion between successive frames of the estimate with the motion of the odometry."""
     poses = run.estimate.T_W_B
     if poses is None or len(poses) < 2:
-        return CheckFinding(None, "the SLAM claims no motion")
+        return CheckFinding(None, "the SLAM estimates no motion")
     odometry = run.odometry_poses
     steps = between(odometry[:-1], odometry[1:])
     length_m = np.linalg.norm(steps[:, :3, 3], axis=1)
@@ -75,9 +75,9 @@ def steps_follow_odometry(run: Run) -> CheckFinding:
 
 def trusted_loops_fit(run: Run) -> CheckFinding:
     """Compare the relative poses of trusted loop closures with the relative poses in the trajectory."""
-    if (claims := _weighted_loops(run)) is None:
+    if (estimates := _weighted_loops(run)) is None:
         return _NO_WEIGHTS
-    poses, loops, weights = claims
+    poses, loops, weights = estimates
     if not (trusted := weights > _TRUSTED).any():
         return CheckFinding(None, "the SLAM trusts no loop closure")
     moved, turned = (errors[trusted] for errors in _loop_errors(loops, poses))
@@ -97,7 +97,7 @@ def loops_join_visits(run: Run) -> CheckFinding:
     }
     shares = {what: _of_two_visits(run.true_stamps[np.array(rows)]) for what, rows in pairs.items() if len(rows)}
     if not shares:
-        return CheckFinding(None, "the SLAM claims no loop closure and proposes no revisit")
+        return CheckFinding(None, "the SLAM estimates no loop closure and proposes no revisit")
     found = " and ".join(f"{share:.1%} of the {what}" for what, share in shares.items())
     return CheckFinding(
         min(shares.values()) >= _REVISITING_SHARE, f"{found} join frames that are at least {REVISIT_S:g} s apart"
@@ -127,9 +127,9 @@ class LastLoopsFit:
 
     def __call__(self, run: Run) -> CheckFinding:
         """Examine a run."""
-        if (claims := _weighted_loops(run)) is None:
+        if (estimates := _weighted_loops(run)) is None:
             return _NO_WEIGHTS
-        poses, loops, weights = claims
+        poses, loops, weights = estimates
         path = arc_length(run.odometry_poses[:, :3, 3])
         trusted = weights > _TRUSTED
         last = trusted & (path[np.maximum(loops.query, loops.match)] >= path[-1] - self.end_m)
@@ -150,9 +150,9 @@ _LAST_LOOPS = LastLoopsFit(end_m=1.0, most_m=0.07, ratio=2.0)
 
 def fitting_loops_are_trusted(run: Run) -> CheckFinding:
     """Look for loop closures that the trajectory satisfies although the SLAM does not trust them."""
-    if (claims := _weighted_loops(run)) is None:
+    if (estimates := _weighted_loops(run)) is None:
         return _NO_WEIGHTS
-    poses, loops, weights = claims
+    poses, loops, weights = estimates
     moved, turned = _loop_errors(loops, poses)
     fits = (moved <= _FITS_M) & (turned <= _FITS_RAD)
     if fits.sum() < _FITTING_LOOPS:
@@ -165,15 +165,15 @@ def fitting_loops_are_trusted(run: Run) -> CheckFinding:
 _NO_WEIGHTS = CheckFinding(None, "the SLAM does not say which loop closures it trusts")
 
 
-def _weighted_loops(run: Run) -> tuple[Poses, LoopClaims, Float64[np.ndarray, "loops"]] | None:
-    """Return the claimed poses, loop closures and their weights; None if one of these is not claimed."""
+def _weighted_loops(run: Run) -> tuple[Poses, EstimatedLoops, Float64[np.ndarray, "loops"]] | None:
+    """Return the estimated poses, loop closures and their weights; None if one of these is not estimated."""
     poses, loops = run.estimate.T_W_B, run.estimate.loops
     if poses is None or loops is None or loops.weights is None:
         return None
     return poses, loops, np.asarray(loops.weights, float)
 
 
-def _loop_errors(loops: LoopClaims, poses: Poses) -> tuple[Float64[np.ndarray, "loops"], Float64[np.ndarray, "loops"]]:
+def _loop_errors(loops: EstimatedLoops, poses: Poses) -> tuple[Float64[np.ndarray, "loops"], Float64[np.ndarray, "loops"]]:
     """Return the distances [m] and angles [rad] between loop closures and the relative poses in the trajectory."""
     return apart(np.asarray(loops.T_match_query, float), between(poses[loops.match], poses[loops.query]))
 
@@ -182,7 +182,7 @@ def rooms_are_uniform(run: Run) -> CheckFinding:
     """Look for rooms with frames of different labels, or on different floors."""
     rooms, labels, floors = run.estimate.rooms, run.estimate.labels, run.estimate.floors
     if rooms is None or (labels is None and floors is None):
-        return CheckFinding(None, "the SLAM claims no rooms, or neither labels nor floors")
+        return CheckFinding(None, "the SLAM estimates no rooms, or neither labels nor floors")
     mixed = [0 if kinds is None else _mixed(rooms, kinds) for kinds in (labels, floors)]
     return CheckFinding(sum(mixed) == 0, f"{mixed[0]} rooms have frames of several labels, {mixed[1]} of several floors")
 
@@ -191,7 +191,7 @@ def floors_are_level(run: Run) -> CheckFinding:
     """Compare the heights of the frames on each floor, and check that floors with higher numbers are higher."""
     poses, floors = run.estimate.T_W_B, run.estimate.floors
     if poses is None or floors is None or not (floors >= 0).any():
-        return CheckFinding(None, "the SLAM does not claim both poses and floors")
+        return CheckFinding(None, "the SLAM does not estimate both poses and floors")
     height = upright(run, poses)[:, 2, 3]
     heights = [height[floors == floor] for floor in np.unique(floors[floors >= 0])]
     span = max(float(np.ptp(own)) for own in heights)

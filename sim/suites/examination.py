@@ -29,7 +29,7 @@ from sim.suites.suite import Suite, SuitePart
 from worlds.errors import WorldsError
 
 COMPLETES = "the run completes"
-"""Name of the check that every part has besides its own: the SLAM raises no exception, and its claims are valid."""
+"""Name of the check that every part has besides its own: the SLAM raises no exception, and its estimates are valid."""
 DIED = "the SLAM ends its process, as a fatal error of compiled code does"
 """What is found in a scenario in which the SLAM ends the worker process."""
 _DRAWS = 20

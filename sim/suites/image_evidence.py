@@ -42,7 +42,7 @@ class OtherImages(NoChange):
 
 @dataclass(frozen=True)
 class SimilaritiesFollowImages:
-    """A law about claimed similarities: if every second image is replaced, the similarities of the other images stay."""
+    """A law about estimated similarities: if every second image is replaced, the similarities of the other images stay."""
 
     name: str = "similarities follow the images"
     says: str = (
@@ -55,13 +55,13 @@ class SimilaritiesFollowImages:
         """Run the SLAM on the changed images, and compare the similarities of the frames that both runs have."""
         first, change = base.run.estimate, OtherImages()
         if first.similarities is None:
-            return CheckFinding(None, "the SLAM claims no similarities")
+            return CheckFinding(None, "the SLAM estimates no similarities")
         finished = run_on_change(change, base.run, new_slam)
         if isinstance(finished, CheckFinding):
             return finished
         second = finished.estimate
         if second.similarities is None:
-            return CheckFinding(False, "only the run on the unchanged images claims similarities")
+            return CheckFinding(False, "only the run on the unchanged images estimates similarities")
         frames, rows_a, rows_b = np.intersect1d(first.frames, second.frames, return_indices=True)
         replaced = np.array([change.is_replaced(frame) for frame in frames.tolist()], bool)
         if replaced.all() or not replaced.any():

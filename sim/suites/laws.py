@@ -1,6 +1,7 @@
 """The laws that relate two runs of any SLAM: changes that must matter little, or that should do no harm.
 
-- `SameClaims` changes the stream of observations and compares the claims frame by frame. Where the SLAM has no reason to
+- `SameEstimates` changes the stream of observations and compares the estimates frame by frame. Where the SLAM has no reason
+to
   notice the change, the tolerance is rounding, or 1 mm where an optimiser stops at a slightly different place.
   `SimilaritiesFollowImages` compares the similarities frame by frame, and `JumbledImagesAreNotRecognised` counts loops.
 - `AfterChange` changes the stream, and examines the run on the changed stream alone.
@@ -15,7 +16,7 @@ from dataclasses import replace
 
 from sim.harness.run_settings import house_spec
 from sim.harness.scenario import Scenario
-from sim.suites.checks import AfterChange, Check, NotWorse, SameClaims
+from sim.suites.checks import AfterChange, Check, NotWorse, SameEstimates
 from sim.suites.consistency import LastLoopsFit
 from sim.suites.false_loops import FalseLoops
 from sim.suites.frame_changes import MovedOrigin, TurnedBody
@@ -48,56 +49,56 @@ def taller(scenario: Scenario) -> Scenario:
 LAWS: Mapping[str, Check] = {
     law.name: law
     for law in (
-        SameClaims("same run twice", "Two runs on the same observations give the same claims.", NoChange()),
-        SameClaims(
+        SameEstimates("same run twice", "Two runs on the same observations give the same estimates.", NoChange()),
+        SameEstimates(
             "moved and rotated house",
-            "The claims do not depend on where the odometry frame lies, nor on its heading. Tolerance: rounding, and 1 mm "
-            "because an optimiser stops when it has nearly converged.",
+            "The estimates do not depend on where the odometry frame lies, nor on its heading. Tolerance: rounding, "
+            "and 1 mm because an optimiser stops when it has nearly converged.",
             MovedOrigin(),
             position_m=1e-3,
         ),
-        SameClaims(
+        SameEstimates(
             "zero of the clock",
-            "The claims are the same if stamps count from 1970. Tolerance: rounding of time differences.",
+            "The estimates are the same if stamps count from 1970. Tolerance: rounding of time differences.",
             OtherClock(),
         ),
-        SameClaims(
+        SameEstimates(
             "axes of the body",
-            "The claims do not depend on the axes of the body frame, such as those of an IMU. Tolerance: rounding, and 1 mm "
-            "because an optimiser stops when it has nearly converged.",
+            "The estimates do not depend on the axes of the body frame, such as those of an IMU. Tolerance: rounding, "
+            "and 1 mm because an optimiser stops when it has nearly converged.",
             TurnedBody(),
             position_m=1e-3,
         ),
-        SameClaims(
+        SameEstimates(
             "axes of the body, on images",
-            "The claims on images hardly depend on the axes of the body frame. The last digits of positions do, and with "
+            "The estimates on images hardly depend on the axes of the body frame. The last digits of positions do, and with "
             "them the results of RANSAC: in LEXIS, poses change by up to 3 mm and 2 mrad.",
             TurnedBody(),
             least=0.98,
             position_m=0.02,
             rotation_rad=0.01,
         ),
-        SameClaims(
+        SameEstimates(
             "reused arrays",
             "The caller may overwrite the arrays of an observation once it is processed, so a SLAM has to copy what it "
             "keeps. Tolerance: none.",
             ReusedArrays(),
         ),
-        SameClaims(
+        SameEstimates(
             "steps in two parts",
-            "The claims stay the same if the odometry reports the uncertainty of each step in two parts. Frames must be "
+            "The estimates stay the same if the odometry reports the uncertainty of each step in two parts. Frames must be "
             "selected by motion, not by time or number. Tolerance: rounding.",
             StepsInTwoParts(),
         ),
         SimilaritiesFollowImages(),
         JumbledImagesAreNotRecognised(),
-        SameClaims(
+        SameEstimates(
             "order of the room names",
-            "The claims do not depend on the order of the room names. There is no tolerance, because ties are not expected.",
+            "The estimates do not depend on the order of the room names. No tolerance, because ties are not expected.",
             PermutedNames(),
             needs=("labels",),
         ),
-        SameClaims(
+        SameEstimates(
             "irrelevant room names",
             "Names of rooms that the house lacks change few labels and rooms. A few images may resemble such a room most.",
             MoreNames(),
@@ -106,7 +107,7 @@ LAWS: Mapping[str, Check] = {
             position_m=0.05,
             rotation_rad=0.05,
         ),
-        SameClaims(
+        SameEstimates(
             "room names in capitals",
             "Capital letters change few labels. Some encoders tell them from small ones.",
             CapitalLetters(),
@@ -116,7 +117,7 @@ LAWS: Mapping[str, Check] = {
             rotation_rad=0.05,
             rate=0.9,
         ),
-        SameClaims(
+        SameEstimates(
             "synonyms of room names",
             "With synonyms of the room names most labels stay. Encoders know some names better than others.",
             Synonyms(),
@@ -127,7 +128,7 @@ LAWS: Mapping[str, Check] = {
             rate=0.9,
             compares=("frames", "labels", "floors"),
         ),
-        SameClaims(
+        SameEstimates(
             "a slip of the odometry",
             "The odometry slips by 0.6 m and states the uncertainty, so loop closures mend most of it. Other frames may be "
             "selected.",
@@ -139,7 +140,7 @@ LAWS: Mapping[str, Check] = {
             compares=("labels", "floors"),
             needs=("loops",),
         ),
-        SameClaims(
+        SameEstimates(
             "slips that add up",
             "The odometry slips by 0.5 m again and again, and states the uncertainty. Where loop closures mend the "
             "trajectory, labels and rooms follow from the mended poses. Other frames may be selected.",
@@ -162,7 +163,7 @@ LAWS: Mapping[str, Check] = {
             _MENDED,
             rate=0.97,
         ),
-        SameClaims(
+        SameEstimates(
             "a drift in height",
             "The odometry rises by 1.5 cm/s on level floors, too. Floors are told by the stairs between them, so few frames "
             "change their floor.",
@@ -172,7 +173,7 @@ LAWS: Mapping[str, Check] = {
             compares=("floors",),
             compares_poses=False,
         ),
-        SameClaims(
+        SameEstimates(
             "a pause",
             "Standing still changes little. Times between visits grow, so other revisits may count as old enough.",
             Pause(),
@@ -181,7 +182,7 @@ LAWS: Mapping[str, Check] = {
             rotation_rad=0.01,
             rate=0.9,
         ),
-        SameClaims(
+        SameEstimates(
             "false loop closures",
             "Loop closures that are 1 m wrong change little, because a robust SLAM gives them little weight.",
             FalseLoops(),

@@ -52,7 +52,7 @@ def _drawn(runs: Sequence[_Series]) -> str:
         body += _panel(_LEFT + k * (_LEFT + _WIDTH + _GAP / 2), figure, title, runs)
     for k, (name, results) in enumerate(runs):
         x = _LEFT + _LEGEND * k
-        nothing = "" if any(_grouped(figure, results) for figure in _FIGURES) else " (claims neither)"
+        nothing = "" if any(_grouped(figure, results) for figure in _FIGURES) else " (estimates neither)"
         body.append(f'<circle cx="{x:.0f}" cy="14" r="5" fill="{_COLOURS[k]}"/>')
         body.append(f'<text x="{x + 10:.0f}" y="18">{escape(name)}{nothing}</text>')
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" role="img" '

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Int
 
 from lexis.errors import one_line
-from sim.errors import USER_ERRORS, ClaimError
+from sim.errors import USER_ERRORS, EstimateError
 from sim.harness.finished_run import Run
 from sim.harness.planning import ask_plan, planned_pairs
 from sim.harness.slam_under_test import PlansPaths
@@ -32,12 +32,12 @@ def plans_can_be_walked(run: Run) -> CheckFinding:
     """
     pairs, labels, slam = _spread(planned_pairs(run)), run.estimate.labels, run.slam
     if not pairs or labels is None or not isinstance(slam, PlansPaths):
-        return CheckFinding(None, "the SLAM claims no rooms of two labels, or makes no plans")
+        return CheckFinding(None, "the SLAM estimates no rooms of two labels, or makes no plans")
     blocked, begins, ends = 0, 0, 0
     for start, goal in pairs:
         try:
             plan = ask_plan(run, slam, start, goal)
-        except ClaimError as error:
+        except EstimateError as error:
             return CheckFinding(False, one_line(str(error), 160))
         except USER_ERRORS as error:
             return CheckFinding(False, one_line(f"plan() of the SLAM raises {type(error).__name__}: {error}", 160))

@@ -145,8 +145,8 @@ def _failure_test(
 ) -> tuple[FailureTest | None, str]:
     """Return the test with which `lexis-sim shrink` would search, and a line that says why the reference is not used, or "".
 
-    The test is None for a law, for invalid claims, and if the SLAM cannot be made. The reference is used for a claim that it
-    fulfils in the scenario.
+    The test is None for a law, for an invalid estimate, and if the SLAM cannot be made. The reference is used for a claim
+    that it fulfils in the scenario.
     """
     if isinstance(check, ClaimCheck):
         test, listed = FailureTest(check.claim.opposite, runner, reference), with_listed_house(scenario)

@@ -30,7 +30,7 @@ def stairs_are_climbed(run: Run) -> CheckFinding:
     """Compare the frames that are labelled as stairs with where the odometry climbs."""
     labels = run.estimate.labels
     if labels is None or STAIRS not in run.room_names or len(labels) < 2:
-        return CheckFinding(None, "the SLAM claims no labels, or stairs are no room name")
+        return CheckFinding(None, "the SLAM estimates no labels, or stairs are no room name")
     labelled = labels == run.room_names.index(STAIRS)
     positions = run.odometry_poses[:, :3, 3]
     path = arc_length(positions)
@@ -51,7 +51,7 @@ def staircases_are_rooms(run: Run) -> CheckFinding:
     """
     poses, labels, rooms = run.estimate.T_W_B, run.estimate.labels, run.estimate.rooms
     if poses is None or labels is None or rooms is None or STAIRS not in run.room_names:
-        return CheckFinding(None, "the SLAM does not claim poses, labels and rooms, or stairs are no room name")
+        return CheckFinding(None, "the SLAM does not estimate poses, labels and rooms, or stairs are no room name")
     on_stairs = np.flatnonzero((labels == run.room_names.index(STAIRS)) & (rooms >= 0))
     if not len(on_stairs):
         return CheckFinding(None, "no frame on stairs belongs to a room")

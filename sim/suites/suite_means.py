@@ -49,14 +49,14 @@ class SuiteMean:
         return MeanVerdict(self.confidence, tuple(self._margins()))
 
     @property
-    def outcome(self) -> RateOutcome | Literal["not claimed", "not examined"]:
-        """The outcome of `verdict`; "not examined" until all scenarios are, and "not claimed" if no run has the figure."""
+    def outcome(self) -> RateOutcome | Literal["not estimated", "not examined"]:
+        """The outcome of `verdict`; "not examined" until all scenarios are, and "not estimated" if no run has the figure."""
         if not self.is_complete:
             return "not examined"
-        return self.verdict.outcome if self.verdict.margins else "not claimed"
+        return self.verdict.outcome if self.verdict.margins else "not estimated"
 
     def __str__(self) -> str:
-        if self.outcome in ("not examined", "not claimed"):
+        if self.outcome in ("not examined", "not estimated"):
             return f"{self.name}: {self.outcome}"
         return f"{self.name} is {self.verdict}"
 

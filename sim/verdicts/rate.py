@@ -127,7 +127,7 @@ def assert_rate(
         verdict = RateVerdict(p, confidence, verdict.held + (outcome == "holds"), verdict.houses + 1)
         if verdict.outcome != "undecided":
             break
-    lacking = f"; not claimed in {unclaimed} of {verdict.houses} results, which count as failures" if unclaimed else ""
+    lacking = f"; not estimated in {unclaimed} of {verdict.houses} results, which count as failures" if unclaimed else ""
     if verdict.outcome == "fails" or (verdict.outcome == "undecided" and undecided == "fail"):
         raise AssertionError(f"{wanted}: {verdict}{lacking}")
     if verdict.outcome == "undecided" and undecided == "skip":

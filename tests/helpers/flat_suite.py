@@ -7,7 +7,7 @@ from helpers.open_flat import OPEN_FLAT
 
 from sim.harness import Lexis, Scenario
 from sim.harness.adapters import OdometryOnly
-from sim.suites.checks import CheckFinding, SameClaims
+from sim.suites.checks import CheckFinding, SameEstimates
 from sim.suites.examination import Examination
 from sim.suites.frame_changes import MovedOrigin
 from sim.suites.report import CheckVerdict
@@ -19,7 +19,7 @@ def flat(rng: np.random.Generator, number: int) -> Scenario:
     return replace(OPEN_FLAT, seed=int(rng.integers(1000)))
 
 
-ORIGIN = SameClaims("origin", "The claims do not depend on the origin.", MovedOrigin())
+ORIGIN = SameEstimates("origin", "The claims do not depend on the origin.", MovedOrigin())
 PART = SuitePart(
     "flat", "A flat.", flat, (*claims(0.95, "labels.accuracy >= 0.8"), *claims(0.95, "floors.accuracy >= 0.9"), ORIGIN), n=2
 )

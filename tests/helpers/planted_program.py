@@ -2,7 +2,7 @@
 
 BUG is one of:
 
-- `drift`: the program claims the poses of the odometry as they are.
+- `drift`: the program estimates the poses of the odometry as they are.
 - `floors`: it numbers floors by the height of the odometry, but takes storeys for twice as high as they are.
 - `open-plan`: it swaps the labels of two rooms where more than half of the boundary between them is open. A recording does
   not contain the labels, so this bug needs the file TRUTH, which `planted_commands.planted_command` writes for tests.
@@ -39,7 +39,7 @@ def swapped(stamps, truth):
 
 
 def main(bug, dataset, out, truth=None):
-    """Read the recording and write the claims."""
+    """Read the recording and write the estimates."""
     stamps, rows = odometry(Path(dataset))
     lines = [
         f"{stamp:.6f} {x} {y} {z} {qx} {qy} {qz} {qw}\n"
@@ -47,8 +47,8 @@ def main(bug, dataset, out, truth=None):
     ]
     (Path(out) / "trajectory.tum").write_text("".join(lines))
     if bug != "drift":
-        claims = floors(rows) if bug == "floors" else swapped(stamps, json.loads(Path(truth).read_text(encoding="utf-8")))
-        frames = [{"stamp": stamp, **claim} for stamp, claim in zip(stamps, claims, strict=True)]
+        estimates = floors(rows) if bug == "floors" else swapped(stamps, json.loads(Path(truth).read_text(encoding="utf-8")))
+        frames = [{"stamp": stamp, **estimate} for stamp, estimate in zip(stamps, estimates, strict=True)]
         (Path(out) / "rooms.json").write_text(json.dumps({"version": 1, "frames": frames}))
 
 

@@ -192,14 +192,14 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
     assert "the SLAM raised in process()" in (lost / "why.md").read_text()
     for page, slam in ((folder, "Stub"), (lost, "Lost")):
         assert (page / "why.md").read_text().splitlines()[2] == f"SLAM under test: `test_slam:{slam}`"
-    claimed = json.loads((folder / "result.json").read_text())
-    assert claimed["labels"]["accuracy"] < 0.99 and claimed["scenario"] == folder.name[-16:]
+    estimated = json.loads((folder / "result.json").read_text())
+    assert estimated["labels"]["accuracy"] < 0.99 and estimated["scenario"] == folder.name[-16:]
 
     replayed = inner(str(folder / "test_replay.py"))
     replayed.stdout.fnmatch_lines(
         [
             "*_ test_replay _*",
-            f"AssertionError: assert {claimed['labels']['accuracy']} > 0.99",
+            f"AssertionError: assert {estimated['labels']['accuracy']} > 0.99",
             "    test_slam.py:*: assert run.labels.accuracy > float(*",
             "SLAM under test: test_slam:Stub",
             "first wrong: in * at * s: labelled kitchen, is *",
@@ -292,11 +292,11 @@ def test_the_first_wrong_frame_is_wrong_for_the_figure_in_the_assertion(pytester
     pytester.makepyfile(test_slam=SLAM + FLOORS)
     result = inner("--no-lexis-shrink", "--lexis-out", "kept")
     result.assert_outcomes(failed=2)
-    result.stdout.fnmatch_lines(["first wrong: in * at * s: floor 9 claimed, is on floor 0"])
+    result.stdout.fnmatch_lines(["first wrong: in * at * s: floor 9 estimated, is on floor 0"])
     result.stdout.fnmatch_lines(["first wrong: in * at * s: the position is * m off*"])
     for name in ("why.md", "report.html"):
         pages = [page.read_text() for page in sorted(pytester.path.glob(f"kept/*/{name}"))]
-        assert "floor 9 claimed" in pages[0] and "m off" in pages[1]
+        assert "floor 9 estimated" in pages[0] and "m off" in pages[1]
 
 
 def test_the_page_of_a_failure_of_floors_counts_the_kinds_of_errors(pytester, inner, monkeypatch):
@@ -305,7 +305,9 @@ def test_the_page_of_a_failure_of_floors_counts_the_kinds_of_errors(pytester, in
     pytester.makepyfile(test_slam=SLAM + FLOORS)
     inner("--lexis-out", "kept", "-k", "test_floors").assert_outcomes(failed=1)
     (page,) = (page.read_text() for page in pytester.path.glob("kept/*/why.md"))
-    (here,) = re.findall(r"Here, (\d+) of \1 wrong frames are claimed on a floor too high; in the original scenario, ", page)
+    (here,) = re.findall(
+        r"Here, (\d+) of \1 wrong frames are estimated on a floor too high; in the original scenario, ", page
+    )
     assert int(here) > 0 and "may fail for another reason" not in page
 
 
@@ -338,7 +340,7 @@ def test_claims_that_the_harness_refuses_are_shown_at_the_method_that_returned_t
     pytester.makepyfile(test_slam=SLAM + BEYOND)
     inner("--no-lexis-shrink").stdout.fnmatch_lines(
         [
-            "sim.errors.ClaimError: estimate: frames has 1000000 in row 0; valid: 0 to *",
+            "sim.errors.EstimateError: estimate: frames has 1000000 in row 0; valid: 0 to *",
             "    test_slam.py:*: def finish(self):",
             "SLAM under test: test_slam:Beyond",
         ],
@@ -647,7 +649,7 @@ class TestLooks:
         [
             "SLAM under test: Endless has no method finish(); valid: *",
             "the fixture slam returned None; valid: a SLAM under test (is `return` missing?)",
-            "note: a figure is None if the SLAM makes no claim *",
+            "note: a figure is None if the SLAM makes no estimate *",
             "note: no figure 'acuracy' (did you mean 'accuracy'?); valid: accuracy, count_error",
             "note: no figure 'ate_m' (did you mean 'trajectory.ate_m'?); valid: seed, *",
             'note: with fidelity "features", observation.image is a Percept; valid: worlds(fidelity="render")',
@@ -701,7 +703,7 @@ def test_a_house_that_cannot_be_made_costs_a_line_and_no_traceback(pytester, inn
 
 
 @pytest.mark.parametrize("figure", ["floors.acuracy", "rooms.pq"])
-def test_a_figure_that_is_misspelt_or_not_claimed_is_no_failure_to_shrink(pytester, inner, figure):
+def test_a_figure_that_is_misspelt_or_not_estimated_is_no_failure_to_shrink(pytester, inner, figure):
     pytester.makepyfile(test_slam=SLAM + f"\n@small\ndef test_none(run):\n    assert run.{figure} > 0.5\n")
     inner().assert_outcomes(failed=1)
     assert not list(pytester.path.glob(".lexis-failures/*/original.json"))

@@ -27,10 +27,10 @@ class MapSegmentation(Protocol):
 
 
 class MapRooms:
-    """Claims the rooms that a segmentation finds in the true map, at the true positions of LEXIS's keyframes.
+    """Estimates the rooms that a segmentation finds in the true map, at the true positions of LEXIS's keyframes.
 
     Unlike a SLAM, this baseline is given the true walls, the true stairs and the true poses, so that no error but the
-    segmentation's own counts. It claims rooms and floors, but neither poses nor labels. Keyframes are selected
+    segmentation's own counts. It estimates rooms and floors, but neither poses nor labels. Keyframes are selected
     by odometry as LEXIS selects them, so that figures of both are about the same frames.
     """
 

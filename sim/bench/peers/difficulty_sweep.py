@@ -131,7 +131,7 @@ class SweepRow:
     """The value to which the run was changed; a house that cannot be opened as far as this has a lower openness."""
     seed: int
     labels: float | None
-    """Share of the keyframes with the right label; None for a method that claims no labels."""
+    """Share of the keyframes with the right label; None for a method that estimates no labels."""
     pq: float | None
     """Panoptic quality of rooms; None, as are the next two, for a run that has no figures of rooms."""
     splits: int | None

@@ -54,9 +54,9 @@ class LabelRow:
     seed: int
     method: str
     accuracy: float | None
-    """Share of keyframes with the right label; None: no labels are claimed."""
+    """Share of keyframes with the right label; None: no labels are estimated."""
     rooms: float | None
-    """Share of found rooms with the right label (see `room_accuracy`), as Hydra is evaluated; None: no rooms are claimed."""
+    """Share of found rooms with the right label (see `room_accuracy`), as Hydra is evaluated; None: there are no rooms."""
 
 
 @dataclass(frozen=True)

@@ -146,7 +146,7 @@ BENCHMARKS = (
         (
             argument("--only", default="", metavar="TEXT", help="mutants whose name contains this text (default: all)"),
             argument("--suite", default="pr", metavar="NAME", help="the suite (default: %(default)s)"),
-            argument("--no-laws", action="store_true", help="let the suite make claims only, without laws"),
+            argument("--no-laws", action="store_true", help="let the suite check claims only, without laws"),
             argument("--against", type=Path, metavar="FILE", help="results of unchanged LEXIS, to compare with"),
             argument("--smallest", action="store_true", help="also look for the smallest scenario that shows each mutant"),
             argument("--unchanged", type=positive, default=1, metavar="N", help="seeds for unchanged LEXIS (default: 1)"),

@@ -20,7 +20,7 @@ from lexis.verification import Verifier, verify
 from sim.feature_sensor.oracle import Oracle
 from sim.fidelity import ORACLE
 from sim.harness.adapters.closure_log import ClosureLog
-from sim.harness.estimate import Estimate, LoopClaims, VerdictClaim
+from sim.harness.estimate import CandidateVerdict, Estimate, EstimatedLoops
 from sim.harness.slam_under_test import FeatureInput
 
 
@@ -139,7 +139,7 @@ class Lexis:
 
 
 def estimate_of(map: LexisMap) -> Estimate:
-    """Convert a LEXIS map to claims, with one row for each keyframe."""
+    """Convert a LEXIS map to estimates, with one row for each keyframe."""
     loops = LoopArrays.of(map.loops)
     return Estimate(
         frames=np.array([keyframe.observation_index for keyframe in map.keyframes], int),
@@ -148,7 +148,7 @@ def estimate_of(map: LexisMap) -> Estimate:
         baseline_labels=map.baseline_labels,
         rooms=map.room_of,
         floors=map.floors,
-        loops=LoopClaims(loops.query, loops.match, loops.T_match_query, map.loop_weights),
+        loops=EstimatedLoops(loops.query, loops.match, loops.T_match_query, map.loop_weights),
         candidates=map.candidates,
         verdicts=tuple(_verdict(verdict) for verdict in map.verdicts) or None,
         similarities=map.similarities,
@@ -157,7 +157,7 @@ def estimate_of(map: LexisMap) -> Estimate:
     )
 
 
-def _verdict(verdict: Verdict) -> VerdictClaim:
+def _verdict(verdict: Verdict) -> CandidateVerdict:
     figures = {
         "matches": verdict.matches,
         "inliers": verdict.inliers,
@@ -166,7 +166,7 @@ def _verdict(verdict: Verdict) -> VerdictClaim:
         "misfit [rad]": verdict.misfit_rad,
     }
     known = {name: float(value) for name, value in figures.items() if value is not None}
-    return VerdictClaim(verdict.query, verdict.match, verdict.outcome == "accepted", verdict.outcome, known)
+    return CandidateVerdict(verdict.query, verdict.match, verdict.outcome == "accepted", verdict.outcome, known)
 
 
 @lru_cache(maxsize=1)

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from sim.harness.diagnosis.first_wrong import misplaced
 from sim.harness.finished_run import Run
 
-NO_FLOOR, TOO_HIGH, TOO_LOW = "claimed on no floor", "claimed on a floor too high", "claimed on a floor too low"
-NO_ROOM, SPLIT = "in no claimed room", "claimed apart from the rest of their room"
+NO_FLOOR, TOO_HIGH, TOO_LOW = "estimated on no floor", "estimated on a floor too high", "estimated on a floor too low"
+NO_ROOM, SPLIT = "in no estimated room", "estimated apart from the rest of their room"
 TWINS, STRANGERS = "merged with a room of the same label", "merged with a room of another label"
 
 
@@ -38,11 +38,11 @@ def are_alike(kinds: "Counter[str]", original: "Counter[str]") -> bool:
 
 
 def _of_floors(run: Run) -> Iterator[str]:
-    claims, truth = run.estimate.floors, run.true_storeys
-    if claims is not None:
-        for claim, floor in zip(claims[~run.on_stairs].tolist(), truth[~run.on_stairs].tolist(), strict=True):
-            if claim != floor:
-                yield NO_FLOOR if claim < 0 else TOO_HIGH if claim > floor else TOO_LOW
+    estimates, truth = run.estimate.floors, run.true_storeys
+    if estimates is not None:
+        for estimate, floor in zip(estimates[~run.on_stairs].tolist(), truth[~run.on_stairs].tolist(), strict=True):
+            if estimate != floor:
+                yield NO_FLOOR if estimate < 0 else TOO_HIGH if estimate > floor else TOO_LOW
 
 
 def _of_rooms(run: Run, labels: Mapping[str, str]) -> Iterator[str]:

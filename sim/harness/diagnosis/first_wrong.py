@@ -1,4 +1,4 @@
-"""`first_wrong`: the first frame of a run at which the claims of a SLAM are wrong, with room, time and reason."""
+"""`first_wrong`: the first frame of a run at which the estimates of a SLAM are wrong, with room, time and reason."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -34,11 +34,11 @@ class Misplaced(NamedTuple):
     """A row of the estimate in no room instance or in a wrong one."""
 
     row: int
-    claim: int
-    """Number of the claimed room; negative for none."""
+    estimate: int
+    """Number of the estimated room; negative for none."""
     how: Literal["nowhere", "merged", "split"]
     other: int
-    """If merged, the true room in which most of the claimed room lies. If split, the claimed room that holds most of the
+    """If merged, the true room in which most of the estimated room lies. If split, the estimated room that holds most of the
     true room; negative for none. Otherwise, the true room itself."""
 
 
@@ -53,7 +53,7 @@ class WrongFrame:
     time_s: float
     """Time since the start of the tour [s]."""
     what: str
-    """What is wrong: the claim and the truth, in words."""
+    """What is wrong: the estimate and the truth, in words."""
     since: int | None = None
     """Index of the frame in the tour at which a wrong motion begins that ends at `frame`; None for other errors."""
     similarities: tuple[tuple[str, float], ...] = ()
@@ -71,8 +71,8 @@ def first_wrong(run: Run, figure: str | None = None, reference: Run | None = Non
     is one.
 
     Without a figure, the result is the first frame with a wrong label or, if no label is wrong, the frame that is wrong for
-    the trajectory. The result is None if there is no such frame, or if the SLAM does not make the claim. It is also None for
-    a figure that describes the run as a whole, such as "coverage.path_covered".
+    the trajectory. The result is None if there is no such frame, or if the SLAM does not make the estimate. It is also None
+    for a figure that describes the run as a whole, such as "coverage.path_covered".
     """
     kind = "" if figure is None else figure.partition(".")[0]
     found = _found(_SEARCHES[kind], run, reference) if kind in _SEARCHES else None
@@ -115,20 +115,20 @@ def crash_frame(session: Session, done: float) -> WrongFrame:
     return WrongFrame(frame, room, float(stamps[frame] - stamps[0]), f"the SLAM raised {where}")
 
 
-def wrong_claims(run: Run, claim: Literal["labels", "rooms", "floors"]) -> Bool[np.ndarray, "n"]:
-    """Return for every frame whether its label, its room instance or its floor is wrong; for none if it is not claimed."""
-    search = {"labels": _label, "rooms": _instance, "floors": _floor}[claim]
+def wrong_estimates(run: Run, estimate: Literal["labels", "rooms", "floors"]) -> Bool[np.ndarray, "n"]:
+    """Return for every frame whether its label, its room instance or its floor is wrong; for none if it is not estimated."""
+    search = {"labels": _label, "rooms": _instance, "floors": _floor}[estimate]
     wrong = np.zeros(len(run.estimate.frames), bool)
     wrong[[found.row for found in search(run)]] = True
     return wrong
 
 
-def position_errors(claimed: Poses, truth: Poses) -> Float64[np.ndarray, "n"]:
-    """Return the distance of every claimed position from the true position [m].
+def position_errors(estimated: Poses, truth: Poses) -> Float64[np.ndarray, "n"]:
+    """Return the distance of every estimated position from the true position [m].
 
-    The claimed poses are first aligned as for the absolute trajectory error.
+    The estimated poses are first aligned as for the absolute trajectory error.
     """
-    return np.asarray(np.linalg.norm((aligned(claimed, truth) - truth)[:, :3, 3], axis=1))
+    return np.asarray(np.linalg.norm((aligned(estimated, truth) - truth)[:, :3, 3], axis=1))
 
 
 def _room_id(run: Run, row: int) -> str:
@@ -137,7 +137,7 @@ def _room_id(run: Run, row: int) -> str:
 
 
 def _room(run: Run, room: int) -> str:
-    """Return the id of a room and, if the SLAM claims labels, its label unless the id contains it.
+    """Return the id of a room and, if the SLAM estimates labels, its label unless the id contains it.
 
     A reduced scenario may have changed the label.
     """
@@ -146,20 +146,20 @@ def _room(run: Run, room: int) -> str:
 
 
 def _label(run: Run) -> Iterator[_Wrong]:
-    claims, before, truth = run.estimate.labels, run.estimate.baseline_labels, run.true_labels
+    estimates, before, truth = run.estimate.labels, run.estimate.baseline_labels, run.true_labels
     names = [*(f"labelled {name}" for name in run.room_names), NO_LABEL]  # index -1, for no label, is the last entry
-    if claims is not None:
-        for k in np.flatnonzero(claims != truth).tolist():
-            changed = before is not None and before[k] != claims[k]
+    if estimates is not None:
+        for k in np.flatnonzero(estimates != truth).tolist():
+            changed = before is not None and before[k] != estimates[k]
             refined = f" (before refinement: {names[before[k]]})" if before is not None and changed else ""
-            yield _Wrong(k, f"{names[claims[k]]}, is {run.room_names[truth[k]]}{refined}")
+            yield _Wrong(k, f"{names[estimates[k]]}, is {run.room_names[truth[k]]}{refined}")
 
 
 def _floor(run: Run) -> Iterator[_Wrong]:
-    claims, truth = run.estimate.floors, run.true_storeys
-    if claims is not None:
-        wrong = np.flatnonzero((claims != truth) & ~run.on_stairs)
-        yield from (_Wrong(int(k), f"floor {claims[k]} claimed, is on floor {truth[k]}") for k in wrong)
+    estimates, truth = run.estimate.floors, run.true_storeys
+    if estimates is not None:
+        wrong = np.flatnonzero((estimates != truth) & ~run.on_stairs)
+        yield from (_Wrong(int(k), f"floor {estimates[k]} estimated, is on floor {truth[k]}") for k in wrong)
 
 
 def _position(run: Run) -> Iterator[_Wrong]:
@@ -194,34 +194,36 @@ def _instance_or_label(run: Run) -> Iterator[_Wrong]:
 
 def _instance(run: Run) -> Iterator[_Wrong]:
     """Yield the frames in no room instance or in a wrong one; see `misplaced`."""
-    for row, claim, how, other in misplaced(run):
+    for row, estimate, how, other in misplaced(run):
         match how:
             case "nowhere":
-                yield _Wrong(row, "in no claimed room")
+                yield _Wrong(row, "in no estimated room")
             case "merged":
-                yield _Wrong(row, f"in the claimed room {claim}, which lies mostly in {_room(run, other)}")
+                yield _Wrong(row, f"in the estimated room {estimate}, which lies mostly in {_room(run, other)}")
             case "split":
-                mostly = f"though most of this room is {'in no claimed room' if other < 0 else f'the claimed room {other}'}"
-                yield _Wrong(row, f"in the claimed room {claim}, {mostly}")
+                mostly = (
+                    f"though most of this room is {'in no estimated room' if other < 0 else f'the estimated room {other}'}"
+                )
+                yield _Wrong(row, f"in the estimated room {estimate}, {mostly}")
 
 
 def misplaced(run: Run) -> Iterator[Misplaced]:
-    """Yield the frames in no room instance or in a wrong one; none if the SLAM claims no rooms.
+    """Yield the frames in no room instance or in a wrong one; none if the SLAM estimates no rooms.
 
     The room instance of a frame is wrong in two cases: most of the instance lies in another true room than the frame, or
     most frames of the frame's true room belong to another instance.
     """
-    claims, truth = run.estimate.rooms, run.true_rooms
-    if claims is None:
+    estimates, truth = run.estimate.rooms, run.true_rooms
+    if estimates is None:
         return
-    main_room, main_claim = _most_frequent(claims, truth), _most_frequent(truth, claims)
-    for row, (claim, room) in enumerate(zip(claims.tolist(), truth.tolist(), strict=True)):
-        if claim < 0:
-            yield Misplaced(row, claim, "nowhere", room)
-        elif main_room[claim] != room:
-            yield Misplaced(row, claim, "merged", main_room[claim])
-        elif main_claim[room] != claim:
-            yield Misplaced(row, claim, "split", main_claim[room])
+    main_room, main_estimate = _most_frequent(estimates, truth), _most_frequent(truth, estimates)
+    for row, (estimate, room) in enumerate(zip(estimates.tolist(), truth.tolist(), strict=True)):
+        if estimate < 0:
+            yield Misplaced(row, estimate, "nowhere", room)
+        elif main_room[estimate] != room:
+            yield Misplaced(row, estimate, "merged", main_room[estimate])
+        elif main_estimate[room] != estimate:
+            yield Misplaced(row, estimate, "split", main_estimate[room])
 
 
 def _most_frequent(groups: Int[np.ndarray, "n"], values: Int[np.ndarray, "n"]) -> dict[int, int]:

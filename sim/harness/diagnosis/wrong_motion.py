@@ -49,7 +49,7 @@ def first_wrong_motion(run: Run) -> WrongMotion | None:
 
     Each frame is compared with the first frame at least `_STRETCH_S` later. An error of the translation or of the rotation
     stands out if it is large, and much larger than the odometry's error of the same motion. The result is None if no error
-    stands out, and for a SLAM that claims no poses.
+    stands out, and for a SLAM that estimates no poses.
     """
     if run.estimate.T_W_B is None:
         return None
@@ -57,22 +57,22 @@ def first_wrong_motion(run: Run) -> WrongMotion | None:
     ends = np.searchsorted(times, times + (_STRETCH_S - 1e-6))
     starts = np.flatnonzero(ends < len(times))
     ends = ends[starts]
-    true, odometry, claimed = (
+    true, odometry, estimated = (
         between(poses[starts], poses[ends])
         for poses in (run.true_poses, run.odometry_poses, np.asarray(run.estimate.T_W_B, np.float64))
     )
     moved = _stands_out(
-        _move_errors(claimed, true), _move_errors(odometry, true), np.linalg.norm(true[:, :3, 3], axis=1), _MOVE_M
+        _move_errors(estimated, true), _move_errors(odometry, true), np.linalg.norm(true[:, :3, 3], axis=1), _MOVE_M
     )
     turned = _stands_out(
-        rotation_angle(between(true, claimed)), rotation_angle(between(true, odometry)), rotation_angle(true), _TURN_RAD
+        rotation_angle(between(true, estimated)), rotation_angle(between(true, odometry)), rotation_angle(true), _TURN_RAD
     )
     if not (moved | turned).any():
         return None
     k = int(np.argmax(moved | turned))
     start, end = int(starts[k]), int(ends[k])
     since_s, until_s = times[[start, end]] - run.session.tour.stamps[0]
-    estimate, robot = _told(claimed[k], true[k], bool(moved[k]), bool(turned[k]))
+    estimate, robot = _told(estimated[k], true[k], bool(moved[k]), bool(turned[k]))
     return WrongMotion(start, end, f"from {since_s:.1f} s to {until_s:.1f} s the estimate {estimate}, but the robot {robot}")
 
 
@@ -89,16 +89,16 @@ def _stands_out(
 
 
 def _told(
-    claimed: Float64[np.ndarray, "4 4"], true: Float64[np.ndarray, "4 4"], moved: bool, turned: bool
+    estimated: Float64[np.ndarray, "4 4"], true: Float64[np.ndarray, "4 4"], moved: bool, turned: bool
 ) -> tuple[str, str]:
-    """Describe the claimed and the true motion, as far as their translation (`moved`) or rotation (`turned`) differs."""
+    """Describe the estimated and the true motion, as far as their translation (`moved`) or rotation (`turned`) differs."""
     told = [list[str](), list[str]()]
     if moved:
-        for clauses, parts in zip(told, _shown(claimed[:3, 3], true[:3, 3], _SHOWN_M), strict=True):
+        for clauses, parts in zip(told, _shown(estimated[:3, 3], true[:3, 3], _SHOWN_M), strict=True):
             said = [f"{abs(part):.2f} m {_MOVES[axis][part < 0]}" for axis, part in parts]
             clauses.append(f"moves {joined(said, 'and')}" if said else "does not move")
     if turned:
-        for clauses, parts in zip(told, _shown(_angles_deg(claimed), _angles_deg(true), _SHOWN_DEG), strict=True):
+        for clauses, parts in zip(told, _shown(_angles_deg(estimated), _angles_deg(true), _SHOWN_DEG), strict=True):
             said = [_TURNS[axis][part < 0].format(f"{abs(part):.0f}°") for axis, part in parts]
             clauses.append(joined(said, "and") if said else "does not turn")
     return joined(told[0], "and"), joined(told[1], "and")
@@ -110,14 +110,14 @@ def _angles_deg(T: Float64[np.ndarray, "4 4"]) -> Float64[np.ndarray, "3"]:
 
 
 def _shown(
-    claimed: Float64[np.ndarray, "3"], true: Float64[np.ndarray, "3"], least: float
+    estimated: Float64[np.ndarray, "3"], true: Float64[np.ndarray, "3"], least: float
 ) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
     """Return the parts of two vectors, as (axis, part), that matter for their lengths or for their difference."""
-    size, apart = max(np.linalg.norm(claimed), np.linalg.norm(true)), np.linalg.norm(claimed - true)
+    size, apart = max(np.linalg.norm(estimated), np.linalg.norm(true)), np.linalg.norm(estimated - true)
     axes = [
         axis
         for axis in range(3)
-        if max(abs(claimed[axis]), abs(true[axis])) > 0.2 * size or abs(claimed[axis] - true[axis]) > 0.5 * apart
+        if max(abs(estimated[axis]), abs(true[axis])) > 0.2 * size or abs(estimated[axis] - true[axis]) > 0.5 * apart
     ]
-    first, second = ([(axis, float(v[axis])) for axis in axes if abs(v[axis]) >= least] for v in (claimed, true))
+    first, second = ([(axis, float(v[axis])) for axis in axes if abs(v[axis]) >= least] for v in (estimated, true))
     return first, second

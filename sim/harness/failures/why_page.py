@@ -11,7 +11,7 @@ from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.diagnosis.error_kinds import most_frequent
 from sim.harness.diagnosis.first_wrong import WrongFrame, crash_frame, first_wrong
 from sim.harness.failures.blame_table import BlameTable
-from sim.harness.failures.claimed_frames import claimed_frames
+from sim.harness.failures.estimated_frames import estimated_frames
 from sim.harness.failures.nearest_changes import nearest
 from sim.harness.failures.search import Reference, Search
 from sim.harness.finished_run import Run
@@ -22,7 +22,7 @@ from sim.harness.shrinking.scenario_difference import difference, relabelled_roo
 from sim.harness.shrinking.scenario_size import ScenarioSize
 from sim.harness.slam_under_test import CommandSlam
 from sim.render.image_files import encoded
-from sim.report.frame_picture import FrameClaims, place_image
+from sim.report.frame_picture import FrameEstimates, place_image
 from sim.session import Session
 from sim.wording import counted, joined, qualified_name
 
@@ -184,10 +184,10 @@ def wrong_frame_page(run: Run, figure: str | None = None, reference: Run | None 
     title = "## Where it first went wrong" + ("" if reference is None else ", and the reference did not")
     if frame is None:
         return Page((title, "", f"No single frame shows what is wrong with {figure or 'this run'}."), {})
-    claims = claimed_frames(run, figure, frame)
-    drawn = "".join(_how_drawn(run, frame, claims))
+    estimates = estimated_frames(run, figure, frame)
+    drawn = "".join(_how_drawn(run, frame, estimates))
     more = [*_frequent_label(run, figure), *_faults(run)]
-    return _frame_page(title, run.session, frame, run.scenario.fidelity, claims, drawn, more)
+    return _frame_page(title, run.session, frame, run.scenario.fidelity, estimates, drawn, more)
 
 
 def _frequent_label(run: Run, figure: str | None) -> list[str]:
@@ -196,7 +196,7 @@ def _frequent_label(run: Run, figure: str | None) -> list[str]:
         return []
     names = [*run.room_names, "nothing"]  # the label -1 stands for none
     pairs = zip(run.true_labels.tolist(), run.estimate.labels.tolist(), strict=True)
-    wrong = Counter(f"{names[truth]} is labelled {names[claim]}" for truth, claim in pairs if truth != claim)
+    wrong = Counter(f"{names[truth]} is labelled {names[estimate]}" for truth, estimate in pairs if truth != estimate)
     if not wrong:
         return []
     kind = most_frequent(wrong)
@@ -215,16 +215,16 @@ def _faults(run: Run) -> list[str]:
     return [f"Faults of this run: {'; '.join(listed)}."] if listed else []
 
 
-def _how_drawn(run: Run, frame: WrongFrame, claims: FrameClaims) -> Iterator[str]:
-    """Yield sentences on what the plan shows of the claims, each with a space before it."""
-    if claims.T_W_B is not None:
+def _how_drawn(run: Run, frame: WrongFrame, estimates: FrameEstimates) -> Iterator[str]:
+    """Yield sentences on what the plan shows of the estimates, each with a space before it."""
+    if estimates.T_W_B is not None:
         since_s = run.session.tour.stamps[frame.since or 0] - run.session.tour.stamps[0]
         agrees = (
             f"so that it agrees with the true path at {since_s:.1f} s" if frame.since is not None else "onto the true path"
         )
         yield f" The estimated path is moved as a whole {agrees}."
-    if claims.groups:
-        yield " Each dot is a frame at its true position, in the colour of the SLAM's claim; later frames are small."
+    if estimates.groups:
+        yield " Each dot is a frame at its true position, in the colour of the SLAM's estimate; later frames are small."
 
 
 def _crash_frame_page(crash: Crash) -> Page:
@@ -240,14 +240,14 @@ def _frame_page(
     session: Session,
     frame: WrongFrame,
     fidelity: Fidelity,
-    claims: FrameClaims | None = None,
+    estimates: FrameEstimates | None = None,
     how_drawn: str = "",
     more: Sequence[str] = (),
 ) -> Page:
     lines = [title, "", f"{str(frame)[0].upper()}{str(frame)[1:]}.", *more]
     if frame.similarities:
         lines.append(f"Most similar room names: {', '.join(f'{name} {value:.3f}' for name, value in frame.similarities)}.")
-    pictures = {_PLAN: encoded(place_image(session, frame.frame, claims), ".png")}
+    pictures = {_PLAN: encoded(place_image(session, frame.frame, estimates), ".png")}
     shown = f"![the place on the plan]({_PLAN})"
     storey = f"storey {session.truths[frame.frame].storey}" if len(session.house.storeys) > 1 else "the storey"
     caption = f"The plan shows {storey}, and the camera's place and field of view in yellow.{how_drawn}"

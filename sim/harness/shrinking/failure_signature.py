@@ -118,13 +118,13 @@ class FailureTest:
             raise SimError(f"condition {str(self)!r}: {outcome.sentence}; {valid}") from outcome.error
         if self.condition is not None and outcome.value is None:
             null = " or ".join(self.condition.figures)
-            raise SimError(f"condition {str(self)!r}: {null} is null; valid: a figure of what the SLAM claims")
+            raise SimError(f"condition {str(self)!r}: {null} is null; valid: a figure of what the SLAM estimates")
         return outcome.signature
 
     def outcome(self, scenario: Scenario, progress: Progress | None = None) -> Observed | Crash:
         """Run the SLAM on a scenario, unless the test has kept this run; return the run with its figures, or the crash.
 
-        Raises what `attempt` raises: the scenario cannot be run, or the SLAM's claims are not valid.
+        Raises what `attempt` raises: the scenario cannot be run, or the SLAM's estimates are not valid.
         """
         kept = self._kept.get(scenario.fidelity)
         if kept is not None and kept.scenario == scenario:

@@ -41,7 +41,7 @@ _MOST = 500
 
 @dataclass(frozen=True)
 class GoodSlam:
-    """An imaginary SLAM that claims the true labels, rooms and floors, and poses with small errors."""
+    """An imaginary SLAM that estimates the true labels, rooms and floors, and poses with small errors."""
 
     error_m: float
     """Amount by which each error of its trajectory is greater than that of its poses [m]."""
@@ -49,9 +49,9 @@ class GoodSlam:
     """Whether its poses are those of the odometry, corrected by all true loop closures; otherwise, they are true."""
 
     def result(self, run: Run, trials: Sequence[Trial] = ()) -> RunResult:
-        """Return the figures of a run in which this SLAM had made the claims.
+        """Return the figures of a run as if this SLAM had made the estimates.
 
-        Claims that the SLAM of the run does not make are not added; its other claims and its driven plans are kept.
+        What the SLAM of the run does not estimate is not added; its other estimates and its driven plans are kept.
         """
         poses = with_true_loops(run) if self.uses_odometry and run.estimate.T_W_B is not None else run.true_poses
         good: dict[str, Any] = {

@@ -38,8 +38,8 @@ def test_figures_of_rigs_cover_retired_keyframes(walk):
 def test_loops_that_the_map_still_contains_keep_the_weights_of_the_map(walk, monkeypatch):
     monkeypatch.setattr("lexis.graph.pose_graph.loop_weights", lambda poses, loops, config: np.full(len(loops), 0.625))
     slam = Lexis("oracle", THIN)
-    claimed = run(walk, slam).estimate.loops
+    estimated = run(walk, slam).estimate.loops
     held = {(loop.query, loop.match) for loop in slam.map.loops}
-    is_held = np.array([pair in held for pair in zip(claimed.query.tolist(), claimed.match.tolist(), strict=True)])
+    is_held = np.array([pair in held for pair in zip(estimated.query.tolist(), estimated.match.tolist(), strict=True)])
     assert is_held.any() and not is_held.all()
-    assert (claimed.weights[is_held] == 0.625).all() and (claimed.weights[~is_held] != 0.625).all()
+    assert (estimated.weights[is_held] == 0.625).all() and (estimated.weights[~is_held] != 0.625).all()

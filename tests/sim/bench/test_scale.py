@@ -101,14 +101,14 @@ def test_landmarks_loops_candidates_and_spaces_are_those_of_active_keyframes(wal
 
 def test_the_claims_contain_what_retired_keyframes_have_given_up(walked):
     (finished, slam), (whole, _) = walked
-    claims = finished.estimate
-    assert [query for query, _ in claims.candidates] == list(range(len(slam.map.keyframes)))
-    proposed = {(query, match) for query, matches in claims.candidates for match in matches}
-    accepted = {(verdict.query, verdict.match) for verdict in claims.verdicts if verdict.accepted}
-    assert {(verdict.query, verdict.match) for verdict in claims.verdicts} == proposed
-    loops = list(zip(claims.loops.query.tolist(), claims.loops.match.tolist(), strict=True))
+    estimates = finished.estimate
+    assert [query for query, _ in estimates.candidates] == list(range(len(slam.map.keyframes)))
+    proposed = {(query, match) for query, matches in estimates.candidates for match in matches}
+    accepted = {(verdict.query, verdict.match) for verdict in estimates.verdicts if verdict.accepted}
+    assert {(verdict.query, verdict.match) for verdict in estimates.verdicts} == proposed
+    loops = list(zip(estimates.loops.query.tolist(), estimates.loops.match.tolist(), strict=True))
     assert set(loops) == accepted and len(loops) == len(accepted) > 2 * len(slam.map.loops)
-    weights = dict(zip(loops, claims.loops.weights.tolist(), strict=True))
+    weights = dict(zip(loops, estimates.loops.weights.tolist(), strict=True))
     kept = [weights[loop.query, loop.match] for loop in slam.map.loops]
     np.testing.assert_array_equal(kept, slam.map.loop_weights)
     recalls = [evaluate(each).loops.recall for each in (finished, whole)]

@@ -159,7 +159,7 @@ def test_a_program_that_fails_is_shrunk_and_replayed(project, unlit, capsys):
         ),
         (
             ["scenario.json", "--slam", "sim.harness.adapters:OdometryOnly", *FAILS],
-            "condition 'floors.accuracy < 0.5': floors.accuracy is null; valid: a figure of what the SLAM claims",
+            "condition 'floors.accuracy < 0.5': floors.accuracy is null; valid: a figure of what the SLAM estimates",
         ),
         (
             ["scenario.json", "--slam", "own_slam_to_shrink:Lost", *FAILS],

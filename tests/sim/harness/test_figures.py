@@ -12,18 +12,18 @@ from sim.faults.poses import Kidnap
 from sim.faults.stamps import StampJitter, StampJump
 from sim.harness import evaluate, run
 from sim.harness.adapters import OdometryOnly
-from sim.harness.estimate import LoopClaims
+from sim.harness.estimate import EstimatedLoops
 
 LONG = replace(OPEN_FLAT, length_m=80.0)
 
 
 def with_half_of_the_loops(*faults):
-    """A run of 80 m whose estimate claims a true loop at every second revisit, and asks for a match at every frame."""
+    """A run of 80 m whose estimate estimates a true loop at every second revisit, and asks for a match at every frame."""
     finished = run(replace(LONG, faults=faults), OdometryOnly())
     count, truth = len(finished.estimate.frames), finished.true_poses
     query = true_revisits(truth, finished.session.tour.stamps[finished.estimate.frames])[::2]
     match = np.zeros_like(query)
-    loops = LoopClaims(query, match, between(truth[match], truth[query]))
+    loops = EstimatedLoops(query, match, between(truth[match], truth[query]))
     estimate = replace(finished.estimate, loops=loops, candidates=tuple((k, (0,)) for k in range(count)))
     return replace(finished, estimate=estimate)
 

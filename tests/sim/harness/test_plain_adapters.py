@@ -1,4 +1,4 @@
-"""The plain adapters claim what they say and no more; they are right where their rule holds and wrong where it does not."""
+"""The plain adapters estimate what they say and no more; they are right where their rule holds, and wrong elsewhere."""
 
 from dataclasses import replace
 
@@ -70,7 +70,7 @@ def test_keyframes_are_half_a_metre_of_path_apart():
 
 
 @pytest.mark.parametrize("slam", [OdometryOnly, GeometricRooms])
-def test_an_array_that_is_overwritten_after_a_call_does_not_change_the_claims(slam):
+def test_an_array_that_is_overwritten_after_a_call_does_not_change_the_estimates(slam):
     kept, reused = (run(SCENARIO, tested).estimate for tested in (slam(), changed(slam(), ReusedArrays())))
     np.testing.assert_array_equal(kept.frames, reused.frames)
     np.testing.assert_array_equal(kept.T_W_B, reused.T_W_B)

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from helpers.map_builder import corridor_with_offices
 
-from sim.errors import ClaimError
-from sim.harness import Scenario, VerdictClaim, evaluate, run
+from sim.errors import EstimateError
+from sim.harness import CandidateVerdict, Scenario, evaluate, run
 from sim.harness.adapters import Lexis
 from sim.harness.adapters.lexis import estimate_of
-from sim.harness.estimate import LoopClaims
+from sim.harness.estimate import EstimatedLoops
 from sim.harness.planning import Trial
 from sim.harness.report_data import report_data
 from sim.report import render_report
@@ -75,12 +75,12 @@ def test_a_failed_plan_says_where_it_ended_and_why(finished):
 
 
 def test_candidates_carry_the_reasons_that_the_slam_claims_and_the_truth(finished):
-    claims = (
-        VerdictClaim(9, 0, accepted=False, reason="few matches", figures={"matches": 4.0}),
-        VerdictClaim(8, 8, accepted=True, reason="accepted", figures={}),
+    estimates = (
+        CandidateVerdict(9, 0, accepted=False, reason="few matches", figures={"matches": 4.0}),
+        CandidateVerdict(8, 8, accepted=True, reason="accepted", figures={}),
     )
-    claimed = replace(finished, estimate=replace(finished.estimate, verdicts=claims))
-    far, same = report_data(claimed, evaluate(claimed)).candidates
+    estimated = replace(finished, estimate=replace(finished.estimate, verdicts=estimates))
+    far, same = report_data(estimated, evaluate(estimated)).candidates
     assert (far.query, far.match, far.accepted, far.reason, far.figures) == (9, 0, False, "few matches", {"matches": 4.0})
     metres = np.linalg.norm(finished.true_poses[9, :3, 3] - finished.true_poses[0, :3, 3])
     assert far.distance_m == pytest.approx(metres) and not far.revisit
@@ -89,18 +89,18 @@ def test_candidates_carry_the_reasons_that_the_slam_claims_and_the_truth(finishe
 
 def test_the_page_shows_figures_of_any_kind_of_number(finished):
     figures = {"inliers": Fraction(7, 2), "matches": np.float32(4.0), "misfit [m]": math.nan}
-    loops = LoopClaims(np.array([9]), np.array([0]), np.tile(np.eye(4), (1, 1, 1)))
+    loops = EstimatedLoops(np.array([9]), np.array([0]), np.tile(np.eye(4), (1, 1, 1)))
     loops.T_match_query[0, 0, 3] = 99.0
-    verdicts = (VerdictClaim(9, 0, accepted=True, reason="accepted", figures=figures),)
-    claimed = replace(finished, estimate=replace(finished.estimate, verdicts=verdicts, loops=loops))
-    page = render_report(report_data(claimed, evaluate(claimed)))
+    verdicts = (CandidateVerdict(9, 0, accepted=True, reason="accepted", figures=figures),)
+    estimated = replace(finished, estimate=replace(finished.estimate, verdicts=verdicts, loops=loops))
+    page = render_report(report_data(estimated, evaluate(estimated)))
     false_loops = page.partition("<h2>False loops</h2>")[2].partition("</table>")[0]
     assert ">3.5<" in false_loops and ">4<" in false_loops and "misfit" not in false_loops
 
 
 def test_verdicts_on_frames_that_do_not_exist_are_refused(finished):
-    with pytest.raises(ClaimError, match="verdicts refer to rows"):
-        replace(finished.estimate, verdicts=(VerdictClaim(10**6, 0, False, "few matches", {}),))
+    with pytest.raises(EstimateError, match="verdicts refer to rows"):
+        replace(finished.estimate, verdicts=(CandidateVerdict(10**6, 0, False, "few matches", {}),))
 
 
 def test_lexis_claims_what_became_of_every_candidate():

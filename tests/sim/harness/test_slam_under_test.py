@@ -1,4 +1,4 @@
-"""A SLAM that is not LEXIS: what it claims is judged, what it does not claim is null, and mistakes of adapters are named."""
+"""A SLAM that is not LEXIS: what it estimates is judged, all else is null, and mistakes of adapters are named."""
 
 import json
 import re
@@ -13,10 +13,10 @@ from lexis.errors import ObservationError
 from sim.errors import SimError
 from sim.faults.delivery import Dropped
 from sim.faults.stamps import StampJump
-from sim.harness import Estimate, LoopClaims, Scenario, check, run, try_plans, write_run
+from sim.harness import Estimate, EstimatedLoops, Scenario, check, run, try_plans, write_run
 from sim.harness.crash import Crash, attempt
 from sim.harness.diagnosis.first_wrong import crash_frame, first_wrong
-from sim.harness.estimate import VerdictClaim
+from sim.harness.estimate import CandidateVerdict
 from sim.harness.figures import evaluate
 from sim.harness.last_run import LastRun, last_run, noted
 from sim.harness.report_data import report_data
@@ -32,10 +32,10 @@ SCENARIO = Scenario(
 
 
 class Recorder:
-    """Keeps the odometry of every frame, and claims what it is told to claim."""
+    """Keeps the odometry of every frame, and estimates what it is told to estimate."""
 
-    def __init__(self, **claims):
-        self.claims, self.frames, self.poses = claims, [], []
+    def __init__(self, **estimates):
+        self.estimates, self.frames, self.poses = estimates, [], []
 
     def start(self, camera, room_names):
         self.room_names = room_names
@@ -45,15 +45,15 @@ class Recorder:
         self.poses.append(observation.T_O_B)
 
     def finish(self):
-        claims = {name: claim(self) if callable(claim) else claim for name, claim in self.claims.items()}
-        return Estimate(**{"frames": np.array(self.frames)} | claims)
+        estimates = {name: estimate(self) if callable(estimate) else estimate for name, estimate in self.estimates.items()}
+        return Estimate(**{"frames": np.array(self.frames)} | estimates)
 
 
 def poses(slam):
     return np.array(slam.poses)
 
 
-def test_what_is_not_claimed_is_null():
+def test_what_is_not_estimated_is_null():
     result = check(SCENARIO, Recorder())
     assert result.slam == "Recorder" and result.encoder is None
     assert (result.labels, result.rooms, result.floors, result.loops) == (
@@ -92,7 +92,7 @@ def test_a_frame_without_a_label_is_wrong_and_shown_without_one():
     assert "have no label" in told and "are labelled" not in told
 
 
-def test_the_report_finds_no_fault_in_what_is_not_claimed():
+def test_the_report_finds_no_fault_in_what_is_not_estimated():
     finished = run(SCENARIO, Recorder(T_W_B=poses))
     told = " ".join(finding.text for finding in findings(report_data(finished, evaluate(finished))))
     assert "label" not in told and "merge" not in told and "Refinement" not in told
@@ -102,16 +102,16 @@ def test_the_report_finds_no_fault_in_what_is_not_claimed():
     assert "Refinement" not in " ".join(finding.text for finding in findings(report_data(labels, evaluate(labels))))
 
 
-def test_a_folder_is_written_for_any_claims(tmp_path):
-    for name, claims in {
+def test_a_folder_is_written_for_any_estimates(tmp_path):
+    for name, estimates in {
         "nothing": {},
         "poses": {"T_W_B": poses},
         "no label": {"labels": every(-1), "rooms": every(-1)},
     }.items():
-        finished = run(SCENARIO, Recorder(**claims))
+        finished = run(SCENARIO, Recorder(**estimates))
         write_run(finished, evaluate(finished), try_plans(finished), tmp_path / name)
         assert (tmp_path / name / "report.html").exists() and not (tmp_path / name / "map").exists()
-        assert (tmp_path / name / "trajectory.tum").exists() == ("T_W_B" in claims)
+        assert (tmp_path / name / "trajectory.tum").exists() == ("T_W_B" in estimates)
 
 
 def test_refused_observations_are_counted_under_faults_and_fatal_without():
@@ -133,7 +133,7 @@ def test_claims_of_another_size_are_named():
 
 
 @pytest.mark.parametrize(
-    ("claims", "message"),
+    ("estimates", "message"),
     [
         ({"frames": [0, 1]}, "frames is a list; valid: an array of whole numbers, one for each frame"),
         ({"labels": [0] * 5}, "labels is a list; valid: an array of whole numbers of shape (n)"),
@@ -163,18 +163,18 @@ def test_claims_of_another_size_are_named():
             {"T_W_B": np.tile(np.eye(4), (5, 1, 1)) + np.eye(4, k=3) * 1e160},
             "T_W_B is beyond 1e+08 m in row 0; valid: places",
         ),
-        ({"verdicts": (VerdictClaim(None, 0, True, "", {}),)}, "query or match of a verdict is no whole number"),
-        ({"verdicts": (VerdictClaim(1, 0, True, ["far"], {}),)}, "reason of a verdict is ['far']; valid: a text"),
-        ({"verdicts": (VerdictClaim(1, 0, True, "", None),)}, "figures of a verdict are None; valid: a mapping"),
+        ({"verdicts": (CandidateVerdict(None, 0, True, "", {}),)}, "query or match of a verdict is no whole number"),
+        ({"verdicts": (CandidateVerdict(1, 0, True, ["far"], {}),)}, "reason of a verdict is ['far']; valid: a text"),
+        ({"verdicts": (CandidateVerdict(1, 0, True, "", None),)}, "figures of a verdict are None; valid: a mapping"),
         (
-            {"verdicts": (VerdictClaim(1, 0, True, "", {"inliers": None}),)},
+            {"verdicts": (CandidateVerdict(1, 0, True, "", {"inliers": None}),)},
             "figures['inliers'] of a verdict is None; valid: a number",
         ),
     ],
 )
-def test_claims_of_another_form_are_named(claims, message):
+def test_claims_of_another_form_are_named(estimates, message):
     with pytest.raises(SimError, match=re.escape(message)):
-        unchecked(Estimate, **{"frames": np.arange(5)} | claims)
+        unchecked(Estimate, **{"frames": np.arange(5)} | estimates)
 
 
 def test_times_of_any_number_type_can_be_stored():
@@ -189,7 +189,7 @@ def test_transposed_poses_are_recognised():
     message = "T_W_B is no rigid motion in row 1: the last row is not 0 0 0 1; is the pose transposed?"
     with pytest.raises(SimError, match=re.escape(message)):
         Estimate(frames=np.arange(2), T_W_B=poses)
-    loops = LoopClaims(query=np.array([1]), match=np.array([0]), T_match_query=poses[1:])
+    loops = EstimatedLoops(query=np.array([1]), match=np.array([0]), T_match_query=poses[1:])
     with pytest.raises(SimError, match=re.escape(message.replace("T_W_B", "loops.T_match_query").replace("row 1", "row 0"))):
         Estimate(frames=np.arange(2), loops=loops)
 
@@ -242,7 +242,7 @@ def test_a_clock_that_jumps_far_back_is_reported_on_the_clock_of_the_tour(tmp_pa
     np.testing.assert_array_equal(drawn, finished.session.tour.stamps[finished.estimate.frames])
 
 
-def test_figures_do_not_depend_on_the_number_types_of_the_claims():
+def test_figures_do_not_depend_on_the_number_types_of_the_estimates():
     def typed(whole, real):
         loops = one_loop(query=np.array([9], whole), match=np.array([0], whole), weights=np.ones(1, real))
         return Estimate(np.arange(10).astype(whole), np.tile(np.eye(4), (10, 1, 1)), rooms=np.zeros(10, whole), loops=loops)
@@ -268,7 +268,7 @@ class Saving(Recorder):
     def save(self, folder):
         assert not list(folder.iterdir())
         (folder / "map").mkdir()
-        for name in ("map/weights.bin", self.claims.get("name", "notes.txt")):
+        for name in ("map/weights.bin", self.estimates.get("name", "notes.txt")):
             (folder / name).write_text("own")
 
     def finish(self):
@@ -291,7 +291,7 @@ def test_files_of_a_slam_never_replace_those_of_the_harness(tmp_path, name):
 
 
 def test_loops_of_another_form_are_named():
-    listed = unchecked(LoopClaims, query=[1], match=[0], T_match_query=[np.eye(4)])
+    listed = unchecked(EstimatedLoops, query=[1], match=[0], T_match_query=[np.eye(4)])
     with pytest.raises(SimError, match=re.escape("loops.query is a list; valid: an array of whole numbers of shape (n)")):
         unchecked(Estimate, frames=np.arange(5), loops=listed)
 
@@ -302,11 +302,11 @@ def every(value):
 
 def one_loop(**changes):
     values = {"query": np.array([5]), "match": np.array([0]), "T_match_query": np.eye(4)[None], "weights": np.ones(1)}
-    return LoopClaims(**values | changes)
+    return EstimatedLoops(**values | changes)
 
 
 @pytest.mark.parametrize(
-    ("claims", "message"),
+    ("estimates", "message"),
     [
         ({"frames": np.array([0, 10**6])}, r"frames has 1000000 in row 1; valid: 0 to \d+$"),
         (
@@ -327,15 +327,15 @@ def one_loop(**changes):
         ({"loops": one_loop(weights=np.array([np.nan]))}, "loops.weights is not finite in row 0"),
         ({"loops": one_loop(T_match_query=np.zeros((1, 4, 4)))}, "loops.T_match_query is no rigid motion in row 0"),
         ({"loops": one_loop(query=np.array([0]), match=np.array([2]))}, "query 0 and match 2 in row 0; valid: a query that"),
-        ({"loops": []}, "loops is a list; valid: LoopClaims"),
+        ({"loops": []}, "loops is a list; valid: EstimatedLoops"),
         (
-            {"loops": unchecked(LoopClaims, query=np.array(5), match=np.zeros(1, int), T_match_query=np.eye(4)[None])},
+            {"loops": unchecked(EstimatedLoops, query=np.array(5), match=np.zeros(1, int), T_match_query=np.eye(4)[None])},
             r"loops.query is int64 \(\); valid: an array of whole numbers",
         ),
         ({"candidates": ((2, 0),)}, r"candidates is \(\(2, 0\),\); valid: a tuple of pairs"),
         ({"candidates": {2: (0,)}}, "candidates is {2: .*; valid: a tuple of pairs of a row and other rows"),
         ({"candidates": ((2, (0.5,)),)}, "candidates is .*; valid: a tuple of pairs of a row and other rows"),
-        ({"verdicts": (True,)}, r"verdicts is \(True,\); valid: a tuple of VerdictClaim"),
+        ({"verdicts": (True,)}, r"verdicts is \(True,\); valid: a tuple of CandidateVerdict"),
         ({"stage_seconds": None}, "stage_seconds is None; valid: a mapping"),
         ({"candidates": ((0, (-1,)),)}, "loops, candidates and verdicts refer to rows -1 to 0; valid"),
         ({"labels": every(-2)}, "labels has -2 in row 0; valid: numbers from 0, or -1 for none"),
@@ -348,9 +348,9 @@ def one_loop(**changes):
         ),
     ],
 )
-def test_claims_that_cannot_be_are_named(claims, message):
+def test_claims_that_cannot_be_are_named(estimates, message):
     with pytest.raises(SimError, match=message):
-        check(SCENARIO, Recorder(**claims))
+        check(SCENARIO, Recorder(**estimates))
 
 
 class Untouched(Recorder):

@@ -1,4 +1,4 @@
-"""A program in any language under test: its claims are judged as those of a class, it is told no truth, errors are named."""
+"""A program in any language under test: it is judged like a class, it is told no truth, and errors are named."""
 
 import json
 import math
@@ -46,10 +46,10 @@ for observation in recording:
     if observation.stamp >= 1e9 + 12.0:  # before, the body rests
         slam.process(observation)
         seen[observation.index] = observation
-claims, out = slam.finish(), Path(sys.argv[2])
-stamps = [seen[frame].stamp for frame in claims.frames.tolist()]
-write_tum(out / "trajectory.tum", stamps, claims.T_W_B)
-frames = zip(stamps, claims.rooms.tolist(), claims.floors.tolist())
+estimates, out = slam.finish(), Path(sys.argv[2])
+stamps = [seen[frame].stamp for frame in estimates.frames.tolist()]
+write_tum(out / "trajectory.tum", stamps, estimates.T_W_B)
+frames = zip(stamps, estimates.rooms.tolist(), estimates.floors.tolist())
 frames = [{"stamp": stamp, "room": room, "floor": floor} for stamp, room, floor in frames]
 (out / "rooms.json").write_text(json.dumps({"version": 1, "frames": frames}))
 """
@@ -85,7 +85,7 @@ bag = b"".join(path.read_bytes() for path in (Path(sys.argv[1]) / "bag").iterdir
 assert {topic!r} in bag, "no such topic"
 (Path(sys.argv[2]) / "trajectory.tum").write_text("1003.0 0 0 0 0 0 0 1")
 """
-    with pytest.raises(SimError, match="stamp"):  # the program found the topic, and claimed a pose at no frame
+    with pytest.raises(SimError, match="stamp"):  # the program found the topic, and estimated a pose at no frame
         run_command(SCENARIO, program(tmp_path, content), "ros2", images=images)
 
 
@@ -217,7 +217,7 @@ TIMES = RecordedTimes(1e9 + 0.25 * np.arange(10), np.array([AT_REST, AT_REST, *r
 NAMES = ("kitchen", "bedroom")
 
 
-def claimed(folder, stamps, frames=None, loops=None):
+def estimated(folder, stamps, frames=None, loops=None):
     """The estimate of a program that writes a pose for each of these stamps, in frame periods after the first."""
     poses = np.tile(np.eye(4), (len(stamps), 1, 1))
     poses[:, 0, 3] = stamps
@@ -241,7 +241,7 @@ def loop(query, match, quaternion=(0.0, 0.0, 0.0, 1.0), **more):
 
 
 def test_poses_belong_to_the_frames_that_are_nearest_in_time(tmp_path):
-    estimate = claimed(tmp_path, [0.0, 2.4, 3.9, 4.2, 4.6, 9.4])
+    estimate = estimated(tmp_path, [0.0, 2.4, 3.9, 4.2, 4.6, 9.4])
     assert estimate.frames.tolist() == [0, 2, 3, 7]
     np.testing.assert_allclose(estimate.T_W_B[:, 0, 3], [2.4, 3.9, 4.6, 9.4])
     assert estimate.labels is None and estimate.rooms is None and estimate.floors is None
@@ -249,7 +249,7 @@ def test_poses_belong_to_the_frames_that_are_nearest_in_time(tmp_path):
 
 def test_the_frames_of_rooms_json_are_the_keyframes(tmp_path):
     frames = [{"stamp": 5.1, "label": "bedroom", "room": 4}, {"stamp": 3.0, "label": "kitchen", "room": -1}]
-    estimate = claimed(tmp_path, range(10), frames)
+    estimate = estimated(tmp_path, range(10), frames)
     assert estimate.frames.tolist() == [1, 3]
     assert estimate.labels.tolist() == [0, 1] and estimate.rooms.tolist() == [-1, 4] and estimate.floors is None
     np.testing.assert_allclose(estimate.T_W_B[:, 0, 3], [3.0, 5.0])
@@ -263,7 +263,7 @@ def test_the_frames_of_rooms_json_are_the_keyframes(tmp_path):
         ([0.0, 1.0], None, "no stamp is within 0.125 s of a frame of the walk"),
         ([2.0], [{"stamp": 12.0}], "rooms.json: stamp 1000000003.000000 matches no frame"),
         ([2.0], [{"stamp": 5.0}], "has no pose; valid: frames that trajectory.tum holds"),
-        ([2.0], [{"stamp": 2.0}, {"stamp": 2.1}], "is a second claim about one frame"),
+        ([2.0], [{"stamp": 2.0}, {"stamp": 2.1}], "is a second estimate about one frame"),
         ([0.0, 2.0], [{"stamp": 0.0}], "every stamp is before the walk"),
         ([2.0], [{"stamp": 2.0, "label": "ktchen"}], "unknown label 'ktchen' (did you mean 'kitchen'?); valid: kitchen"),
         ([2.0, 3.0], [{"stamp": 2.0, "room": 1}, {"stamp": 3.0}], "has no room, others have; valid: all frames or none"),
@@ -272,27 +272,27 @@ def test_the_frames_of_rooms_json_are_the_keyframes(tmp_path):
         ([2.0], [], "frames: "),
     ],
 )
-def test_wrong_claims_are_named(stamps, frames, message, tmp_path):
+def test_wrong_estimates_are_named(stamps, frames, message, tmp_path):
     with pytest.raises(SimError) as caught:
-        claimed(tmp_path, stamps, frames)
+        estimated(tmp_path, stamps, frames)
     assert message in str(caught.value) and "\n" not in str(caught.value)
 
 
 def test_loops_and_candidates_refer_to_the_keyframes(tmp_path):
     keyframes = [{"stamp": 3.0, "room": 0}, {"stamp": 5.1, "room": 0}, {"stamp": 7.0, "room": 0}]
     candidates = [{"query": at(7.1), "matches": [at(5), at(3)]}]
-    claims = {"loops": [loop(7, 3, weight=0.5), loop(5, 3.1)], "candidates": candidates}
-    estimate = claimed(tmp_path, range(10), keyframes, claims)
+    estimates = {"loops": [loop(7, 3, weight=0.5), loop(5, 3.1)], "candidates": candidates}
+    estimate = estimated(tmp_path, range(10), keyframes, estimates)
     assert estimate.loops.query.tolist() == [2, 1] and estimate.loops.match.tolist() == [0, 0]
     assert estimate.loops.weights.tolist() == [0.5, 1.0] and estimate.candidates == ((2, (1, 0)),)
     np.testing.assert_array_equal(estimate.loops.T_match_query[0, :3], np.c_[np.eye(3), [1.0, 2.0, 3.0]])
-    assert claimed(tmp_path, range(10), keyframes, {"loops": [loop(7, 3), loop(5, 3.1)]}).loops.weights is None
+    assert estimated(tmp_path, range(10), keyframes, {"loops": [loop(7, 3), loop(5, 3.1)]}).loops.weights is None
 
 
 def test_loops_and_candidates_before_the_walk_are_left_out(tmp_path):
     candidates = [{"query": at(7), "matches": [at(0), at(3)]}, {"query": at(1), "matches": [at(0)]}]
-    claims = {"loops": [loop(7, 0, weight=0.5), loop(7, 3, weight=0.8), loop(1, 0)], "candidates": candidates}
-    estimate = claimed(tmp_path, range(10), loops=claims)
+    estimates = {"loops": [loop(7, 0, weight=0.5), loop(7, 3, weight=0.8), loop(1, 0)], "candidates": candidates}
+    estimate = estimated(tmp_path, range(10), loops=estimates)
     assert estimate.loops.query.tolist() == [5] and estimate.loops.match.tolist() == [1]
     assert estimate.loops.weights.tolist() == [0.8] and estimate.candidates == ((5, (1,)),)
 
@@ -313,18 +313,18 @@ def test_the_frames_are_searched_once_for_all_candidates(tmp_path):
 
 
 def test_an_empty_list_of_loops_is_a_claim_and_candidates_are_optional(tmp_path):
-    estimate = claimed(tmp_path, range(10), loops={"loops": []})
+    estimate = estimated(tmp_path, range(10), loops={"loops": []})
     assert len(estimate.loops.query) == 0 and estimate.candidates is None
-    assert claimed(tmp_path, range(10)).loops is not None  # the file is still there
+    assert estimated(tmp_path, range(10)).loops is not None  # the file is still there
     (tmp_path / "loops.json").unlink()
-    assert claimed(tmp_path, range(10)).loops is None
+    assert estimated(tmp_path, range(10)).loops is None
 
 
 @pytest.mark.parametrize(
     ("loops", "message"),
     [
-        ([loop(4, 4.6)], "stamp 1000000001.150000 is none of the claimed frames; valid: frames of rooms.json, or"),
-        ([loop(3, 40)], "stamp 1000000010.000000 is none of the claimed frames"),
+        ([loop(4, 4.6)], "stamp 1000000001.150000 is none of the estimated frames; valid: frames of rooms.json, or"),
+        ([loop(3, 40)], "stamp 1000000010.000000 is none of the estimated frames"),
         ([loop(3, 4)], "to 1000000001.000000 s does not lead to an earlier frame; valid: match before query"),
         ([loop(4, 3, (0.0, 0.0, 0.0, 2.0))], "qx qy qz qw is no unit quaternion; valid: norm 1"),
         ([loop(4, 3, (1.0,))], "loops.0.T_match_query: "),
@@ -333,7 +333,7 @@ def test_an_empty_list_of_loops_is_a_claim_and_candidates_are_optional(tmp_path)
 )
 def test_wrong_loops_are_named(loops, message, tmp_path):
     with pytest.raises(SimError) as caught:
-        claimed(tmp_path, [2, 3, 4], loops={"loops": loops})
+        estimated(tmp_path, [2, 3, 4], loops={"loops": loops})
     assert message in str(caught.value) and "\n" not in str(caught.value)
 
 
@@ -341,13 +341,13 @@ def test_a_candidate_that_is_not_earlier_is_named(tmp_path):
     with pytest.raises(
         SimError, match=r"the candidates of \d+\.\d+ s are not all earlier; valid: matches before their query"
     ):
-        claimed(tmp_path, [2, 3, 4], loops={"loops": [], "candidates": [{"query": at(3), "matches": [at(2), at(3)]}]})
+        estimated(tmp_path, [2, 3, 4], loops={"loops": [], "candidates": [{"query": at(3), "matches": [at(2), at(3)]}]})
 
 
 def test_two_entries_of_candidates_for_one_frame_are_refused(tmp_path):
     candidates = [{"query": at(4), "matches": [at(2)]}, {"query": at(4.1), "matches": [at(3)]}]
     with pytest.raises(SimError, match=r"the candidates of \d+\.\d+ s are a second entry for one frame; valid: one entry"):
-        claimed(tmp_path, [2, 3, 4], loops={"loops": [], "candidates": candidates})
+        estimated(tmp_path, [2, 3, 4], loops={"loops": [], "candidates": candidates})
 
 
 def test_the_loops_of_a_program_are_compared_with_the_truth(tmp_path, unlit):

@@ -83,10 +83,10 @@ def test_marks_widen_a_drawing_but_only_so_far(plan):
     np.testing.assert_allclose(wider.low, drawing.low)
 
 
-def test_nothing_is_painted_over_wrong_keyframes_and_the_camera_hides_no_claim():
+def test_nothing_is_painted_over_wrong_keyframes_and_the_camera_hides_no_estimate():
     order = list(STYLES)
-    assert order[-1] == "wrong" and order.index("camera") < order.index("wrong-claim") < order.index("claim")
-    assert STYLES["camera"].radius > STYLES["wrong-claim"].radius
+    assert order[-1] == "wrong" and order.index("camera") < order.index("wrong-estimate") < order.index("estimate")
+    assert STYLES["camera"].radius > STYLES["wrong-estimate"].radius
 
 
 def test_labels_have_colours_of_their_own():

@@ -1,5 +1,6 @@
 """The report is complete, self-contained, true to its data, and never half-written."""
 
+import re
 from dataclasses import replace
 from html.parser import HTMLParser
 
@@ -265,7 +266,7 @@ def test_findings_about_one_thing_have_its_verb_and_noun(rng, said, false_loops)
 
 
 def silent(data: ReportData) -> ReportData:
-    """The same walk with a SLAM that claims nothing but a trajectory."""
+    """The same walk with a SLAM that estimates nothing but a trajectory."""
     nothing = np.full(len(data.keyframes.stamps), UNKNOWN)
     table = replace(data.keyframes, baseline_labels=nothing, predicted_labels=nothing, predicted_rooms=("",) * len(nothing))
     figures = {"labels": {"accuracy": None}, "loops": {"verified": None}, "trajectory": {"ate_m": 0.1}}
@@ -275,20 +276,30 @@ def silent(data: ReportData) -> ReportData:
 def test_what_the_slam_does_not_claim_is_left_out(rng):
     data = silent(example(rng))
     page = render_report(data)
-    absent = ("LEXIS's", "of LEXIS", "encoder", NO_LABEL, "says", "claimed room", "wrong</text>", "loops</text>", "recall</")
+    absent = (
+        "LEXIS's",
+        "of LEXIS",
+        "encoder",
+        NO_LABEL,
+        "says",
+        "estimated room",
+        "wrong</text>",
+        "loops</text>",
+        "recall</",
+    )
     assert [text for text in absent if text in page] == []
     assert 'class="wrong' not in page and not any("loop" in finding.text for finding in findings(data))
     assert "0.100 m" in page and page.count("<dt>") == 1
 
 
 def rooms_only(data: ReportData) -> ReportData:
-    """The same walk with a SLAM that claims rooms without labels, and no loops; the last keyframe is in no room."""
+    """The same walk with a SLAM that estimates rooms without labels, and no loops; the last keyframe is in no room."""
     table = data.keyframes
     rooms = (*(f"room {k // 10}" for k in range(len(table.stamps) - 1)), "")
     return replace(silent(data), keyframes=replace(silent(data).keyframes, predicted_rooms=rooms))
 
 
-def test_without_labels_the_dots_have_the_colours_of_the_claimed_rooms(rng):
+def test_without_labels_the_dots_have_the_colours_of_the_estimated_rooms(rng):
     data = rooms_only(example(rng))
     dots = [mark for level in (0, 1) for mark in run_marks(data, level, {NO_LABEL: "#000000"}) if mark.kind == "dot"]
     colours = dict(zip(data.keyframes.predicted_rooms, [mark.colour for mark in dots], strict=True))
@@ -298,18 +309,18 @@ def test_without_labels_the_dots_have_the_colours_of_the_claimed_rooms(rng):
     page = render_report(data)
     assert all(f'"background:{colour}"' in page for colour in colours.values())
     for text in (
-        "that of its claimed room",
-        ">claimed</text>",
+        "that of its estimated room",
+        ">estimated</text>",
         ">no room</li>",
-        "claimed room 0 ·",
-        "claimed room none ·",
+        "estimated room 0 ·",
+        "estimated room none ·",
     ):
         assert text in page
     assert "room room" not in page and "label of the true room" in page
-    assert ">claimed</text>" not in render_report(example(rng))
+    assert ">estimated</text>" not in render_report(example(rng))
 
 
-def test_layers_and_tables_of_what_is_not_claimed_are_hidden(rng):
+def test_layers_and_tables_of_what_is_not_estimated_are_hidden(rng):
     nulls = {"tp": None, "fp": None, "possible": None, "precision": None}
     data = rooms_only(example(rng))
     data = replace(data, result={**data.result, "place_recognition": {"1": nulls, "3": nulls}, "planning": {"queries": 0}})
@@ -328,15 +339,17 @@ def test_layers_and_tables_of_what_is_not_claimed_are_hidden(rng):
         assert text in shown
 
 
-def test_without_poses_the_dots_are_at_the_positions_of_the_odometry_and_nothing_is_said_to_be_estimated(rng):
+def test_without_poses_the_dots_are_at_the_positions_of_the_odometry_and_no_position_is_said_to_be_estimated(rng):
     data = rooms_only(example(rng))
     data = replace(
-        data, claims_poses=False, keyframes=replace(data.keyframes, estimated_poses=data.keyframes.odometry_poses)
+        data, estimates_poses=False, keyframes=replace(data.keyframes, estimated_poses=data.keyframes.odometry_poses)
     )
     assert not any(mark.style == "estimated" for mark in run_marks(data, 0, {NO_LABEL: "#000000"}))
     page = render_report(data)
     body = " ".join(page[page.index("<body>") : page.index("<script")].split())
-    assert "estimated" not in body and "at the positions of the odometry" in body and "odometry off by " in body
+    rooms = {"estimated room", "estimated</text", "estimated: room", "estimated: none"}  # the last three are of the timeline
+    assert set(re.findall(r"estimated\W*\w*", body)) == rooms
+    assert "at the positions of the odometry" in body and "odometry off by " in body
     assert not any("position error" in finding.text for finding in findings(data))
 
 
@@ -347,15 +360,15 @@ def test_a_slam_that_claims_to_close_no_loop_is_told_of_it(rng):
 
 
 def test_a_failed_run_says_first_what_failed_and_where(rng):
-    failure = ShownFailure("test_floors fails\nassert 0.6 > 0.8 & <b>", "in office 1 at 3.5 s: floor 1 claimed", 7)
+    failure = ShownFailure("test_floors fails\nassert 0.6 > 0.8 & <b>", "in office 1 at 3.5 s: floor 1 estimated", 7)
     page = render_report(replace(example(rng), failure=failure))
-    assert "assert 0.6 &gt; 0.8 &amp; &lt;b&gt;" in page and "First wrong: in office 1 at 3.5 s: floor 1 claimed." in page
+    assert "assert 0.6 &gt; 0.8 &amp; &lt;b&gt;" in page and "First wrong: in office 1 at 3.5 s: floor 1 estimated." in page
     assert 0 < page.index('id="failure"') < page.index('id="findings"')
     assert {"data-go": "7", "type": "button"} in [attrs for tag, attrs in Page(page).elements if tag == "button"]
     assert 'id="failure"' not in render_report(example(rng))
 
 
-def test_labels_that_are_claimed_before_refinement_only_are_not_called_refined(rng):
+def test_labels_that_are_estimated_before_refinement_only_are_not_called_refined(rng):
     data = example(rng)
     nothing = np.full(len(data.keyframes.stamps), UNKNOWN)
     raw = replace(data, keyframes=replace(data.keyframes, predicted_labels=nothing, baseline_labels=nothing + 1))

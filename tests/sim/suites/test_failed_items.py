@@ -61,7 +61,7 @@ def test_a_claim_and_a_crash_name_the_command_that_makes_them_smaller(pytester, 
         "helpers.flat_suite:Broken --fails crash -o failure",
         "helpers.flat_suite:FloorsByHeight --fails 'trajectory.ate_m >= 0' -o failure",
     ]
-    assert shown.count("\nfolder: ") == 3  # that of claims that are not valid, too
+    assert shown.count("\nfolder: ") == 3  # that of estimates that are not valid, too
 
 
 def test_a_replay_in_which_the_run_does_not_complete_fails():

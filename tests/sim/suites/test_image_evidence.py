@@ -9,7 +9,7 @@ from helpers.open_flat import OPEN_FLAT
 from lexis.types import Observation
 from sim.harness import Lexis
 from sim.harness.adapters import OdometryOnly
-from sim.harness.estimate import LoopClaims
+from sim.harness.estimate import EstimatedLoops
 from sim.suites.checks import evaluated_run
 from sim.suites.image_evidence import JumbledImages, JumbledImagesAreNotRecognised, OtherImages, SimilaritiesFollowImages
 
@@ -46,12 +46,12 @@ def test_jumbled_images_show_details_beside_their_place_from_some_observation_on
 
 
 class WithoutGeometry(OdometryOnly):
-    """Claims loop closures whatever the images show."""
+    """Estimates loop closures whatever the images show."""
 
     def finish(self):
-        claims = super().finish()
-        query = np.arange(30, len(claims.frames))
-        return replace(claims, loops=LoopClaims(query, query - 30, np.stack([np.eye(4)] * len(query))))
+        estimates = super().finish()
+        query = np.arange(30, len(estimates.frames))
+        return replace(estimates, loops=EstimatedLoops(query, query - 30, np.stack([np.eye(4)] * len(query))))
 
 
 @pytest.mark.parametrize(
@@ -76,8 +76,8 @@ class LabelsLate(Lexis):
         super().__init__("oracle")
 
     def finish(self):
-        claims = super().finish()
-        return replace(claims, similarities=np.roll(claims.similarities, 1, axis=0))
+        estimates = super().finish()
+        return replace(estimates, similarities=np.roll(estimates.similarities, 1, axis=0))
 
 
 @pytest.mark.parametrize(

@@ -9,9 +9,9 @@ from helpers.open_flat import OPEN_FLAT
 
 from sim.harness import Estimate
 from sim.harness.adapters import GeometricRooms, OdometryOnly
-from sim.harness.estimate import LoopClaims
+from sim.harness.estimate import EstimatedLoops
 from sim.suites.catalogue import SUITES
-from sim.suites.checks import AfterChange, CheckFinding, NotWorse, SameClaims, evaluated_run
+from sim.suites.checks import AfterChange, CheckFinding, NotWorse, SameEstimates, evaluated_run
 from sim.suites.examination import COMPLETES, Examination, jobs_of
 from sim.suites.frame_changes import MovedOrigin
 from sim.suites.laws import LAWS
@@ -21,7 +21,7 @@ from sim.suites.suite import Suite, SuitePart
 
 
 class LoopsWithoutCorrection(Oracle):
-    """LEXIS that claims the poses of the odometry, which its loops do not fit."""
+    """LEXIS that estimates the poses of the odometry, which its loops do not fit."""
 
     def start(self, camera, room_names):
         super().start(camera, room_names)
@@ -32,43 +32,45 @@ class LoopsWithoutCorrection(Oracle):
         super().process(observation)
 
     def finish(self):
-        claims = super().finish()
-        return replace(claims, T_W_B=np.stack([self._odometry[frame] for frame in claims.frames.tolist()]))
+        estimates = super().finish()
+        return replace(estimates, T_W_B=np.stack([self._odometry[frame] for frame in estimates.frames.tolist()]))
 
 
 class LoopsOnce(OdometryOnly):
-    """Claims one loop closure in every second run, and none in the others."""
+    """Estimates one loop closure in every second run, and none in the others."""
 
     runs = 0
 
     def finish(self):
         type(self).runs += 1
-        claims = super().finish()
+        estimates = super().finish()
         many = self.runs % 2
         rows = np.arange(many), np.arange(many)
-        return replace(claims, loops=LoopClaims(rows[0] + len(claims.frames) - 1, rows[1], np.tile(np.eye(4), (many, 1, 1))))
+        return replace(
+            estimates, loops=EstimatedLoops(rows[0] + len(estimates.frames) - 1, rows[1], np.tile(np.eye(4), (many, 1, 1)))
+        )
 
 
 def test_a_run_without_loop_closures_still_claims_them():
-    law = SameClaims("again", "Twice the same.", NoChange(), compares=("frames",))
+    law = SameEstimates("again", "Twice the same.", NoChange(), compares=("frames",))
     assert law.examine(evaluated_run(OPEN_FLAT, LoopsOnce), LoopsOnce).holds
     needing = replace(law, needs=("loops",))
     LoopsOnce.runs = 1
-    assert needing.examine(evaluated_run(OPEN_FLAT, LoopsOnce), LoopsOnce).measured == "the SLAM claims no loops"
+    assert needing.examine(evaluated_run(OPEN_FLAT, LoopsOnce), LoopsOnce).measured == "the SLAM estimates no loops"
 
 
 class Forgetful(GeometricRooms):
-    """Claims rooms in every second run only, and turns its poses by a right angle in these runs."""
+    """Estimates rooms in every second run only, and turns its poses by a right angle in these runs."""
 
     runs = 0
 
     def finish(self):
-        claims = super().finish()
+        estimates = super().finish()
         type(self).runs += 1
         if type(self).runs % 2:
-            return claims
+            return estimates
         turn = np.array([[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
-        return replace(claims, rooms=claims.rooms if self.keeps_rooms else None, T_W_B=claims.T_W_B @ turn)
+        return replace(estimates, rooms=estimates.rooms if self.keeps_rooms else None, T_W_B=estimates.T_W_B @ turn)
 
     keeps_rooms = False
 
@@ -79,23 +81,25 @@ class Turning(Forgetful):
     keeps_rooms = True
 
 
-@pytest.mark.parametrize(("slam", "said"), [(Forgetful, "only one of the two runs claims rooms"), (Turning, "and 1.6 rad")])
+@pytest.mark.parametrize(
+    ("slam", "said"), [(Forgetful, "only one of the two runs estimates rooms"), (Turning, "and 1.6 rad")]
+)
 def test_a_law_sees_lost_claims_and_turned_poses(slam, said):
-    again = replace(FLAT, parts=(replace(PART, checks=(SameClaims("again", "Twice the same.", NoChange()),), n=1),))
+    again = replace(FLAT, parts=(replace(PART, checks=(SameEstimates("again", "Twice the same.", NoChange()),), n=1),))
     report = check_slam(slam, again)
     assert outcomes(report)["again"] == "fails" and said in str(report)
 
 
 class OnlyLoops(Oracle):
-    """LEXIS that claims its loop closures and nothing else."""
+    """LEXIS that estimates its loop closures and nothing else."""
 
     def finish(self):
-        claims = super().finish()
-        return Estimate(claims.frames, loops=claims.loops)
+        estimates = super().finish()
+        return Estimate(estimates.frames, loops=estimates.loops)
 
 
 def test_a_law_holds_only_if_something_was_compared():
-    law = SameClaims("slip", "", MovedOrigin(), compares=("labels", "rooms"))
+    law = SameEstimates("slip", "", MovedOrigin(), compares=("labels", "rooms"))
     assert law.examine(evaluated_run(OPEN_FLAT, OnlyLoops), OnlyLoops).holds is None
     assert ORIGIN.examine(evaluated_run(OPEN_FLAT, Oracle), Oracle).holds
 
@@ -103,7 +107,7 @@ def test_a_law_holds_only_if_something_was_compared():
 @pytest.mark.parametrize("law", SUITES["language"].parts[0].checks, ids=lambda law: law.name)
 def test_laws_about_room_names_say_nothing_of_a_slam_without_labels(law):
     part = replace(PART, checks=(law,), n=1)
-    assert outcomes(check_slam(OdometryOnly, replace(FLAT, parts=(part,))))[law.name] == "not claimed"
+    assert outcomes(check_slam(OdometryOnly, replace(FLAT, parts=(part,))))[law.name] == "not estimated"
 
 
 def _impossible(scenario):
@@ -127,13 +131,13 @@ def test_a_law_about_the_scenario_compares_figures():
         COMPLETES: "holds",
         "long": "fails",
         "fine": "holds",
-        "impossible": "not claimed",
-        "stayed": "not claimed",
+        "impossible": "not estimated",
+        "stayed": "not estimated",
     }
 
 
 def _slipped(finished):
-    """Whether the last claimed position is half a metre from where the unchanged odometry would put it."""
+    """Whether the last estimated position is half a metre from where the unchanged odometry would put it."""
     away = np.linalg.norm(finished.estimate.T_W_B[-1, :3, 3] - finished.odometry_poses[-1, :3, 3])
     return CheckFinding(bool(abs(away - 0.5) < 0.01), f"{away:.2f} m away")
 
@@ -177,10 +181,10 @@ def test_a_law_that_is_broken_now_and_then_shows_in_all_parts_together():
 
 def test_a_law_about_floors_says_nothing_about_a_slam_without_floors():
     law = replace(FLAT, parts=(replace(PART, checks=(LAWS["a drift in height"],), n=1),))
-    assert outcomes(check_slam(OdometryOnly, law))["a drift in height"] == "not claimed"
+    assert outcomes(check_slam(OdometryOnly, law))["a drift in height"] == "not estimated"
 
 
 def test_false_loops_reach_only_a_slam_that_uses_the_verifier():
     law = replace(FLAT, parts=(replace(PART, checks=(LAWS["false loop closures"],), n=1),))
-    assert outcomes(check_slam(OdometryOnly, law))["false loop closures"] == "not claimed"
+    assert outcomes(check_slam(OdometryOnly, law))["false loop closures"] == "not estimated"
     assert outcomes(check_slam(Oracle, law))["false loop closures"] in ("holds", "undecided")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lexis.errors import PlanError
-from sim.errors import ClaimError
+from sim.errors import EstimateError
 from sim.harness import Lexis, Scenario, run
 from sim.harness.adapters import GeometricRooms
 from sim.harness.crash import attempt_plans
@@ -70,7 +70,7 @@ def test_plans_through_walls_to_other_rooms_or_none_at_all_are_found(finished, c
 
 def test_a_plan_that_is_no_list_of_rows_fails_the_run_and_not_the_suite(finished, monkeypatch):
     broken = replace(finished, slam=Planner(finished.slam, lambda plan: [0.5]))
-    with pytest.raises(ClaimError, match=r"is \[0.5\]; valid: one or more rows of the estimate"):
+    with pytest.raises(EstimateError, match=r"is \[0.5\]; valid: one or more rows of the estimate"):
         attempt_plans(broken)
     monkeypatch.setattr("sim.suites.checks.attempted", lambda *_: broken)
     found = evaluated_run(replace(HOME, fidelity="render", encoder="mini"), Lexis)

@@ -30,15 +30,15 @@ def test_a_failure_that_was_certain_once_stays_one():
     assert verdict_on(*[False] * 2, *[True] * 18).outcome == "undecided"
 
 
-def test_a_part_that_was_not_begun_is_not_examined_rather_than_not_claimed():
+def test_a_part_that_was_not_begun_is_not_examined_rather_than_not_estimated():
     other = replace(PART, name="other")
     unclaimed = {check.name: CheckFinding(None, "") for check in PART.checks} | {COMPLETES: CheckFinding(True, "")}
     report = SuiteReport(replace(FLAT, parts=(PART, other)), 0, (Examination("flat", 0, OPEN_FLAT, None, unclaimed),))
     outcomes = {(verdict.part.name, verdict.outcome) for verdict in report.verdicts}
-    assert outcomes == {("flat", "holds"), ("flat", "not claimed"), ("other", "not examined")} and report.ok
+    assert outcomes == {("flat", "holds"), ("flat", "not estimated"), ("other", "not examined")} and report.ok
 
 
-def test_a_check_that_a_crash_prevents_is_not_examined_rather_than_not_claimed():
+def test_a_check_that_a_crash_prevents_is_not_examined_rather_than_not_estimated():
     report = check_slam(Broken, FLAT)
     assert outcomes(report) == dict.fromkeys(outcomes(report), "not examined") | {COMPLETES: "fails"}
 
@@ -136,7 +136,7 @@ def test_the_chart_shows_every_slam_once():
     for slam, names in ((Oracle, 3), (GeometricRooms, 2)):
         chart = openness_chart(check_slam(slam, FLAT), workers=1)
         assert chart.count("<svg") == 1 and chart.count('cy="14"') == names
-        assert ">OdometryOnly (claims neither)</text>" in chart and f">{slam.__name__}</text>" in chart
+        assert ">OdometryOnly (estimates neither)</text>" in chart and f">{slam.__name__}</text>" in chart
 
 
 def flat_of_mini(rng, number):
@@ -151,7 +151,7 @@ def test_baselines_of_the_chart_have_the_figures_of_a_run_on_images():
     assert on_images.rooms == bare.rooms and on_images.trajectory == bare.trajectory
 
 
-def test_the_table_shows_the_median_of_each_part_and_what_is_not_claimed():
+def test_the_table_shows_the_median_of_each_part_and_what_is_not_estimated():
     other = replace(PART, name="other", checks=(), n=3)
     report = check_slam(OdometryOnly, Suite("two", "", (replace(PART, checks=()), other)))
     head, first, second = (line.split() for line in figure_table(report).splitlines())

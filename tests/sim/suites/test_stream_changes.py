@@ -1,4 +1,4 @@
-"""Changes of the stream reach the SLAM, and its claims come back in terms of the unchanged stream."""
+"""Changes of the stream reach the SLAM, and its estimates come back in terms of the unchanged stream."""
 
 from dataclasses import replace
 
@@ -7,8 +7,8 @@ import pytest
 from helpers.open_flat import OPEN_FLAT
 
 from lexis.maths.se3 import between, compose_covariance, is_rigid
-from sim.errors import ClaimError
-from sim.harness import Estimate, Lexis, LoopClaims, run
+from sim.errors import EstimateError
+from sim.harness import Estimate, EstimatedLoops, Lexis, run
 from sim.harness.adapters import OdometryOnly
 from sim.suites.agreement import agreement
 from sim.suites.changed_stream import changed
@@ -53,7 +53,7 @@ KEEPS_ARRAYS = [change for change in CHANGES if not isinstance(change, ReusedArr
 
 
 class Listening:
-    """Notes what it is given, and claims the first room name and one loop for every frame."""
+    """Notes what it is given, and estimates the first room name and one loop for every frame."""
 
     def start(self, camera, room_names):
         self.camera, self.names, self.seen = camera, tuple(room_names), []
@@ -63,7 +63,7 @@ class Listening:
 
     def finish(self):
         n = len(self.seen)
-        loops = LoopClaims(np.array([n - 1]), np.array([0]), np.eye(4)[None], np.ones(1))
+        loops = EstimatedLoops(np.array([n - 1]), np.array([0]), np.eye(4)[None], np.ones(1))
         poses = np.stack([seen.T_O_B for seen in self.seen])
         return Estimate(np.arange(n), T_W_B=poses, labels=np.zeros(n, int), rooms=np.zeros(n, int), loops=loops)
 
@@ -112,8 +112,8 @@ def test_another_origin_moves_all_poses_by_one_motion():
 def test_a_label_for_a_name_that_was_added_is_no_label():
     class Confused(Listening):
         def finish(self):
-            claims = super().finish()
-            return replace(claims, labels=np.full(len(self.seen), len(self.names) - 1))
+            estimates = super().finish()
+            return replace(estimates, labels=np.full(len(self.seen), len(self.names) - 1))
 
     finished = run(OPEN_FLAT, changed(Confused(), MoreNames()))
     assert (finished.estimate.labels == -1).all()
@@ -126,7 +126,7 @@ def test_only_a_slam_that_accepts_features_accepts_them_behind_a_change():
 
 def test_arrays_are_overwritten_once_the_slam_has_processed_them():
     slam = Listening()
-    with pytest.raises(ClaimError, match="T_W_B is no rigid motion"):
+    with pytest.raises(EstimateError, match="T_W_B is no rigid motion"):
         run(OPEN_FLAT, changed(slam, ReusedArrays()))
     assert not any(seen.T_O_B.any() or seen.increment_covariance.any() for seen in slam.seen)
 

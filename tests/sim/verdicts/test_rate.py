@@ -101,10 +101,10 @@ def test_a_missed_rate_says_how_often_the_claim_held():
         assert_rate(results(0.6, None, 0.9), "labels.accuracy >= 0.7", p=0.9)
 
 
-def test_a_figure_that_is_not_claimed_is_told():
-    with pytest.raises(AssertionError, match=r": fails; not claimed in 1 of 2 results, which count as failures$"):
+def test_a_figure_that_is_not_estimated_is_told():
+    with pytest.raises(AssertionError, match=r": fails; not estimated in 1 of 2 results, which count as failures$"):
         assert_rate(results(0.6, None, 0.9), "labels.accuracy >= 0.7", p=0.9)
-    with pytest.raises(AssertionError, match=r": undecided; not claimed in 2 of 3 results, which count as failures$"):
+    with pytest.raises(AssertionError, match=r": undecided; not estimated in 2 of 3 results, which count as failures$"):
         assert_rate(results(None, 0.9, None), "labels.accuracy >= 0.7", p=0.4)
     with pytest.raises(AssertionError, match=r": fails$"):
         assert_rate(results(0.6, 0.6), "labels.accuracy >= 0.7", p=0.9)

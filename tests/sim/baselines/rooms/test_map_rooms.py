@@ -1,4 +1,4 @@
-"""The adapter of segmentations claims the rooms and floors of LEXIS's keyframes, and variants of LEXIS claim no words."""
+"""The adapter of segmentations estimates the rooms and floors of LEXIS's keyframes, and variants of LEXIS use no words."""
 
 from dataclasses import replace
 

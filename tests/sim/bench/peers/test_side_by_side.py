@@ -1,4 +1,4 @@
-"""Several systems on one walk claim what each of them claims alone."""
+"""Several systems on one walk estimate what each of them estimates alone."""
 
 from dataclasses import replace
 
@@ -27,8 +27,8 @@ def test_systems_side_by_side_claim_what_they_claim_alone():
     for name, make in SLAMS.items():
         alone = run(OPEN_FLAT, make()).estimate
         assert (together[name].estimate.frames == alone.frames).all()
-        for claim in ("T_W_B", "labels", "rooms", "floors"):
-            mine, other = getattr(together[name].estimate, claim), getattr(alone, claim)
+        for estimate in ("T_W_B", "labels", "rooms", "floors"):
+            mine, other = getattr(together[name].estimate, estimate), getattr(alone, estimate)
             assert (mine is None and other is None) or np.array_equal(mine, other)
 
 
@@ -41,12 +41,12 @@ def test_keyframes_that_retire_in_one_system_stay_in_the_others():
     together = run_side_by_side(walk, slams)
     assert any(keyframe.anchor is not None for keyframe in slams["thin"].map.keyframes)
     for name, graph in graphs.items():
-        claimed, alone = together[name].estimate, run(walk, Lexis("oracle", Config(pose_graph=graph))).estimate
-        assert claimed.candidates == alone.candidates and claimed.verdicts == alone.verdicts
-        for claim in ("frames", "T_W_B", "labels", "rooms", "floors", "similarities"):
-            assert np.array_equal(getattr(claimed, claim), getattr(alone, claim))
+        estimated, alone = together[name].estimate, run(walk, Lexis("oracle", Config(pose_graph=graph))).estimate
+        assert estimated.candidates == alone.candidates and estimated.verdicts == alone.verdicts
+        for estimate in ("frames", "T_W_B", "labels", "rooms", "floors", "similarities"):
+            assert np.array_equal(getattr(estimated, estimate), getattr(alone, estimate))
         for part in ("query", "match", "T_match_query", "weights"):
-            assert np.array_equal(getattr(claimed.loops, part), getattr(alone.loops, part))
+            assert np.array_equal(getattr(estimated.loops, part), getattr(alone.loops, part))
 
 
 def test_each_run_has_its_own_system():

@@ -36,17 +36,17 @@ TALL = replace(BEDROOMS, house=sample_from_rooms(("kitchen", "bedroom"), seed=4,
 
 
 def above(run):
-    """A SLAM that claims every frame to be one floor too high."""
+    """A SLAM that estimates every frame to be one floor too high."""
     return replace(no_bug(run), floors=run.true_storeys + 1)
 
 
 def nowhere(run):
-    """A SLAM that claims neither a floor nor a room for any frame."""
+    """A SLAM that estimates neither a floor nor a room for any frame."""
     return replace(no_bug(run), floors=np.full_like(run.true_storeys, -1), rooms=np.full_like(run.true_rooms, -1))
 
 
 def everything(run):
-    """A SLAM that claims one room."""
+    """A SLAM that estimates one room."""
     return replace(no_bug(run), rooms=np.zeros_like(run.true_rooms))
 
 
@@ -133,11 +133,13 @@ def wrong_bedrooms(run):
 
 
 def test_the_reference_tells_apart_what_has_no_kinds():
-    claim = Claim.parse("labels.accuracy < 0.9")
+    estimate = Claim.parse("labels.accuracy < 0.9")
     steps = {name: STEPS[name] for name in ("drop rooms", "shorten the tour")}
-    slipped = reduce(BEDROOMS, FailureTest(claim, planted(wrong_bedrooms)), deadline_s=1e9, steps=steps)
-    kept = reduce(BEDROOMS, FailureTest(claim, planted(wrong_bedrooms), planted(wrong_labels)), deadline_s=1e9, steps=steps)
-    mended = FailureTest(claim, planted(wrong_labels))
+    slipped = reduce(BEDROOMS, FailureTest(estimate, planted(wrong_bedrooms)), deadline_s=1e9, steps=steps)
+    kept = reduce(
+        BEDROOMS, FailureTest(estimate, planted(wrong_bedrooms), planted(wrong_labels)), deadline_s=1e9, steps=steps
+    )
+    mended = FailureTest(estimate, planted(wrong_labels))
     assert mended(slipped.scenario) is not None and mended(kept.scenario) is None
     assert kept.of_reference > 0 and "because the reference fails there, too" in kept.note
 
@@ -168,9 +170,9 @@ def test_how_a_reference_fails_is_told():
         finished = run(scenario, Lost(), progress)
         raise AssertionError(finished)
 
-    claim = Claim.parse("labels.accuracy < 0.9")
+    estimate = Claim.parse("labels.accuracy < 0.9")
     told = [
-        FailureTest(claim, planted(early), reference).reference_fails(BEDROOMS)
+        FailureTest(estimate, planted(early), reference).reference_fails(BEDROOMS)
         for reference in (planted(early), planted(nowhere), planted(all_wrong), lost)
     ]
     assert told[:3] == [None, None, "labels.accuracy is 0"] and told[3].startswith(

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim.harness import Estimate, LoopClaims, Scenario, run
+from sim.harness import Estimate, EstimatedLoops, Scenario, run
 from sim.harness.diagnosis.first_wrong import first_wrong
 from worlds.presets import sample_from_rooms
 
@@ -18,7 +18,7 @@ WRONG = 7
 
 
 class Frames:
-    """Takes every frame, and claims nothing."""
+    """Takes every frame, and estimates nothing."""
 
     def start(self, camera, room_names):
         self.frames = []
@@ -37,11 +37,11 @@ def silent():
 
 @pytest.fixture(scope="module")
 def true(silent):
-    """A run that claims the truth."""
-    loops = LoopClaims(np.array([5]), np.array([3]), np.eye(4)[None], np.ones(1))
+    """A run that estimates the truth."""
+    loops = EstimatedLoops(np.array([5]), np.array([3]), np.eye(4)[None], np.ones(1))
     poses = silent.true_poses
     loops = replace(loops, T_match_query=np.linalg.inv(poses[3:4]) @ poses[5:6])
-    claims = Estimate(
+    estimates = Estimate(
         silent.estimate.frames,
         T_W_B=poses,
         labels=silent.true_labels,
@@ -50,13 +50,13 @@ def true(silent):
         loops=loops,
         similarities=np.tile(np.linspace(0.3, 0.1, len(silent.room_names)), (len(poses), 1)),
     )
-    return replace(silent, estimate=claims)
+    return replace(silent, estimate=estimates)
 
 
-def spoilt(claim):
-    """The claim with rows `WRONG` and 9 changed."""
-    changed = claim.copy()
-    if claim.ndim == 3:
+def spoilt(estimate):
+    """The estimate with rows `WRONG` and 9 changed."""
+    changed = estimate.copy()
+    if estimate.ndim == 3:
         changed[[WRONG, 9], 0, 3] += 5.0
     else:
         changed[[WRONG, 9]] = (changed[[WRONG, 9]] + 1) % 2
@@ -69,14 +69,14 @@ def spoilt(claim):
         ("labels", "labels.accuracy", "labelled "),
         ("labels", "rooms.pq", "labelled "),
         ("labels", None, "labelled "),
-        ("rooms", "rooms.pq", "in the claimed room "),
-        ("floors", "floors.accuracy", "floor 1 claimed, is on floor 0"),
+        ("rooms", "rooms.pq", "in the estimated room "),
+        ("floors", "floors.accuracy", "floor 1 estimated, is on floor 0"),
         ("T_W_B", "trajectory.ate_m", "from 1.2 s to 1.8 s the estimate moves "),
     ],
 )
 def test_the_first_of_two_wrong_frames_is_found(true, name, figure, said):
-    claims = replace(true.estimate, **{name: spoilt(getattr(true.estimate, name))})
-    found = first_wrong(replace(true, estimate=claims), figure)
+    estimates = replace(true.estimate, **{name: spoilt(getattr(true.estimate, name))})
+    found = first_wrong(replace(true, estimate=estimates), figure)
     assert found.frame == true.estimate.frames[WRONG] and found.what.startswith(said)
     assert found.time_s == pytest.approx(true.stamps[WRONG] - true.stamps[0])
     assert found.room == true.house.rooms[true.true_rooms[WRONG]].id
@@ -107,16 +107,16 @@ def test_no_frame_is_named_for_a_figure_that_describes_the_run_as_a_whole(true, 
     assert first_wrong(wrong, figure) is None
 
 
-def test_where_nothing_is_claimed_nothing_is_wrong(silent):
+def test_where_nothing_is_estimated_nothing_is_wrong(silent):
     for figure in (None, "labels.accuracy", "rooms.pq", "floors.accuracy", "loops.precision", "trajectory.ate_m"):
         assert first_wrong(silent, figure) is None
 
 
-def test_a_frame_in_no_claimed_room_is_said_to_be_in_none(true):
+def test_a_frame_in_no_estimated_room_is_said_to_be_in_none(true):
     rooms = true.true_rooms.copy()
     rooms[WRONG] = -1
     found = first_wrong(replace(true, estimate=replace(true.estimate, rooms=rooms)), "rooms.pq")
-    assert (found.frame, found.what) == (true.estimate.frames[WRONG], "in no claimed room")
+    assert (found.frame, found.what) == (true.estimate.frames[WRONG], "in no estimated room")
 
 
 def test_a_frame_without_a_label_is_said_to_have_none(true):
@@ -126,7 +126,7 @@ def test_a_frame_without_a_label_is_said_to_have_none(true):
     assert found.what == f"no label, is {true.room_names[true.true_labels[WRONG]]}"
 
 
-def claiming(run, poses):
+def estimating(run, poses):
     return replace(run, estimate=replace(run.estimate, T_W_B=poses))
 
 
@@ -159,7 +159,7 @@ def spliced(poses, row, step):
     ],
 )
 def test_the_first_wrong_motion_is_found_and_not_the_frame_that_alignment_moves_most(true, step, said):
-    found = first_wrong(claiming(true, spliced(true.true_poses, 20, step)), "trajectory.ate_m")
+    found = first_wrong(estimating(true, spliced(true.true_poses, 20, step)), "trajectory.ate_m")
     frames = true.estimate.frames
     assert (found.frame, found.since) == (frames[20], frames[18])
     assert re.fullmatch(r"from 4\.5 s to 5\.0 s " + said, found.what)
@@ -170,20 +170,20 @@ def test_increments_that_are_composed_on_the_wrong_side_are_wrong_where_the_robo
     poses = [np.eye(4)]
     for step in steps:
         poses.append(step @ poses[-1])
-    found = first_wrong(claiming(true, np.array(poses)), "trajectory.ate_m")
+    found = first_wrong(estimating(true, np.array(poses)), "trajectory.ate_m")
     assert 0.0 < found.time_s < 5.0 and "the estimate moves" in found.what
 
 
 def test_what_the_odometry_has_wrong_as_well_does_not_stand_out(true):
     poses = spliced(true.true_poses, 20, step_of(x=-2.0))
-    found = first_wrong(with_odometry(claiming(true, poses), poses), "trajectory.ate_m")
+    found = first_wrong(with_odometry(estimating(true, poses), poses), "trajectory.ate_m")
     assert found.since is None and "m off after alignment of the whole path, more than anywhere else" in found.what
 
 
 def test_a_slow_drift_is_reported_where_the_error_is_largest(true):
     poses = true.true_poses.copy()
     poses[:, 0, 3] *= 1.05
-    found = first_wrong(claiming(true, poses), "trajectory.ate_m")
+    found = first_wrong(estimating(true, poses), "trajectory.ate_m")
     assert found.since is None and re.fullmatch(
         r"the position is 0\.\d\d m off after alignment of the whole path, .*", found.what
     )
@@ -193,7 +193,7 @@ def test_an_error_too_small_to_see_from_frame_to_frame_is_seen_over_half_a_secon
     poses = true.true_poses.copy()
     poses[10:, :3, 3] = poses[10, :3, 3] + 0.5 * (poses[10:, :3, 3] - poses[10, :3, 3])
     steps_m = np.linalg.norm(np.diff(poses[:, :3, 3] - true.true_poses[:, :3, 3], axis=0), axis=1)
-    found = first_wrong(claiming(true, poses), "trajectory.rpe_8m_m")
+    found = first_wrong(estimating(true, poses), "trajectory.rpe_8m_m")
     assert steps_m.max() < 0.1
     assert re.fullmatch(
         r"from 2\.5 s to 3\.0 s the estimate moves 0\.1\d m ahead, but the robot moves 0\.3\d m ahead", found.what
@@ -208,16 +208,16 @@ def test_poses_without_any_error_are_not_said_to_be_wrong(true):
 
 def test_without_a_figure_the_trajectory_counts_once_no_label_is_wrong(true):
     poses = spliced(true.true_poses, 20, step_of(x=-2.0))
-    assert first_wrong(claiming(true, poses)).what.startswith("no label is wrong; from 4.5 s to 5.0 s the estimate moves ")
-    silent = replace(claiming(true, poses), estimate=Estimate(true.estimate.frames, T_W_B=poses))
+    assert first_wrong(estimating(true, poses)).what.startswith("no label is wrong; from 4.5 s to 5.0 s the estimate moves ")
+    silent = replace(estimating(true, poses), estimate=Estimate(true.estimate.frames, T_W_B=poses))
     assert first_wrong(silent).what.startswith("from 4.5 s to 5.0 s the estimate moves ")
 
 
 def test_a_room_is_named_by_its_label_too_where_labels_are_at_stake_and_by_its_id_alone_elsewhere(true):
     rooms = tuple(replace(room, id=f"hall 0.{k}") for k, room in enumerate(true.house.rooms))
     renamed = replace(true, house=replace(true.house, rooms=rooms))
-    claims = {name: spoilt(getattr(true.estimate, name)) for name in ("labels", "rooms", "floors", "T_W_B")}
-    wrong = replace(renamed, estimate=replace(true.estimate, **claims))
+    estimates = {name: spoilt(getattr(true.estimate, name)) for name in ("labels", "rooms", "floors", "T_W_B")}
+    wrong = replace(renamed, estimate=replace(true.estimate, **estimates))
     k = int(true.true_rooms[WRONG])
     for figure in ("labels.accuracy", "rooms.pq", None):
         assert first_wrong(wrong, figure).room == f"hall 0.{k} ({rooms[k].label})"

@@ -43,7 +43,7 @@ def test_why_names_frame_step_and_cure(failure):
     assert "Mended by: openness 0." in text and "Not mended by" not in text.partition("openness 0.")[0]
     assert ": labelled " in text and "![the image of the camera](first-wrong.png)" in text
     assert "- without the opening" in text
-    assert "Each dot is a frame at its true position, in the colour of the SLAM's claim; later frames are small." in text
+    assert "Each dot is a frame at its true position, in the colour of the SLAM's estimate; later frames are small." in text
 
 
 def test_no_scenario_is_run_twice_and_the_values_are_those_of_the_runs(tmp_path):

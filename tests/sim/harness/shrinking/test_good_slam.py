@@ -40,7 +40,7 @@ def test_claims_that_the_slam_does_not_make_are_not_added(drifting):
     assert all(slam.result(silent).trajectory.ate_m is None for slam in GOOD_SLAMS)
 
 
-def test_a_storey_of_which_only_the_stairs_are_seen_is_not_claimed_as_a_floor():
+def test_a_storey_of_which_only_the_stairs_are_seen_is_not_estimated_as_a_floor():
     house = sample_from_rooms(("kitchen", "bedroom"), 103, storeys=2)
     finished = run(Scenario(house=house, seed=5, length_m=60.0, frame_rate_hz=4.0, fidelity="features"), GeometricRooms())
     rows = np.flatnonzero(finished.on_stairs | (finished.true_storeys == 0))

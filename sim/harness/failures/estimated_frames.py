@@ -1,0 +1,67 @@
+"""`estimated_frames`: the estimates of a SLAM that show on a plan why a run is wrong."""
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Int
+
+from lexis.evaluation.trajectory import aligned
+from lexis.maths.se3 import inverse
+from lexis.types import Poses
+from sim.harness.diagnosis.first_wrong import WITH_LABELS, WrongFrame, wrong_estimates
+from sim.harness.finished_run import Run
+from sim.report.data import NO_LABEL
+from sim.report.frame_picture import FrameEstimates
+from sim.report.palette import instance_colours, label_colours
+
+
+def estimated_frames(run: Run, figure: str | None, wrong: WrongFrame) -> FrameEstimates:
+    """Return the estimated path and the estimates that the figure is about: rooms, floors, labels, or none.
+
+    If `wrong` is a wrong motion, the estimated path is moved as a whole so that it agrees with the truth where this motion
+    begins. Otherwise it is aligned with the true path as for the absolute trajectory error.
+    """
+    kind = "" if figure is None else figure.partition(".")[0]
+    named = run.estimate.labels is not None and kind in WITH_LABELS
+    estimates = FrameEstimates(run.estimate.frames, _in_world(run, wrong), names_labels=named)
+    if kind == "rooms" and run.estimate.rooms is not None:
+        return _numbered(run, estimates, "rooms", run.estimate.rooms, "estimated room {}", "in no estimated room")
+    if kind == "floors" and run.estimate.floors is not None:
+        return _numbered(run, estimates, "floors", run.estimate.floors, "estimated floor {}", "estimated to be on stairs")
+    return _labelled(run, estimates) if kind in WITH_LABELS else estimates
+
+
+def _in_world(run: Run, wrong: WrongFrame) -> Poses | None:
+    if run.estimate.T_W_B is None:
+        return None
+    estimated, truth = np.asarray(run.estimate.T_W_B, np.float64), run.true_poses
+    if wrong.since is None:
+        return aligned(estimated, truth)
+    row = int(np.searchsorted(run.estimate.frames, wrong.since))
+    return np.asarray(truth[row] @ inverse(estimated[row]) @ estimated)
+
+
+def _labelled(run: Run, estimates: FrameEstimates) -> FrameEstimates:
+    """Add the labels, unless none is wrong."""
+    wrong = wrong_estimates(run, "labels")
+    if run.estimate.labels is None or not wrong.any():
+        return estimates
+    names = (*run.room_names, NO_LABEL)  # index -1, for no label, is the last entry
+    said = tuple(NO_LABEL if k < 0 else f"labelled {names[k]}" for k in run.estimate.labels.tolist())
+    colours = {name if name == NO_LABEL else f"labelled {name}": colour for name, colour in label_colours(names).items()}
+    return replace(estimates, groups=said, wrong=wrong, colours=colours)
+
+
+def _numbered(
+    run: Run,
+    estimates: FrameEstimates,
+    name: Literal["rooms", "floors"],
+    numbers: Int[np.ndarray, "n"],
+    form: str,
+    none: str,
+) -> FrameEstimates:
+    """Add estimates that are numbers from 0, or -1 for `none`. Other numbers `k` are put into words by `form.format(k)`."""
+    words = {k: form.format(k) if k >= 0 else none for k in sorted(set(numbers.tolist()), key=lambda k: (k < 0, k))}
+    said = tuple(words[k] for k in numbers.tolist())
+    return replace(estimates, groups=said, wrong=wrong_estimates(run, name), colours=instance_colours(words.values(), none))
