@@ -119,8 +119,7 @@ def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
 def unpack_keyframes(arrays: Arrays) -> tuple[Keyframe, ...]:
     """Convert the arrays of a map back to keyframes. The arrays must have passed `check`."""
     keypoints = _split(arrays["keypoints"], arrays["feature_count"])
-    # Maps that earlier versions saved without features have an array of shape (0, 0).
-    descriptors = _split(arrays["descriptors"].reshape(-1, DESCRIPTOR_BYTES), arrays["feature_count"])
+    descriptors = _split(arrays["descriptors"], arrays["feature_count"])
     points = _split(arrays["landmark_points"], arrays["landmark_count"])
     feature_ids = _split(arrays["landmark_feature"], arrays["landmark_count"])
     row_of = embedding_rows(arrays["anchor"])
@@ -267,9 +266,9 @@ def _check_embeddings(arrays: Arrays, prefix: str) -> None:
 
 
 def _check_descriptors(arrays: Arrays, prefix: str) -> None:
-    """Raise MapError unless the descriptors are as long as those of AKAZE; without key points, they may be empty."""
-    rows, columns = arrays[f"{prefix}descriptors"].shape
-    if rows and columns != DESCRIPTOR_BYTES:
+    """Raise MapError unless the descriptors are as long as those of AKAZE."""
+    columns = arrays[f"{prefix}descriptors"].shape[1]
+    if columns != DESCRIPTOR_BYTES:
         raise MapError(f"array {prefix}descriptors has {columns} columns; valid: {DESCRIPTOR_BYTES}")
 
 

@@ -1,5 +1,6 @@
 """A map as a folder: `map.json` with camera, encoder and rooms, and `arrays.npz` with all arrays. Nothing is unpickled."""
 
+import hashlib
 import json
 from pathlib import Path
 from typing import Annotated, Literal
@@ -10,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from lexis.errors import MapError
 from lexis.files.arrays import Arrays, read_arrays
 from lexis.files.camera import CameraData
-from lexis.files.reading import FileKind, read_model
+from lexis.files.reading import FileKind, open_file, read_model
 from lexis.files.replace import replaced_folder
 from lexis.files.temporary_folder import recover
 from lexis.inputs import MAX_CAMERAS, MAX_NAME_LENGTH, MAX_ROOM_NAMES, check_camera, check_room_names
@@ -47,7 +48,9 @@ class _Encoder(BaseModel):
 class _Map(BaseModel):
     model_config = _STRICT
 
-    schema_version: Literal[5] = Field(alias="schema")
+    schema_version: Literal[6] = Field(alias="schema")
+    arrays_sha256: Annotated[str, Field(max_length=64)]
+    """Digest of `arrays.npz`, which tells whether both files belong together."""
     camera: CameraData
     other_cameras: tuple[CameraData, ...] = Field((), max_length=MAX_CAMERAS - 1)
     """The further cameras of a rig. Files of a single camera do not state them."""
@@ -63,8 +66,18 @@ def save_map(map: LexisMap, directory: Path | str, features: bool = True) -> Non
     Without `features`, key points and landmarks are left out. The map is then smaller, but a later run cannot close loops
     with it. Raises LexisError if the folder cannot be written, or holds something that is no map.
     """
-    header = _Map(
-        schema=5,
+    with replaced_folder(Path(directory), JSON_FILE) as folder:
+        np.savez(folder / ARRAY_FILE, allow_pickle=False, **pack(map, features))
+        header = _header(map, _digest(folder / ARRAY_FILE))
+        excluded = None if map.camera.others else {"other_cameras"}
+        text = json.dumps(header.model_dump(mode="json", by_alias=True, exclude=excluded), indent=1)
+        (folder / JSON_FILE).write_text(text + "\n", encoding="utf-8")
+
+
+def _header(map: LexisMap, arrays_sha256: str) -> _Map:
+    return _Map(
+        schema=6,
+        arrays_sha256=arrays_sha256,
         camera=CameraData.of(map.camera),
         other_cameras=tuple(CameraData.of(other) for other in map.camera.others),
         encoder=_Encoder(name=map.encoder.name, fingerprint=map.encoder.fingerprint),
@@ -72,15 +85,15 @@ def save_map(map: LexisMap, directory: Path | str, features: bool = True) -> Non
         rooms=tuple(_Room(label=room.label, floor=room.floor) for room in map.rooms),
         stage_seconds=map.stage_seconds,
     )
-    with replaced_folder(Path(directory), JSON_FILE) as folder:
-        excluded = None if map.camera.others else {"other_cameras"}
-        text = json.dumps(header.model_dump(mode="json", by_alias=True, exclude=excluded), indent=1)
-        (folder / JSON_FILE).write_text(text + "\n", encoding="utf-8")
-        np.savez(folder / ARRAY_FILE, allow_pickle=False, **pack(map, features))
+
+
+def _digest(path: Path) -> str:
+    with open_file(path, _ARRAYS_FILE) as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def load_map(directory: Path | str) -> LexisMap:
-    """Read a map that was written by `save_map`. Raises MapError for anything else."""
+    """Read a map that was written by `save_map`. Raises MapError for anything else, such as files of two maps."""
     directory = Path(directory)
     recover(directory)
     header = read_model(directory / JSON_FILE, _HEADER_FILE, _Map)
@@ -94,6 +107,10 @@ def load_map(directory: Path | str) -> LexisMap:
         check(arrays)
     except ValueError as error:
         raise MapError(f"{directory}: {error}") from None
+    rooms = _rooms(directory, header, arrays)
+    if _digest(directory / ARRAY_FILE) != header.arrays_sha256:
+        mixed = f"{JSON_FILE} belongs to another {ARRAY_FILE}, or one of them was changed"
+        raise MapError(f"{directory}: {mixed}; valid: both files as they were written together")
     return LexisMap(
         camera=camera,
         encoder=EncoderId(header.encoder.name, header.encoder.fingerprint),
@@ -105,7 +122,7 @@ def load_map(directory: Path | str) -> LexisMap:
         labels=arrays["labels"],
         probabilities=arrays["probabilities"],
         floors=arrays["floors"],
-        rooms=_rooms(directory, header, arrays),
+        rooms=rooms,
         loops=unpack_loops(arrays),
         loop_weights=arrays["loop_weight"],
         candidates=unpack_candidates(arrays),

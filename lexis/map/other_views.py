@@ -58,7 +58,7 @@ def unpack_others(arrays: Arrays, row_of: Int[np.ndarray, "n"]) -> list[tuple[Ca
     columns = (
         [embedding for row in row_of.tolist() for embedding in embeddings[row]],
         np.split(arrays["other_keypoints"], features),
-        np.split(arrays["other_descriptors"].reshape(-1, DESCRIPTOR_BYTES), features),
+        np.split(arrays["other_descriptors"], features),
         *(np.split(arrays[f"other_landmark_{name}"], landmarks) for name in ("points", "feature")),
     )
     views = [

@@ -4,6 +4,8 @@ import errno
 import json
 import os
 import pickle
+import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -54,14 +56,6 @@ def test_the_views_of_further_cameras_are_kept(of_a_rig, tmp_path):
     for loaded, saved in zip(load_map(tmp_path / "bare").keyframes, of_a_rig.keyframes, strict=True):
         np.testing.assert_array_equal(loaded.embeddings, saved.embeddings)
         assert len(loaded.points) == len(loaded.others[0].features.keypoints) == 0
-
-
-def test_maps_that_earlier_versions_saved_without_features_are_read(of_a_rig, tmp_path):
-    save_map(of_a_rig, tmp_path / "map", features=False)
-    save_map(of_a_rig, tmp_path / "earlier", features=False)
-    empty = np.zeros((0, 0), np.uint8)
-    rewritten(tmp_path / "earlier", descriptors=empty, other_descriptors=empty)
-    assert_same(load_map(tmp_path / "earlier"), load_map(tmp_path / "map"))
 
 
 RETIRED = {12: 3, 13: 3, 20: 8, 39: 15}
@@ -237,6 +231,18 @@ def test_what_is_no_map_is_refused(lexis_map, tmp_path, damage):
         arrays.write_bytes(b"no zip")
     with pytest.raises(MapError):
         load_map(tmp_path / "map")
+
+
+@pytest.mark.parametrize("name", ["map.json", "arrays.npz"])
+def test_the_files_of_two_maps_are_no_map(lexis_map, tmp_path, name):
+    """Both maps have equal numbers of keyframes and rooms, so that all sizes fit."""
+    later = replace(lexis_map, keyframes=tuple(replace(k, stamp=k.stamp + 1.0) for k in lexis_map.keyframes))
+    for folder, each in (("a", lexis_map), ("b", later)):
+        save_map(each, tmp_path / folder)
+        assert load_map(tmp_path / folder).keyframes[0].stamp == each.keyframes[0].stamp
+    shutil.copy(tmp_path / "b" / name, tmp_path / "a" / name)
+    with pytest.raises(MapError, match=r"map\.json belongs to another arrays\.npz, or one of them was changed; valid: b"):
+        load_map(tmp_path / "a")
 
 
 def test_a_compressed_map_is_refused(lexis_map, tmp_path):
