@@ -229,6 +229,7 @@ def _run(arguments: argparse.Namespace) -> int:
     from rich.progress import track
 
     from lexis.datasets.dataset import DatasetConfig, open_dataset
+    from lexis.merging import holds_image
     from lexis.slam import Slam
 
     warn_of_replacement(arguments.out, JSON_FILE)
@@ -238,8 +239,10 @@ def _run(arguments: argparse.Namespace) -> int:
     if old is None and arguments.rooms is None:
         raise LexisError("--rooms is missing; valid: --rooms with names of rooms, or --map with a map that has them")
     names = old.room_names if old and arguments.rooms is None else _rooms(arguments.rooms)
-    config = _settings(arguments)
-    slam = Slam(dataset.camera, _encoder(arguments.encoder, options), names, config, map=old)
+    config, encoder = _settings(arguments), _encoder(arguments.encoder, options)
+    slam = Slam(dataset.camera, encoder, names, config, map=old)
+    if old is not None and holds_image(old, next(iter(dataset)), encoder):
+        print(f"note: {arguments.map} already holds this recording; the new map will hold it twice", file=sys.stderr)
     before = saved = slam.keyframe_count
     shown = track(dataset, "mapping", console=Console(stderr=True), disable=not sys.stderr.isatty())
     with interrupted_later() as pressed:

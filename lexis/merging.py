@@ -4,11 +4,13 @@ The sessions of the second map are added to the first map, as if they were recor
 joined stay joined.
 """
 
+import numpy as np
+
 from lexis.config import Config
 from lexis.errors import MapError
-from lexis.perception import Encoder
+from lexis.perception import Encoder, embedding_of
 from lexis.slam import Slam
-from lexis.types import LexisMap
+from lexis.types import LexisMap, Observation
 from lexis.verification import Verifier, verify
 
 
@@ -40,3 +42,10 @@ def check_apart(first: LexisMap, second: LexisMap) -> None:
     shared = (keyframe for keyframe in second.keyframes if (keyframe.stamp, keyframe.embedding.tobytes()) in own)
     if (twice := next(shared, None)) is not None:
         raise MapError(f"merge: both maps hold the image taken at {twice.stamp:.3f} s; valid: maps of different recordings")
+
+
+def holds_image(map: LexisMap, observation: Observation, encoder: Encoder) -> bool:
+    """Return whether a map has a keyframe with the stamp and the image of an observation, by the map's encoder."""
+    same_time = [keyframe for keyframe in map.keyframes if keyframe.stamp == observation.stamp]
+    embedding = embedding_of(observation.image, encoder) if same_time else np.zeros(0)
+    return any(np.array_equal(keyframe.embedding, embedding) for keyframe in same_time)

@@ -491,12 +491,16 @@ def test_one_ctrl_c_while_the_map_of_a_damaged_recording_is_saved_does_not_lose_
 def test_a_session_elsewhere_becomes_a_part_of_its_own(textured, tmp_path, capsys):
     one, other, both, merged = (tmp_path / name for name in ("one", "other", "both", "merged"))
     assert cli.main(["run", str(textured), "--rooms", "kitchen, office", "-o", str(one)]) == 0
+    assert "already holds" not in capsys.readouterr().err
     assert cli.main(["run", str(textured), "--map", str(one), "-o", str(both)]) == 0
+    shown = capsys.readouterr()
+    assert f"note: {one} already holds this recording; the new map will hold it twice" in shown.err
     saved = load_map(one)
     later = tuple(replace(keyframe, stamp=keyframe.stamp + 100.0) for keyframe in saved.keyframes)
     save_map(replace(saved, keyframes=later), other)
     assert cli.main(["merge", str(one), str(other), "-o", str(merged)]) == 0
-    assert capsys.readouterr().out.count("not recognised in the rest of the map: session 1") == 2
+    for out in (shown.out, capsys.readouterr().out):
+        assert out.count("not recognised in the rest of the map: session 1") == 1
     n = len(load_map(one).keyframes)
     for folder in (both, merged):
         assert [keyframe.session for keyframe in load_map(folder).keyframes] == [0] * n + [1] * n
