@@ -10,7 +10,7 @@ import stat
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any, TypeVar
+from typing import Any, TypeVar
 
 import yaml
 from pydantic import BaseModel, ValidationError
@@ -45,7 +45,7 @@ class FileKind:
         return self.error(f"{path}: {self.missing}: {one_line(reason)}; valid: {self.valid}")
 
 
-def open_file(path: Path, kind: FileKind) -> IO[bytes]:
+def open_file(path: Path, kind: FileKind) -> io.BufferedReader:
     """Open a regular file of at most `kind.max_bytes`. Raises the error of `kind` for anything else.
 
     Pipes and devices are refused, because reading them may never end.
