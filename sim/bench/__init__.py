@@ -7,7 +7,7 @@ one long walk. `sessions` measures whether a robot that returns to a house recog
 that walks back recognises the way.
 
 `public_pose_graphs` optimises the graphs in g2o files, and `kernels` tests robust kernels against the false loops of
-`injected_loops`. `planning` compares drives along the same plans with different pose estimates, and `queries` asks the
+`injected_loops`. `planning` compares drives along the same plans with different pose estimates, and `answers` asks the
 `everyday_questions`. `fidelity` compares runs on simulated features with runs on rendered images, and the subpackage
 `encoders` compares vision-language models. `houses` chooses the houses of a benchmark, and `row_files` writes a benchmark's
 rows as a CSV file and as a picture. `collection` runs all benchmarks of the `benchmark_list`.

@@ -14,8 +14,8 @@ from sim.output_files import check_output_file
 if TYPE_CHECKING:
     from lexis.encoder.open_clip_encoder import OpenClipEncoder
     from sim.training.houses import HouseDraw
-    from sim.training.query_calibration import CalibrationFigures
-    from sim.training.query_questions import QuestionBatch
+    from sim.training.question_calibration import CalibrationFigures
+    from sim.training.random_questions import QuestionBatch
 
 TEST_PRESETS = ("home", "ori", "uh2-apt", "uh2-office")
 
@@ -50,7 +50,7 @@ def _calibrate(arguments: argparse.Namespace) -> int:
     from lexis.encoder.open_clip_encoder import load_encoder
     from lexis.questions.calibration import MINI_CALIBRATION, save_calibration
     from sim.training.houses import TEST_SEEDS, HouseDraw
-    from sim.training.query_calibration import fit_calibration, measure, tuning_houses
+    from sim.training.question_calibration import fit_calibration, measure, tuning_houses
 
     if arguments.out is None and arguments.encoder != MINI:
         raise SimError(f"--out is missing: only the calibration of {MINI!r} has a default file; valid: --out FILE.json")
@@ -80,6 +80,6 @@ def _said(figures: "CalibrationFigures") -> str:
 
 
 def _asked(houses: "Sequence[HouseDraw]", encoder: "OpenClipEncoder", seed: int) -> "list[QuestionBatch]":
-    from sim.training.query_calibration import asked_in
+    from sim.training.question_calibration import asked_in
 
     return asked_in(tracked(houses, len(houses), "asking"), encoder, seed)

@@ -8,8 +8,8 @@ trains its last layer alone, also by `pooling` the evidence of several images, a
 `export` writes weights that open_clip loads.
 
 `lexicon` and `phrases` hold the words of captions. `places` trains embeddings to recognise places. `temperature` fits the
-scale that turns similarities into probabilities. `array_cache` stores arrays that take long to make. `query_calibration` and
-`query_questions` calibrate the probabilities of answers to questions.
+scale that turns similarities into probabilities. `array_cache` stores arrays that take long to make. `question_calibration`
+calibrates the probabilities of answers to `random_questions`.
 """
 
 import lazy_loader

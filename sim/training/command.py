@@ -29,7 +29,7 @@ from sim.training.export import export, start_trunk_from
 from sim.training.fit import Progress, Schedule, fit
 from sim.training.frames import BARE, Frames, rendered
 from sim.training.houses import TRAINING_SEEDS, TUNING_SEEDS, HouseDraw, draw_houses
-from sim.training.query_calibration import write_calibration
+from sim.training.question_calibration import write_calibration
 from sim.training.settling import STEPS, settle
 from sim.training.teacher import load_teacher
 from sim.training.temperature import fit_temperature

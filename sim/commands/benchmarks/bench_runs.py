@@ -173,7 +173,7 @@ def _planning(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _queries(arguments: argparse.Namespace) -> Iterator[Table]:
-    from sim.bench.queries import SETS, Answered, QueriesRow, ask_houses, row_of
+    from sim.bench.answers import SETS, Answered, QueriesRow, ask_houses, row_of
     from sim.harness import Scenario
     from sim.harness.world_tests import RENDER_FRAME_RATE_HZ
     from sim.report.figures import shown

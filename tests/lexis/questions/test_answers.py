@@ -11,8 +11,8 @@ from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.errors import LexisError, MapError
 from lexis.questions.answers import FITS, ask, best_views_mean
 from lexis.questions.calibration import Calibration, find_calibration
+from sim.bench.answers import Answered, QueriesRow, answering_rooms, ask_one, row_of, true_rooms
 from sim.bench.everyday_questions import TUNING
-from sim.bench.queries import Answered, QueriesRow, answering_rooms, ask_one, row_of, true_rooms
 from sim.harness import Scenario, run
 from worlds.house import build_house
 from worlds.presets import sample_house

@@ -271,7 +271,7 @@ def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_pa
     few = ViewpointConfig(most=40)
     monkeypatch.setattr("sim.training.frames.TRAINING_VIEWS", few)
     monkeypatch.setattr("sim.training.frames.frames_of_house", partial(frames_of_house, views=few))
-    monkeypatch.setattr("sim.training.query_questions._MOST", 10)
+    monkeypatch.setattr("sim.training.random_questions._MOST", 10)
     work = tmp_path / "work"
     work.mkdir()
     save_text_tower(text, work / "text-tower.safetensors")

@@ -12,12 +12,12 @@ from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.questions.calibration import Calibration, familiarity, find_calibration, load_calibration
 from sim.cli import main
 from sim.errors import GraphicsError, SimError
-from sim.training import query_calibration, query_questions
+from sim.training import question_calibration, random_questions
 from sim.training.frames import THINGS
 from sim.training.houses import TUNING_SEEDS, HouseDraw
 from sim.training.phrases import HOLDS_HELD_OUT
-from sim.training.query_calibration import asked_in, fit_calibration, measure, tuning_houses, write_calibration
-from sim.training.query_questions import (
+from sim.training.question_calibration import asked_in, fit_calibration, measure, tuning_houses, write_calibration
+from sim.training.random_questions import (
     ACTIVITY,
     DOUBTFUL,
     NAME,
@@ -123,7 +123,7 @@ def test_figures_of_answers_agree_with_their_definitions(views, rng):
 
 
 def test_rooms_are_those_of_a_walk(monkeypatch):
-    monkeypatch.setattr(query_questions, "_MOST", 12)
+    monkeypatch.setattr(random_questions, "_MOST", 12)
     views = room_views(HouseDraw("uh2-apt", TUNING_SEEDS[0]))
     assert 8 <= len(views.room) <= 13 and views.shown.shape == (len(views.labels), len(THINGS))
     np.testing.assert_array_equal(views.labels[views.room], views.label)
@@ -139,16 +139,16 @@ def test_houses_to_fit_to_are_kept_for_tuning_and_the_first_ones_stay():
 def test_a_house_without_a_walk_is_left_out_but_a_machine_that_cannot_render_is_an_error(monkeypatch):
     draw = HouseDraw("uh2-apt", TUNING_SEEDS[0])
     with monkeypatch.context() as patch:
-        patch.setattr(query_questions, "walk", raising(SimError("no walk")))
+        patch.setattr(random_questions, "walk", raising(SimError("no walk")))
         assert asked_in([draw], HashingEncoder(), 0) == []
-    monkeypatch.setattr(query_questions, "frames_at", raising(GraphicsError("no OpenGL")))
+    monkeypatch.setattr(random_questions, "frames_at", raising(GraphicsError("no OpenGL")))
     with pytest.raises(GraphicsError, match="no OpenGL"):
         asked_in([draw], HashingEncoder(), 0)
 
 
 def test_a_calibration_is_written_beside_its_weights_only_once(views, tmp_path, monkeypatch):
     walked = []
-    monkeypatch.setattr(query_calibration, "room_views", lambda draw: walked.append(draw) or views)
+    monkeypatch.setattr(question_calibration, "room_views", lambda draw: walked.append(draw) or views)
     for _ in range(2):
         write_calibration(HashingEncoder(), tmp_path / "mini.safetensors", 3, 0)
     assert len(walked) == 3
@@ -156,7 +156,7 @@ def test_a_calibration_is_written_beside_its_weights_only_once(views, tmp_path, 
 
 
 def test_the_command_writes_a_calibration_with_which_mini_answers_questions(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(query_questions, "_MOST", 12)
+    monkeypatch.setattr(random_questions, "_MOST", 12)
     file = tmp_path / "mini.json"
     assert main(["calibrate-queries", "--houses", "1", "--out", str(file)]) == 0
     found = find_calibration(load_encoder("mini"), file)  # raises an error if another encoder was calibrated

@@ -15,7 +15,7 @@ from lexis.questions.answers import FITS
 from lexis.questions.calibration import Calibration, familiarity, load_calibration, save_calibration
 from sim.errors import SimError
 from sim.training.houses import TUNING_SEEDS, HouseDraw, draw_houses
-from sim.training.query_questions import DOUBTFUL, NO, YES, QuestionBatch, ask, embedded, room_views
+from sim.training.random_questions import DOUBTFUL, NO, YES, QuestionBatch, ask, embedded, room_views
 from worlds.labels import ROOM_LABELS
 
 _START = (0.2, 0.0, np.log(0.05))
