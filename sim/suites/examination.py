@@ -4,8 +4,9 @@ import math
 import pickle
 import time
 from collections import deque
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import chain, zip_longest
@@ -164,19 +165,34 @@ def examinations(
         with TemporaryDirectory() as folder:
             others = [job for job in left if job not in again]
             notes = [Path(folder) / str(number) for number in range(len(others))]
-            pool = process_pool(workers)
+            ends = [math.inf if job is jobs[0] else end for job in others]
             try:
-                ends = [math.inf if job is jobs[0] else end for job in others]
-                found = pool.map(_noted, others, [new_slam] * len(others), notes, ends)
-                while left:
-                    each = again.get(left[0]) or next(found)
-                    left.popleft()
-                    if each is not None:
-                        yield each
+                with closing(_in_processes(others, new_slam, workers, notes, ends)) as found:
+                    yield from _in_order(left, again, found)
             except BrokenProcessPool:
                 again |= {job: _examined_alone(job, new_slam) for job in _begun(others, notes)}
-            finally:
-                pool.shutdown(cancel_futures=True)
+
+
+def _in_processes(
+    jobs: Sequence[Job], new_slam: NewSlam, workers: int, notes: Sequence[Path], ends: Sequence[float]
+) -> Generator[Examination | None, None, None]:
+    """Examine scenarios in new processes as `_noted` does. Raises `BrokenProcessPool` if a process ends."""
+    pool = process_pool(workers)
+    try:
+        yield from pool.map(_noted, jobs, [new_slam] * len(jobs), notes, ends)
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _in_order(
+    left: "deque[Job]", known: Mapping[Job, Examination], found: Iterator[Examination | None]
+) -> Generator[Examination, None, None]:
+    """Yield the results of the jobs that are left, known or found, and remove each of these jobs from `left`."""
+    while left:
+        each = known.get(left[0]) or next(found)
+        left.popleft()
+        if each is not None:
+            yield each
 
 
 def _noted(job: Job, new_slam: NewSlam, note: Path, end: float) -> Examination | None:
