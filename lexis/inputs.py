@@ -173,8 +173,10 @@ def pixels(observation: Observation) -> tuple[Image, ...]:
 
 
 def type_of(value: object) -> str:
-    """The type of a value, with the shape of an array, for messages."""
-    return f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"
+    """The type of a value or, for an array, the type of its numbers and its shape, as text for messages."""
+    if isinstance(value, np.ndarray) and not isinstance(value, np.ma.MaskedArray):
+        return f"{value.dtype} {value.shape}"
+    return f"a {type(value).__name__}"
 
 
 def _is_numbers(value: object, shape: tuple[int, ...]) -> TypeGuard[np.ndarray]:

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float64, Int
 
 from lexis.errors import encodable
-from lexis.inputs import MAX_POSITION_M
+from lexis.inputs import MAX_POSITION_M, type_of
 from lexis.maths.se3 import is_rigid
 from lexis.types import Poses
 from sim.errors import EstimateError
@@ -165,7 +165,7 @@ class Estimate:
 def _checked_frames(frames: object) -> int:
     """Return the number of frames. Raises `EstimateError` unless `frames` holds indices from 0, ascending and each once."""
     if not isinstance(frames, np.ndarray) or frames.dtype.kind not in "iu" or frames.ndim != 1:
-        raise EstimateError(f"estimate: frames is {_form_of(frames)}; valid: an array of whole numbers, one for each frame")
+        raise EstimateError(f"estimate: frames is {type_of(frames)}; valid: an array of whole numbers, one for each frame")
     valid = "valid: one or more indices of observations, from 0 and ascending, each once"
     if len(frames) == 0:
         raise EstimateError(f"estimate: frames is empty; {valid}")
@@ -233,7 +233,7 @@ def _check_text(name: str, text: object) -> None:
 def _check_loops(loops: object) -> None:
     """Raise `EstimateError` unless there are as many matches, rigid motions and weights in [0, 1] as queries."""
     if not isinstance(loops, EstimatedLoops):
-        raise EstimateError(f"estimate: loops is {_form_of(loops)}; valid: EstimatedLoops")
+        raise EstimateError(f"estimate: loops is {type_of(loops)}; valid: EstimatedLoops")
     n = len(loops.query) if _is_plain(loops.query) and loops.query.ndim else 0
     for name in ("query", "match"):
         _check_rows(f"loops.{name}", getattr(loops, name), n, "iu", ())
@@ -272,18 +272,13 @@ def _check_rows(name: str, estimate: object, n: int, kinds: str, row: tuple[int 
     if not _is_plain(estimate) or estimate.dtype.kind not in kinds or estimate.ndim != 1 + len(row):
         shape = ", ".join(["n", *("any" if size is None else str(size) for size in row)])
         valid = f"an array of {wanted} of shape ({shape}){_MEANINGS.get(name, '')}"
-        raise EstimateError(f"estimate: {name} is {_form_of(estimate)}; valid: {valid}")
+        raise EstimateError(f"estimate: {name} is {type_of(estimate)}; valid: {valid}")
     if len(estimate) != n:
         raise EstimateError(f"estimate: {name} has {len(estimate)} rows; valid: {n}, one for each of the frames")
     if any(size not in (None, found) for size, found in zip(row, estimate.shape[1:], strict=True)):
         raise EstimateError(f"estimate: {name} has shape {estimate.shape}; valid: {(n, *row)}")
     if not np.isfinite(estimate).all():
         raise EstimateError(f"estimate: {name} is not finite in row {int(np.argwhere(~np.isfinite(estimate))[0, 0])}")
-
-
-def _form_of(value: object) -> str:
-    """Return the type of a value, or the number type and shape of an array, as text for messages."""
-    return f"{value.dtype} {value.shape}" if _is_plain(value) else f"a {type(value).__name__}"
 
 
 def _is_plain(value: object) -> TypeGuard[np.ndarray]:
