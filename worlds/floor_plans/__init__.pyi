@@ -3,7 +3,7 @@ from .floor_plan import lay_out as lay_out
 from .grown_plan import RoomRequest as RoomRequest
 from .grown_plan import grow as grow
 from .programmes import Bay as Bay
-from .programmes import BayRun as BayRun
+from .programmes import BayGroup as BayGroup
 from .programmes import StoreyProgramme as StoreyProgramme
 from .room_lists import draw_programmes as draw_programmes
 from .upper_storey import with_storey_on_top as with_storey_on_top

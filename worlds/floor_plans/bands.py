@@ -1,12 +1,12 @@
-"""Assignment of the runs of bays to the bands of every storey, their order in the bands, and the lengths of the bands.
+"""Assignment of the groups of bays to the bands of every storey, their order in the bands, and the lengths of the bands.
 
-A band is a row of rooms along one side of a corridor (see the drawing in `wings`). A band is filled with runs: groups of
-bays that stay side by side; a bay is one slice of a band, with one main room (see `programmes`). Every storey has to stand
-on the storey below, so a band is at least as long as the same band of the storey above.
+A band is a row of rooms along one side of a corridor (see the drawing in `wings`). A band is filled with groups of bays that
+stay side by side; a bay is one slice of a band, with one main room (see `programmes`). Every storey has to stand on the
+storey below, so a band is at least as long as the same band of the storey above.
 
 The functions are called in this order:
 
-1. `assign` chooses a band for every run, from the ground storey upwards: a storey may only use bands that exist below it.
+1. `assign` chooses a band for every group, from the ground storey upwards: a storey may only use bands that exist below it.
 2. `wrap_round` (in some plans) bends the last room of the south band round the corridor's end, so that not all rooms are
    rectangles.
 3. `measured` sets the lengths of all bands, from the top storey downwards: a band must reach as far as the same band of the
@@ -20,7 +20,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from worlds.floor_plans.bays import DOOR_FRONT, bay_width, share_out
-from worlds.floor_plans.programmes import Bay, BayRun, StoreyProgramme
+from worlds.floor_plans.programmes import Bay, BayGroup, StoreyProgramme
 from worlds.floor_plans.rectangles import area_m2
 from worlds.floor_plans.storey_draft import PlacedBay
 from worlds.floor_plans.wings import BANDS, Band, Shell, distribute
@@ -37,10 +37,10 @@ factor ends before the building does."""
 
 @dataclass
 class BandedStorey:
-    """The runs (groups of rooms) of a storey, sorted into bands (rows of rooms along a corridor), and the bands' lengths."""
+    """The groups of bays of a storey, sorted into bands (rows of rooms along a corridor), and the bands' lengths."""
 
-    bands: dict[Band, list[BayRun]]
-    slot: BayRun | None = None
+    bands: dict[Band, list[BayGroup]]
+    slot: BayGroup | None = None
     """The room in the space behind the stairs (see `Shell.slot`); None: no room is there."""
     lengths: dict[Band, int] = field(default_factory=dict)
     """Length of every band (row of rooms) [cm]; `measured` fills it in."""
@@ -52,44 +52,43 @@ class BandedStorey:
 
     def bays(self, band: Band) -> list[Bay]:
         """Return the bays (main rooms with the small rooms carved from them) of a band, in order along the band."""
-        return [bay for run in self.bands.get(band, ()) for bay in run.bays]
+        return [bay for group in self.bands.get(band, ()) for bay in group.bays]
 
 
 def assign(
     programmes: Sequence[StoreyProgramme], shell: Shell, lengths: dict[Band, int], rng: np.random.Generator
 ) -> list[BandedStorey]:
-    """Choose a band for every run of every storey, and the order of the runs in each band.
+    """Choose a band for every group of bays of every storey, and the order of the groups in each band.
 
-    A band is a row of rooms along a corridor; a run is a group of rooms that stay side by side. For each storey, lowest
-    first:
+    A band is a row of rooms along a corridor; the bays of a group stay side by side. For each storey, lowest first:
 
-    1. If the storey repeats the storey below (it has the same `runs` object), it gets a copy of that storey's result, so
+    1. If the storey repeats the storey below (it has the same `groups` object), it gets a copy of that storey's result, so
        that both stay equal. The other steps are skipped.
     2. A single room may go behind the stairs, where no band reaches; on an upper storey only if the storey below has a room
        there, too.
-    3. `distribute` shares the other runs among the bands. On the ground storey the bands have the planned `lengths` [cm]; on
-       an upper storey they have the lengths of the storey below, on which they stand.
-    4. The runs of each band are put in order; the comments in the code give the reason for each step.
+    3. `distribute` shares the other groups among the bands. On the ground storey, the bands have the planned `lengths`
+       [cm]; on an upper storey, they have the lengths of the storey below, on which they stand.
+    4. The groups of each band are put in order; the comments in the code give the reason for each step.
     """
     storeys: list[BandedStorey] = []
     for k, programme in enumerate(programmes):
-        if k and programme.runs is programmes[k - 1].runs:
+        if k and programme.groups is programmes[k - 1].groups:
             storeys.append(replace(storeys[-1]))
             continue
-        runs = list(programme.runs)
-        slot = _take_slot(runs, shell) if k == 0 or storeys[-1].slot else None
+        groups = list(programme.groups)
+        slot = _take_slot(groups, shell) if k == 0 or storeys[-1].slot else None
         allowed = dict(lengths) if k == 0 else _lengths_above(storeys[-1], shell)
-        bands = distribute(runs, allowed, shell.depths, _reserved_bands(runs))
+        bands = distribute(groups, allowed, shell.depths, _reserved_bands(groups))
         for inside in bands.values():
             # The order along a band is random, except for the rules below. The sorts are stable: they keep the random order
-            # of the runs that they do not tell apart.
+            # of the groups that they do not tell apart.
             rng.shuffle(inside)
             if shell.at_end and inside:
-                # The last bay may have to reach past the spine's end, beside the stairs (`_widths` widens it). A run that
+                # The last bay may have to reach past the spine's end, beside the stairs (`_widths` widens it). A group that
                 # ends with a narrow room does not come last, because that room would become many times too wide.
-                inside.sort(key=lambda run: bay_width(run.bays[-1], 420) >= 300)
+                inside.sort(key=lambda group: bay_width(group.bays[-1], 420) >= 300)
             # A garage comes first, in most plans at a corner of the building, rather than between two living rooms.
-            inside.sort(key=lambda run: run.bays[0].labels[0] != "garage")
+            inside.sort(key=lambda group: group.bays[0].labels[0] != "garage")
             if shell.at_end and inside:
                 # The last bay touches the spine with a part of its front only; that part must be the host's, for its door.
                 inside[-1] = replace(inside[-1], bays=(*inside[-1].bays[:-1], inside[-1].bays[-1].with_front()))
@@ -116,8 +115,8 @@ def wrap_round(storeys: Sequence[BandedStorey], shell: Shell, rng: np.random.Gen
     if the spine is wider than 2.8 m.
     """
     south = storeys[0].bands["south"]
-    able = [run for run in south if run.bays[-1].form == "plain" and run.bays[-1].twin is None]
-    able = [run for run in able if run.bays[-1].labels[0] in _WRAPPING_LABELS and sum(run.bays[-1].areas) >= 16.0]
+    able = [group for group in south if group.bays[-1].form == "plain" and group.bays[-1].twin is None]
+    able = [group for group in able if group.bays[-1].labels[0] in _WRAPPING_LABELS and sum(group.bays[-1].areas) >= 16.0]
     if not able or shell.depths.spine > 280:
         return
     area = able[0].bays[-1].areas[0]
@@ -131,33 +130,38 @@ def wrap_round(storeys: Sequence[BandedStorey], shell: Shell, rng: np.random.Gen
         storey.wrap = wrap if storey.bands["south"] is south else 0
 
 
-def _reserved_bands(runs: Sequence[BayRun]) -> dict[int, Band]:
-    """Choose the run (group of rooms) that must go to the south band; return a mapping from its index to "south".
+def _reserved_bands(groups: Sequence[BayGroup]) -> dict[int, Band]:
+    """Choose the group of bays that must go to the south band; return a mapping from its index to "south".
 
-    Every storey needs rooms in the south, since gardens and most balconies lie there. The run with most living rooms, dining
-    rooms and kitchens is chosen, because these rooms lead outside; among equal runs, the run with the largest first room.
+    Every storey needs rooms in the south, since gardens and most balconies lie there. The group with most living rooms,
+    dining rooms and kitchens is chosen, because these rooms lead outside; among equal groups, the group with the largest
+    first room.
     """
     garden = ("living room", "dining room", "kitchen")
-    best = max(range(len(runs)), key=lambda i: (sum(b.labels[0] in garden for b in runs[i].bays), runs[i].bays[0].areas[0]))
+    best = max(
+        range(len(groups)), key=lambda i: (sum(b.labels[0] in garden for b in groups[i].bays), groups[i].bays[0].areas[0])
+    )
     return {best: "south"}
 
 
-def _take_slot(runs: list[BayRun], shell: Shell) -> BayRun | None:
-    """Choose a group of rooms for the space behind the stairs, remove it from `runs` and return it; None if no group fits.
+def _take_slot(groups: list[BayGroup], shell: Shell) -> BayGroup | None:
+    """Choose a group of bays for the space behind the stairs, remove it from `groups` and return it; None if no group fits.
 
-    A run (group of rooms) fits if it is a single room that has no small rooms carved from it and no twin (a room that must
-    get exactly the same shape), and if the area chosen for the room is close to the area of the space. At least two runs
-    must be left for the bands (rows of rooms).
+    A group fits if it is a single room that has no small rooms carved from it and no twin (a room that must get exactly the
+    same shape), and if the area chosen for the room is close to the area of the space. At least two groups must be left for
+    the bands (rows of rooms).
     """
     slot = shell.slot()
-    if slot is None or len(runs) < 3:
+    if slot is None or len(groups) < 3:
         return None
     area = area_m2([slot])
-    fitting = [run for run in runs if len(run.bays) == 1 and run.bays[0].form == "plain" and run.bays[0].twin is None]
-    fitting = [run for run in fitting if 0.7 <= area / run.bays[0].areas[0] <= 1.5]
+    fitting = [
+        group for group in groups if len(group.bays) == 1 and group.bays[0].form == "plain" and group.bays[0].twin is None
+    ]
+    fitting = [group for group in fitting if 0.7 <= area / group.bays[0].areas[0] <= 1.5]
     if not fitting:
         return None
-    runs.remove(fitting[0])
+    groups.remove(fitting[0])
     return fitting[0]
 
 
@@ -249,6 +253,6 @@ def placed_bays(storey: BandedStorey, shell: Shell) -> list[PlacedBay]:
     return out
 
 
-def _joints(runs: Sequence[BayRun]) -> list[BayRun | None]:
-    """Return the run (group of bays side by side) of every bay of `runs`, but None for the first bay of a run."""
-    return [run if i else None for run in runs for i in range(len(run.bays))]
+def _joints(groups: Sequence[BayGroup]) -> list[BayGroup | None]:
+    """Return the group of every bay of `groups`, but None for the first bay of a group."""
+    return [group if i else None for group in groups for i in range(len(group.bays))]

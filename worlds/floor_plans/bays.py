@@ -11,7 +11,7 @@ carved from it; `programmes` shows the forms in a drawing. A bay is as deep as i
 import math
 from collections.abc import Sequence
 
-from worlds.floor_plans.programmes import Bay, BayRun
+from worlds.floor_plans.programmes import Bay, BayGroup
 from worlds.floor_plans.rectangles import Edge, Rect
 from worlds.floor_plans.room_sizes import SIZES
 
@@ -42,13 +42,12 @@ def bay_width(bay: Bay, depth: int) -> int:
     return 5 * math.ceil(max(wished, least, carved + front) / 5)
 
 
-def run_width(run: BayRun, depth: int) -> int:
-    """Return the width that a run prefers in a band (a row of rooms) of the given depth [cm].
+def group_width(group: BayGroup, depth: int) -> int:
+    """Return the width that a group of bays prefers in a band (a row of rooms) of the given depth [cm].
 
-    A run is a group of bays that stay side by side, and a bay is a main room with the small rooms carved from it. The width
-    is the sum of the preferred widths of the run's bays.
+    A bay is a main room with the small rooms carved from it. The width is the sum of the preferred widths of the bays.
     """
-    return sum(bay_width(bay, depth) for bay in run.bays)
+    return sum(bay_width(bay, depth) for bay in group.bays)
 
 
 def _small_size(bay: Bay, i: int, depth: int) -> tuple[int, int]:

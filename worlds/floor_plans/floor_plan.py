@@ -108,11 +108,11 @@ def _topology(
     def draw(bounds: tuple[float, float]) -> int:
         return round(100 * float(rng.uniform(*bounds)))
 
-    bays = [bay for programme in programmes for run in programme.runs for bay in run.bays]
+    bays = [bay for programme in programmes for group in programme.groups for bay in group.bays]
     # A band must be deep enough for the largest bay: at this depth the bay is about 1.6 times as wide as deep.
     deep = round(100 * min(8.0, (0.62 * max((sum(bay.areas) for bay in bays), default=0.0)) ** 0.5))
     south, north, spine = max(draw(style.depth_m), deep), draw(style.depth_m), draw(style.spine_m)
-    total = max(sum(bay_width(bay, (south + north) // 2) for run in p.runs for bay in run.bays) for p in programmes)
+    total = max(sum(bay_width(bay, (south + north) // 2) for group in p.groups for bay in group.bays) for p in programmes)
     if total < 100 * rng.uniform(*style.one_sided_m):
         return Depths(spine, south), {"south": total}
     if total < 100 * style.winged_m or (total < 4000 and rng.random() > style.wings):

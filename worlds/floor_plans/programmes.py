@@ -1,13 +1,13 @@
-"""Programmes: lists of the rooms of a storey, grouped into bays and runs, before any room has a position.
+"""Programmes: lists of the rooms of a storey, grouped into bays, before any room has a position.
 
 The words used for floor plans:
 
 - The spine is the corridor (or the hall or living room) on which the rooms of a storey open.
 - A band is a row of rooms along one side of the spine.
 - A bay is one slice of a band, from the spine to the outer wall. It belongs to one room, its host.
-- A run is a group of bays that stay side by side, such as a kitchen and its dining room. The joint of a run is the kind of
+- The bays of a group stay side by side, such as a kitchen and its dining room. The joint of a group is the kind of
   opening between neighbouring bays in it.
-- A programme lists the runs of a storey and says what its spine is, and whether it has a garden or a balcony.
+- A programme lists the groups of a storey and says what its spine is, and whether it has a garden or a balcony.
 - Twins are rooms of exactly the same shape.
 
 Up to two small rooms may be carved from the host of a bay, which leaves the host L-, T- or U-shaped:
@@ -37,7 +37,7 @@ _PUBLIC = ("kitchen", "dining room", "living room", "lobby", "library", "open-pl
 _OPEN_CHAIN = ("kitchen", "dining room", "living room")
 """Labels of rooms that stand side by side, in this order or in reverse."""
 _SEEDS = 2**31
-_MOST_TWINS_IN_RUN = 4
+_MOST_TWINS_IN_GROUP = 4
 """Greatest number of twins (rooms of exactly the same shape) that stand side by side."""
 _OTHER_SEED = 1009
 """Number that is added to a seed to derive a different seed."""
@@ -77,7 +77,7 @@ class Bay:
 
 
 @dataclass(frozen=True)
-class BayRun:
+class BayGroup:
     """A group of bays (main rooms with the small rooms carved from them) that stay side by side in a row of rooms."""
 
     bays: tuple[Bay, ...]
@@ -89,7 +89,7 @@ class BayRun:
 class StoreyProgramme:
     """The rooms of a storey and how they are grouped."""
 
-    runs: tuple[BayRun, ...]
+    groups: tuple[BayGroup, ...]
     spine: str = "corridor"
     """Label of the room along which the other rooms stand."""
     hall: str | None = None
@@ -110,18 +110,19 @@ class LayoutShares:
     """Share of rooms that get exactly the same shape as the first room with their label."""
 
 
-def programme_runs(labels: Sequence[str], habits: LayoutShares, rng: np.random.Generator) -> tuple[BayRun, ...]:
-    """Group the rooms of a storey into bays, and the bays into runs. Return the runs in random order.
+def programme_groups(labels: Sequence[str], habits: LayoutShares, rng: np.random.Generator) -> tuple[BayGroup, ...]:
+    """Group the rooms of a storey into bays, and the bays into groups. Return these in random order.
 
-    A bay is a main room, the host, with the small rooms carved from it. The bays of a run stay side by side in one band (a
+    A bay is a main room, the host, with the small rooms carved from it. The bays of a group stay side by side in one band (a
     row of rooms along the corridor).
 
-    1. Two or three of a kitchen, a dining room and a living room become one run, because people build them side by side.
+    1. Two or three of a kitchen, a dining room and a living room become one group, because people build them side by side.
     2. Small rooms are set aside, and so are about a third of the bathrooms. All other rooms get bays of their own. Some of
        these rooms become twins (rooms of exactly the same shape) of a room with the same label.
     3. Every room that was set aside is carved from a host, since in a bay of its own it would be deep and narrow. It gets a
        bay of its own only if no host is suitable.
-    4. Twins are put into runs, because only in one band do they get the same shape. Every other bay becomes a run by itself.
+    4. Twins are put into groups, because only in one band do they get the same shape. Every other bay becomes a group of
+       one.
     """
     left = [labels[i] for i in rng.permutation(len(labels))]
     chain = _take_chain(left, habits, rng)
@@ -131,20 +132,22 @@ def programme_runs(labels: Sequence[str], habits: LayoutShares, rng: np.random.G
     joined = list(chain.bays) if chain else []
     singles = _twins([_bay(label, rng) for label in left], habits, rng)
     bays = _carve(joined + singles, len(joined), small, rng)
-    runs = _twin_runs(bays[len(joined) :])
+    groups = _twin_groups(bays[len(joined) :])
     if chain is not None:
-        runs.append(replace(chain, bays=tuple(bays[: len(joined)])))
-    return tuple(runs[i] for i in rng.permutation(len(runs)))
+        groups.append(replace(chain, bays=tuple(bays[: len(joined)])))
+    return tuple(groups[i] for i in rng.permutation(len(groups)))
 
 
-def seeded(runs: Sequence[BayRun], rng: np.random.Generator) -> tuple[BayRun, ...]:
-    """Return the runs (groups of rooms) with a seed for every bay that has none.
+def seeded(groups: Sequence[BayGroup], rng: np.random.Generator) -> tuple[BayGroup, ...]:
+    """Return the groups of bays with a seed for every bay that has none.
 
-    Storeys with the same runs then have equal rooms, including the furniture.
+    Storeys with the same groups then have equal rooms, including the furniture.
     """
     return tuple(
-        replace(run, bays=tuple(replace(b, seed=int(rng.integers(_SEEDS)) if b.seed is None else b.seed) for b in run.bays))
-        for run in runs
+        replace(
+            group, bays=tuple(replace(b, seed=int(rng.integers(_SEEDS)) if b.seed is None else b.seed) for b in group.bays)
+        )
+        for group in groups
     )
 
 
@@ -161,8 +164,8 @@ def _draw_area(label: str, rng: np.random.Generator) -> float:
     return round(float(rng.uniform(*usual)), 2)
 
 
-def _take_chain(left: list[str], habits: LayoutShares, rng: np.random.Generator) -> BayRun | None:
-    """Remove a kitchen, a dining room and a living room from `left`, as far as present, and make a run of them.
+def _take_chain(left: list[str], habits: LayoutShares, rng: np.random.Generator) -> BayGroup | None:
+    """Remove a kitchen, a dining room and a living room from `left`, as far as present, and make a group of them.
 
     If `left` has fewer than two of these labels, nothing is removed and the result is None.
     """
@@ -175,7 +178,7 @@ def _take_chain(left: list[str], habits: LayoutShares, rng: np.random.Generator)
         chain.reverse()
     others: tuple[OpeningKind, ...] = ("cased", "arch", "half wall", "counter", "door")
     joint: OpeningKind = "open" if rng.random() < habits.open_plan else others[int(rng.integers(len(others)))]
-    return BayRun(tuple(_bay(label, rng) for label in chain), joint)
+    return BayGroup(tuple(_bay(label, rng) for label in chain), joint)
 
 
 def _twins(bays: list[Bay], habits: LayoutShares, rng: np.random.Generator) -> list[Bay]:
@@ -194,25 +197,26 @@ def _twins(bays: list[Bay], habits: LayoutShares, rng: np.random.Generator) -> l
     return out
 
 
-def _twin_runs(bays: Sequence[Bay]) -> list[BayRun]:
-    """Put twins (bays of the same shape) into runs of at most `_MOST_TWINS_IN_RUN`; a bay without a twin is a run by itself.
+def _twin_groups(bays: Sequence[Bay]) -> list[BayGroup]:
+    """Put twins (bays of the same shape) into groups of at most `_MOST_TWINS_IN_GROUP`; other bays are groups of one.
 
-    The twins of a run stand side by side in one band (row of rooms), because only there can they be equal to the centimetre.
-    A longer run would not fit into a band. Twins that are left over form further runs, which may stand in other bands.
-    Therefore, the bays of each further run get another twin number: only bays with the same number have the same shape.
+    The twins of a group stand side by side in one band (row of rooms), because only there can they be equal to the
+    centimetre. A longer group would not fit into a band. Twins that are left over form further groups, which may stand in
+    other bands. Therefore, the bays of each further group get another twin number: only bays with the same number have the
+    same shape.
     """
-    runs = [BayRun((bay,)) for bay in bays if bay.twin is None]
+    groups = [BayGroup((bay,)) for bay in bays if bay.twin is None]
     for twin in dict.fromkeys(bay.twin for bay in bays if bay.twin is not None):
         alike = [bay for bay in bays if bay.twin == twin]
-        for i in range(0, len(alike), _MOST_TWINS_IN_RUN):
-            runs.append(BayRun(tuple(bay.apart(i) for bay in alike[i : i + _MOST_TWINS_IN_RUN])))
-    return runs
+        for i in range(0, len(alike), _MOST_TWINS_IN_GROUP):
+            groups.append(BayGroup(tuple(bay.apart(i) for bay in alike[i : i + _MOST_TWINS_IN_GROUP])))
+    return groups
 
 
 def _carve(bays: list[Bay], joined: int, small: Sequence[str], rng: np.random.Generator) -> list[Bay]:
     """Carve every small room from a host, the main room of a bay, or give it a bay of its own if no host is suitable.
 
-    The first `joined` bays form a run with openings between neighbouring hosts. From each of these hosts, at most one room
+    The first `joined` bays form a group with openings between neighbouring hosts. From each of these hosts, at most one room
     is carved, in a corner at the corridor, so that neighbouring hosts still share the wall behind the carved room. A room
     carved from the back could separate them.
     """

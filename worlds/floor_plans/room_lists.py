@@ -10,7 +10,7 @@ import numpy as np
 
 from worlds.floor_plans.building_kinds import BuildingKind
 from worlds.floor_plans.floor_plan import PlanStyle
-from worlds.floor_plans.programmes import SMALL, LayoutShares, StoreyProgramme, programme_runs, seeded
+from worlds.floor_plans.programmes import SMALL, LayoutShares, StoreyProgramme, programme_groups, seeded
 from worlds.floor_plans.room_sizes import SIZES
 from worlds.labels import OUTDOOR_LABELS
 from worlds.spec import OpeningKind
@@ -159,7 +159,7 @@ def _repeating(
     if not 0.0 < _area(above) <= _area(above if equal else ground):
         return None
     upper = _storey(above, kind.habits, rng, None)
-    upper = replace(upper, seed=int(rng.integers(_SEEDS)), runs=seeded(upper.runs, rng))
+    upper = replace(upper, seed=int(rng.integers(_SEEDS)), groups=seeded(upper.groups, rng))
     first = replace(upper, hall=hall) if equal else _storey(ground, kind.habits, rng, hall)
     return (first, *[upper] * (storeys - 1))
 
@@ -172,16 +172,16 @@ def _around_a_living_room(
     others.remove("living room")
     storey = _storey(others, kind.habits, rng, None)
     opens: tuple[OpeningKind, ...] = ("open", "cased", "arch", "half wall")
-    runs = []
-    for run in storey.runs:
-        public = run.bays[0].labels[0] in ("kitchen", "dining room") and rng.random() < max(kind.habits.open_plan, 0.5)
+    groups = []
+    for group in storey.groups:
+        public = group.bays[0].labels[0] in ("kitchen", "dining room") and rng.random() < max(kind.habits.open_plan, 0.5)
         entry = opens[int(rng.integers(len(opens)))] if public else "door"
-        runs.append(replace(run, bays=tuple(replace(bay, entry=entry) for bay in run.bays)))
+        groups.append(replace(group, bays=tuple(replace(bay, entry=entry) for bay in group.bays)))
     style = replace(kind.style, spine_m=(3.5, 4.6), one_sided_m=(5.0, 8.0), wings=0.0, spine_m2=16.0)
-    return (replace(storey, runs=tuple(runs), spine="living room"),), style
+    return (replace(storey, groups=tuple(groups), spine="living room"),), style
 
 
 def _storey(labels: Sequence[str], habits: LayoutShares, rng: np.random.Generator, hall: str | None) -> StoreyProgramme:
     inside = [label for label in labels if label not in OUTDOOR_LABELS]
-    runs = programme_runs(inside, habits, rng)
-    return StoreyProgramme(runs, hall=hall, garden="garden" in labels, balcony="balcony" in labels)
+    groups = programme_groups(inside, habits, rng)
+    return StoreyProgramme(groups, hall=hall, garden="garden" in labels, balcony="balcony" in labels)

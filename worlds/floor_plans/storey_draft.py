@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from worlds.errors import WorldsError
 from worlds.floor_plans.bays import bay_rooms
-from worlds.floor_plans.programmes import Bay, BayRun, StoreyProgramme
+from worlds.floor_plans.programmes import Bay, BayGroup, StoreyProgramme
 from worlds.floor_plans.rectangles import Corner, Rect, SquareSymmetry, contact, metres, outline
 from worlds.floor_plans.wings import Band, Shell
 from worlds.labels import STAIRS
@@ -36,8 +36,8 @@ class PlacedBay:
     """Distance between the start of the band (the row of rooms) and the bay [cm]."""
     width: int
     """Length of the bay along the band (the row of rooms) [cm]."""
-    joint: BayRun | None
-    """The run (group of bays side by side) that this bay and the bay before it belong to; None: this bay starts a run."""
+    joint: BayGroup | None
+    """The group of bays that this bay and the bay before it belong to; None: this bay starts a group."""
     wrap: int = 0
     """Length of the part that the main room has beyond the end of the spine (the corridor), if the room bends round that
     end [cm]; 0: the room does not bend."""
@@ -107,7 +107,7 @@ def draft_storey(
     programme: StoreyProgramme,
     shell: Shell,
     placed: Sequence[PlacedBay],
-    slot: BayRun | None,
+    slot: BayGroup | None,
     cross_apart: bool,
 ) -> tuple[StoreyDraft, list[int]]:
     """Return a draft of all indoor rooms of a storey, and the number of every bay's host, in the order of `placed`.
@@ -119,7 +119,7 @@ def draft_storey(
     2. The stairs follow. Their openings to the spine are at the same places on every storey, since the flights begin and
        end there.
     3. Each bay is cut into rooms. The host is linked to the spine, a small room to the host or the spine, and hosts of the
-       same run (group of bays) to each other, if the run has such openings.
+       same group of bays to each other, if the group has such openings.
     4. The room behind the stairs (`slot`), if there is one, is linked to the piece of corridor beside the stairs.
     """
     draft = StoreyDraft()

@@ -20,8 +20,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from worlds.floor_plans.bays import run_width
-from worlds.floor_plans.programmes import BayRun
+from worlds.floor_plans.bays import group_width
+from worlds.floor_plans.programmes import BayGroup
 from worlds.floor_plans.rectangles import Edge, Rect
 from worlds.stairs.flights import StairsKind, cell_needed
 
@@ -240,38 +240,40 @@ class Shell:
 
 
 def distribute(
-    runs: Sequence[BayRun], lengths: dict[Band, int], depths: Depths, kept: dict[int, Band]
-) -> dict[Band, list[BayRun]]:
-    """Choose a band (a row of rooms along a corridor) for every run (a group of bays that stay side by side).
+    groups: Sequence[BayGroup], lengths: dict[Band, int], depths: Depths, kept: dict[int, Band]
+) -> dict[Band, list[BayGroup]]:
+    """Choose a band (a row of rooms along a corridor) for every group of bays.
 
-    `lengths` has the planned length of every band [cm]. `kept` has the runs whose band is already decided: it maps the index
-    of such a run to its band.
+    `lengths` has the planned length of every band [cm]. `kept` has the groups whose band is already decided: it maps the
+    index of such a group to its band.
 
-    The longest runs come first, because they are the hardest to fit. Each run goes to the band with most length left
-    after two deductions: twice the length that is missing if the run is too long for the band, and twice the run's
-    `_misfit`, which is large if the band is too deep or too shallow for the run's rooms.
+    The longest groups come first, because they are the hardest to fit. Each group goes to the band with most length left
+    after two deductions: twice the length that is missing if the group is too long for the band, and twice the group's
+    `_misfit`, which is large if the band is too deep or too shallow for the group's rooms.
     """
     left = dict(lengths)
-    bands: dict[Band, list[BayRun]] = {band: [] for band in lengths}
-    order = sorted(range(len(runs)), key=lambda i: -run_width(runs[i], 450))
+    bands: dict[Band, list[BayGroup]] = {band: [] for band in lengths}
+    order = sorted(range(len(groups)), key=lambda i: -group_width(groups[i], 450))
     for i in order:
-        run = runs[i]
+        group = groups[i]
 
-        width = {band: run_width(run, depths.of(band)) for band in left}
-        free = {band: left[band] - 2.0 * (_misfit(run, depths.of(band)) + max(0, width[band] - left[band])) for band in left}
+        width = {band: group_width(group, depths.of(band)) for band in left}
+        free = {
+            band: left[band] - 2.0 * (_misfit(group, depths.of(band)) + max(0, width[band] - left[band])) for band in left
+        }
         roomiest: Band = max(free, key=free.__getitem__)
         band = kept.get(i, roomiest)
-        bands[band].append(run)
+        bands[band].append(group)
         left[band] -= width[band]
     return bands
 
 
-def _misfit(run: BayRun, depth: int) -> float:
-    """Return how badly a run (group of rooms) fits a band (row of rooms) of the given depth; 0: perfectly [cm].
+def _misfit(group: BayGroup, depth: int) -> float:
+    """Return how badly a group of bays fits a band (row of rooms) of the given depth; 0: perfectly [cm].
 
-    The result is the sum of two excess widths. In a deep band, the run gets wider than its area requires, because rooms have
-    a least width. In a shallow band, the run gets wider than 1.8 times the depth per main room, so that the rooms are too
-    slender.
+    The result is the sum of two excess widths. In a deep band, the group gets wider than its area requires, because rooms
+    have a least width. In a shallow band, the group gets wider than 1.8 times the depth per main room, so that the rooms are
+    too slender.
     """
-    wanted = sum(sum(bay.areas) for bay in run.bays) * 1e4 / depth
-    return run_width(run, depth) - wanted + max(0.0, wanted - 1.8 * depth * len(run.bays))
+    wanted = sum(sum(bay.areas) for bay in group.bays) * 1e4 / depth
+    return group_width(group, depth) - wanted + max(0.0, wanted - 1.8 * depth * len(group.bays))
