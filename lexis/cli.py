@@ -25,7 +25,7 @@ from lexis.command_line import (
 )
 from lexis.config import Config, read_config
 from lexis.encoder.options import PRECISIONS, EncoderOptions
-from lexis.errors import DatasetError, EncoderError, LexisError, MapError, ObservationError, one_line
+from lexis.errors import DatasetError, EncoderError, LexisError, MapError, ObservationError, PlanError, one_line
 from lexis.files.reading import FileKind, read_json
 from lexis.files.replace import check_outside
 from lexis.graph.components import sessions_apart
@@ -324,6 +324,8 @@ def _info(arguments: argparse.Namespace) -> int:
 def _plan(arguments: argparse.Namespace) -> int:
     lexis_map = load_map(arguments.map)
     goal = _goal(lexis_map, arguments.goal, arguments.calibration)
+    _check_room(lexis_map, arguments.start, "or a label alone; only --to takes a description")
+    _check_room(lexis_map, goal, "a label alone, or a description of several words")
     result = plan(lexis_map, arguments.start, goal, _settings(arguments).planner, arguments.avoid)
     if arguments.json:
         print(json.dumps(plan_summary(lexis_map, result), indent=1))
@@ -336,6 +338,12 @@ def _plan(arguments: argparse.Namespace) -> int:
         x, y, z = lexis_map.T_W_B[i, :3, 3]
         print(f"keyframe {i:6d}  {x:8.2f} {y:8.2f} {z:8.2f} m  {lexis_map.label_of(i)}")
     return 0
+
+
+def _check_room(lexis_map: LexisMap, name: str, more: str) -> None:
+    """Raise PlanError unless the map has a room of this name; `more` says what else is valid."""
+    if not find_rooms(lexis_map.rooms, name):
+        raise PlanError(f"no room {name!r} in the map; valid: {', '.join(instance_names(lexis_map.rooms))}, {more}")
 
 
 def _goal(lexis_map: LexisMap, text: str, calibration: Path | None) -> str:

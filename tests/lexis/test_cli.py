@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -345,7 +346,11 @@ def test_a_message_is_one_line_of_bounded_length(start, tmp_path, rng, capsys):
     save_map(corridor_with_offices(rng), tmp_path / "map")
     assert cli.main(["plan", str(tmp_path / "map"), "--from", start, "--to", "office"]) == 2
     said = capsys.readouterr().err
-    assert said.count("\n") == 1 and len(said) <= 401 and said.endswith("office 2, or one of these without its number\n")
+    assert (
+        said.count("\n") == 1
+        and len(said) <= 401
+        and said.endswith("office 2, or a label alone; only --to takes a description\n")
+    )
     with pytest.raises(SystemExit):
         cli.main(["export", str(tmp_path / "map"), "--format", start, "-o", "out"])
     said = capsys.readouterr().err
@@ -486,6 +491,18 @@ def test_one_ctrl_c_while_the_map_of_a_damaged_recording_is_saved_does_not_lose_
     out = tmp_path / "map"
     assert cli.main(["run", str(dataset), "--rooms", "kitchen, office", "-o", str(out)]) == 2
     assert len(load_map(out).keyframes) == 12
+
+
+@pytest.mark.parametrize(
+    ("start", "goal", "says"),
+    [
+        ("kitchen", "sauna", "no room 'sauna' in the map; valid: .*, a label alone, or a description of several words$"),
+        ("somewhere to cook", "kitchen", "no room 'somewhere to cook' .*, or a label alone; only --to takes a description$"),
+    ],
+)
+def test_an_unknown_room_says_which_option_takes_a_description(start, goal, says, mapped, capsys):
+    assert cli.main(["plan", str(mapped), "--from", start, "--to", goal]) == 2
+    assert re.search(says, capsys.readouterr().err.strip())
 
 
 def test_a_session_elsewhere_becomes_a_part_of_its_own(textured, tmp_path, capsys):
