@@ -69,7 +69,7 @@ _TRAILING = re.compile(
     r"|in (?:a|this|the|my|our) (?:house|home|flat|building)))+$"
 )
 _NEGATION = _lead_in(
-    rf"not(?: in)?(?= {_THE} )|not(?= [\w'-]+(?: [\w'-]+)?$)|no(?= [a-z])",
+    rf"(?:is )?not(?: in)?(?= {_THE} )|(?:is )?not(?= [\w'-]+(?: [\w'-]+)?$)|no(?= [a-z])",
     r"(?:any|every)(?:thing|where) (?:but|except|other than)",
     r"(?:all|any|every)(?: rooms?)? (?:but|except|other than)",
     rf"{_PLACE} (?:without|with no|other than|(?:that|which) (?:is|has) (?:not|no))",
