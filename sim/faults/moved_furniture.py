@@ -21,6 +21,8 @@ _BODY_M = 0.3
 """Least distance of moved furniture from the part of the path that the body still has to walk [m]."""
 _ON_FLOOR_M = 0.02
 """Largest height of the underside of a piece that stands on the floor [m]."""
+_FLAT_M = 0.05
+"""Largest thickness of a piece, such as a rug, on which moved furniture may stand [m]."""
 _FIXED = frozenset(
     (
         *("kitchen counter", "kitchen sink", "kitchen island", "stove", "dishwasher", "washing machine", "utility sink"),
@@ -41,9 +43,9 @@ def with_furniture_moved(
 ) -> tuple[Furniture, ...]:
     """Move a share of the loose furniture on the floor, and return all furniture of the house.
 
-    Moved pieces keep clear of walls, of the other pieces, of the areas in which doors swing, and of `path`, the body's later
-    positions in W [m]. `within_m` is the largest shift [m], and `turn_rad` the largest rotation [rad]. Objects on a piece
-    move with the piece. A piece stays where it is if no free place is found for it.
+    Moved pieces keep clear of walls, of other pieces at their height, of the areas in which doors swing, and of `path`, the
+    body's later positions in W [m]. `within_m` is the largest shift [m], and `turn_rad` the largest rotation [rad]. Objects
+    on a piece move with the piece. A piece stays where it is if no free place is found for it.
     """
     pieces = list(house.furniture)
     standing = [i for i, piece in enumerate(pieces) if piece.solid and _height(house, piece) < _ON_FLOOR_M]
@@ -53,7 +55,7 @@ def with_furniture_moved(
     for i in rng.permutation(movable)[: round(share * len(movable))]:
         piece = pieces[i]
         riders = [k for k, other in enumerate(pieces) if k != i and _rides(house, other, piece)]
-        others = [pieces[k] for k in standing if k != i and pieces[k].storey == piece.storey]
+        others = [other for k, other in enumerate(pieces) if k not in (i, *riders) and _is_in_the_way(other, piece)]
         free = _free_of(house, piece, others, swings, path)
         for _ in range(_TRIES):
             angle, distance, turn = rng.uniform(-math.pi, math.pi), within_m * math.sqrt(rng.random()), rng.uniform(-1, 1)
@@ -74,6 +76,12 @@ def _height(house: House, piece: Furniture) -> float:
 def _rides(house: House, other: Furniture, piece: Furniture) -> bool:
     above = other.storey == piece.storey and _ON_FLOOR_M <= _height(house, other) <= piece.size[2] + _ON_FLOOR_M
     return above and bool(piece.footprint.covers(shapely.Point(other.position[:2])))
+
+
+def _is_in_the_way(other: Furniture, piece: Furniture) -> bool:
+    """Return whether `piece` may not be moved to where `other` is: both are on one storey, and overlap in height."""
+    low, high = max(other.position[2], piece.position[2]), min(each.position[2] + each.size[2] for each in (other, piece))
+    return other.storey == piece.storey and other.size[2] > _FLAT_M and low < high
 
 
 def _free_of(
