@@ -16,7 +16,7 @@ from sim.errors import SimError
 from sim.faults import parse_fault
 from sim.fidelity import ORACLE
 from sim.harness.scenario import Scenario
-from sim.harness.shrinking.failure_signature import CRASH, FailureTest
+from sim.harness.shrinking.failure_test import CRASH, FailureTest
 from sim.harness.world_tests import HOUSE_SEEDS
 from sim.odometry.config import ODOMETRY_PRESETS
 from sim.tours.config import TOUR_KINDS

@@ -20,8 +20,9 @@ from sim.bench.planted_bugs import MENDED
 from sim.harness.failures.blame_table import BlameTable
 from sim.harness.failures.failure_folder import Replay, write_failure
 from sim.harness.scenario import Scenario
-from sim.harness.shrinking.failure_signature import FailureTest
-from sim.harness.shrinking.reducer import Reduction, is_valid, reduce
+from sim.harness.shrinking.failure_test import FailureTest
+from sim.harness.shrinking.reducer import is_valid, reduce
+from sim.harness.shrinking.reduction import Reduction
 from sim.harness.walk import walk
 from sim.harness.world_tests import TEST_REPLAY
 from sim.processes import process_pool

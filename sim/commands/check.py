@@ -50,7 +50,7 @@ def _check(arguments: argparse.Namespace) -> int:
     from sim.harness import Claim, evaluate, write_run
     from sim.harness.crash import Crash, attempt, attempt_plans, attempt_write
     from sim.harness.outputs import MARKERS, REPORT
-    from sim.harness.shrinking.failure_signature import CRASH
+    from sim.harness.shrinking.failure_test import CRASH
 
     if CRASH in arguments.fails:
         raise SimError(

@@ -49,7 +49,7 @@ def _shrink(arguments: argparse.Namespace) -> int:
     from sim.harness.failures.failure_folder import write_failure
     from sim.harness.failures.why_page import WHY
     from sim.harness.outputs import MARKERS
-    from sim.harness.shrinking.failure_signature import FailureTest, check_fails
+    from sim.harness.shrinking.failure_test import FailureTest, check_fails
     from sim.harness.shrinking.reducer import DEADLINE_S, reduce
     from sim.harness.shrinking.reductions import STEPS
     from sim.harness.world_tests import SCENARIO

@@ -15,10 +15,10 @@ from .planning import try_plans as try_plans
 from .results import RunResult as RunResult
 from .runner import run as run
 from .scenario import Scenario as Scenario
-from .shrinking.failure_signature import FailureTest as FailureTest
 from .shrinking.failure_signature import Signature as Signature
-from .shrinking.reducer import Reduction as Reduction
+from .shrinking.failure_test import FailureTest as FailureTest
 from .shrinking.reducer import reduce as reduce
+from .shrinking.reduction import Reduction as Reduction
 from .slam_under_test import CommandSlam as CommandSlam
 from .slam_under_test import SlamUnderTest as SlamUnderTest
 from .walk import Walk as Walk

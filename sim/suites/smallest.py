@@ -16,8 +16,10 @@ from sim.harness.failures.why_page import WHY
 from sim.harness.outputs import MARKERS
 from sim.harness.run_settings import with_listed_house
 from sim.harness.scenario import Scenario
-from sim.harness.shrinking.failure_signature import FailureTest, Signature
-from sim.harness.shrinking.reducer import DEADLINE_S, Reduction, reduce
+from sim.harness.shrinking.failure_signature import Signature
+from sim.harness.shrinking.failure_test import FailureTest
+from sim.harness.shrinking.reducer import DEADLINE_S, reduce
+from sim.harness.shrinking.reduction import Reduction
 from sim.harness.world_tests import SCENARIO, TEST_REPLAY, slug_of
 from sim.suites import catalogue
 from sim.suites.checks import Check, CheckFinding, ClaimCheck, NewSlam

@@ -13,9 +13,11 @@ from sim.harness.adapters.true_stages import TrueStages
 from sim.harness.run_settings import house_spec
 from sim.harness.runner import run
 from sim.harness.scenario import Scenario
-from sim.harness.shrinking.failure_signature import FailureTest, Observed, Signature
+from sim.harness.shrinking.failure_signature import Signature
+from sim.harness.shrinking.failure_test import FailureTest, Observed
 from sim.harness.shrinking.house_edits import keep_furniture
-from sim.harness.shrinking.reducer import Fails, Reduction
+from sim.harness.shrinking.reducer import Fails
+from sim.harness.shrinking.reduction import Reduction
 from sim.harness.shrinking.reductions import with_features
 from sim.wording import joined
 from worlds.errors import WorldsError

@@ -11,8 +11,8 @@ from sim.harness.diagnosis.first_wrong import shown_failure
 from sim.harness.failures.blame_table import BlameTable
 from sim.harness.failures.why_page import why_page
 from sim.harness.outputs import write_crash, write_run
-from sim.harness.shrinking.failure_signature import FailureTest
-from sim.harness.shrinking.reducer import Reduction
+from sim.harness.shrinking.failure_test import FailureTest
+from sim.harness.shrinking.reduction import Reduction
 from sim.harness.world_tests import TEST_REPLAY
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from sim.harness.failures.blame_table import BlameTable
 from sim.harness.finished_run import Run
 from sim.harness.scenario import Scenario
-from sim.harness.shrinking.reducer import Reduction
+from sim.harness.shrinking.reduction import Reduction
 
 
 @dataclass(frozen=True, eq=False)

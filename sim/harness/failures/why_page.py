@@ -16,8 +16,8 @@ from sim.harness.failures.nearest_changes import nearest
 from sim.harness.failures.search import Reference, Search
 from sim.harness.finished_run import Run
 from sim.harness.scenario_sessions import picture_session
-from sim.harness.shrinking.failure_signature import FailureTest, Observed
-from sim.harness.shrinking.reducer import Reduction
+from sim.harness.shrinking.failure_test import FailureTest, Observed
+from sim.harness.shrinking.reduction import Reduction
 from sim.harness.shrinking.scenario_difference import difference, relabelled_rooms
 from sim.harness.shrinking.scenario_size import ScenarioSize
 from sim.harness.slam_under_test import CommandSlam
