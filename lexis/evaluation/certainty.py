@@ -1,4 +1,4 @@
-"""Whether stated probabilities are calibrated: of the estimates with a probability of 0.8, four in five should be right."""
+"""Whether stated probabilities are calibrated: of predictions with a probability of 0.8, four in five should be right."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,22 +10,22 @@ from jaxtyping import Bool, Float, Float64
 
 @dataclass(frozen=True)
 class Reliability:
-    """The estimates whose stated probabilities lie in one interval."""
+    """The predictions whose stated probabilities lie in one interval."""
 
     low: float
     high: float
     """The interval, which includes `low`, and `high` only if that is 1."""
-    estimates: int
+    predictions: int
     stated: float | None
-    """Mean of the stated probabilities; None without estimates."""
+    """Mean of the stated probabilities; None without predictions."""
     right: float | None
-    """Share of the estimates that are right; None without estimates."""
+    """Share of the predictions that are right; None without predictions."""
 
 
 def reliability(
     stated: Float64[np.ndarray, "n"], right: Bool[np.ndarray, "n"], edges: Sequence[float]
 ) -> tuple[Reliability, ...]:
-    """Compare stated probabilities with the shares of right estimates, in each interval between consecutive `edges`."""
+    """Compare stated probabilities with the shares of right predictions, in each interval between consecutive `edges`."""
     interval_of = np.digitize(stated, edges[1:-1])
     rows = []
     for i, (low, high) in enumerate(pairwise(edges)):
@@ -36,10 +36,10 @@ def reliability(
 
 
 def calibration_error(stated: Float[np.ndarray, "n"], right: Bool[np.ndarray, "n"], bins: int = 15) -> float:
-    """Return the expected calibration error of one or more estimates.
+    """Return the expected calibration error of one or more predictions.
 
-    It is the mean gap between stated probabilities and shares of right estimates in intervals of equal width, weighted by
-    the estimates of each interval (Guo et al., "On calibration of modern neural networks", ICML 2017).
+    It is the mean gap between stated probabilities and shares of right predictions in intervals of equal width, weighted by
+    the predictions of each interval (Guo et al., "On calibration of modern neural networks", ICML 2017).
     """
     index = np.minimum((stated * bins).astype(int), bins - 1)
     gaps = [abs(float((stated - right)[index == b].sum())) for b in range(bins)]

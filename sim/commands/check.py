@@ -62,11 +62,11 @@ def _check(arguments: argparse.Namespace) -> int:
     run, scenario = runner_of(arguments), scenario_of_arguments(arguments)
     if arguments.out is not None:
         warn_of_replacement(arguments.out, *MARKERS)
-    with _claims_kept(scenario, arguments), progress_bar("running the SLAM") as progress:
+    with _estimate_kept(scenario, arguments), progress_bar("running the SLAM") as progress:
         finished = attempt(run, scenario, progress)
     if isinstance(finished, Crash):
         return _crashed(finished, arguments)
-    with _claims_kept(scenario, arguments):
+    with _estimate_kept(scenario, arguments):
         trials = attempt_plans(finished)
     if isinstance(trials, Crash):
         return _crashed(trials, arguments)
@@ -106,8 +106,8 @@ def _crashed(crash: "Crash", arguments: argparse.Namespace) -> int:
 
 
 @contextmanager
-def _claims_kept(scenario: "Scenario", arguments: argparse.Namespace) -> Iterator[None]:
-    """If the estimates of the SLAM are refused in the block, write the folder of `--out`, then pass the error on."""
+def _estimate_kept(scenario: "Scenario", arguments: argparse.Namespace) -> Iterator[None]:
+    """If the estimate of the SLAM is refused in the block, write the folder of `--out`, then pass the error on."""
     from sim.harness.crash import Crash
     from sim.harness.last_run import noted
 
@@ -115,7 +115,7 @@ def _claims_kept(scenario: "Scenario", arguments: argparse.Namespace) -> Iterato
         try:
             yield
         except EstimateError as error:
-            _write_crash("The estimates of the SLAM are not valid", Crash(scenario, error, None, last.slam_name), arguments)
+            _write_crash("The estimate of the SLAM is not valid", Crash(scenario, error, None, last.slam_name), arguments)
             raise
 
 
@@ -137,6 +137,6 @@ def _failure(fails: "Claim", result: "RunResult") -> str:
     value = fails.value(result)
     if value is None:
         null = " or ".join(fails.figures)
-        why = "the SLAM makes no estimate about it, or estimates about too few frames, or nothing in the run calls for it"
+        why = "the SLAM does not estimate what it needs, or for too few frames, or nothing in the run calls for it"
         return f"failed: {null} is null: {why}; it cannot be judged by {str(fails)!r}"
     return f"failed: {fails.figure} is {value:g}, and fails if {fails}"

@@ -89,7 +89,7 @@ class Estimate:
     """
 
     frames: Int[np.ndarray, "n"]
-    """`Observation.index` of every frame about which the SLAM makes estimates, ascending and each once."""
+    """`Observation.index` of every frame that the estimate is about, ascending and each once."""
     T_W_B: Poses | None = None
     """Poses of the body in the SLAM's own world frame. To compute figures, this frame is aligned with the true world
     frame."""

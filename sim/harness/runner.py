@@ -113,7 +113,7 @@ def _indices(given: Mapping[int, Given]) -> str:
 
 
 def _check_estimate(estimate: Estimate, given: Mapping[int, Given], names: int) -> None:
-    """Raise EstimateError for estimates about frames that the SLAM was not given, or about room names that do not exist."""
+    """Raise EstimateError for estimates for frames that the SLAM was not given, or with room names that do not exist."""
     for row, frame in enumerate(estimate.frames.tolist()):
         if frame not in given:
             raise EstimateError(f"estimate: frames has {frame} in row {row}; valid: {_indices(given)}")

@@ -151,7 +151,7 @@ def _poses(path: Path, times: RecordedTimes) -> dict[int, Pose]:
 
 
 def _estimates(path: Path, times: RecordedTimes, poses: dict[int, Pose]) -> dict[int, FrameClaim]:
-    """Return the estimates of rooms.json, by the index of the frame; estimates about the rest before the walk are left out.
+    """Return the estimates of rooms.json, by the index of the frame; those about the rest before the walk are left out.
 
     Raises `SimError` if a stamp matches no frame, or if a frame is estimated twice or has no pose.
     """

@@ -26,7 +26,7 @@ class EstimateAgreement:
     floors: float | None
     """Share of the common frames that have the same floor in both estimates."""
     loops: float | None
-    """Number of loop closures that both estimates estimate, divided by the number that at least one of them estimates; 1 if
+    """Number of loop closures that both estimates have, divided by the number that at least one of them has; 1 if
     both estimate none."""
     rotation_rad: float | None
     """Largest angle between the two orientations of a common frame, after the trajectories are aligned [rad]."""

@@ -68,7 +68,7 @@ def changed(slam: SlamUnderTest, change: StreamChange) -> ChangedStream:
 def _restored(
     estimates: Estimate, given: Int[np.ndarray, "observations"], name_of: Int[np.ndarray, "names"], change: StreamChange
 ) -> Estimate:
-    """Convert estimates about changed observations to estimates about the unchanged observations.
+    """Convert estimates for changed observations to estimates for the unchanged observations.
 
     If several frames show one observation, only the last of these frames is kept. Candidates and verdicts are left out.
     """

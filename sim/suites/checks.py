@@ -32,7 +32,7 @@ from worlds.errors import WorldsError
 
 NewSlam = Callable[[], SlamUnderTest] | Program
 """A function that makes a SLAM that has not run yet; or a program under test, which reads recordings of the scenarios."""
-_CLAIMS = ("labels", "rooms", "floors", "loops", "T_W_B")
+_ESTIMATED = ("labels", "rooms", "floors", "loops", "T_W_B")
 _SHARES = ("frames", "labels", "rooms", "floors", "loops")
 """The figures of `EstimateAgreement` that are not distances or angles."""
 
@@ -130,12 +130,12 @@ class SameEstimates:
         second = run_on_change(self.change, base.run, new_slam)
         if isinstance(second, CheckFinding):
             return second
-        lost = [name for name in _CLAIMS if _claims(base.run.estimate, name) != _claims(second.estimate, name)]
+        lost = [name for name in _ESTIMATED if _estimates(base.run.estimate, name) != _estimates(second.estimate, name)]
         if lost:
             return CheckFinding(False, f"only one of the two runs estimates {', '.join(lost)}")
         found = agreement(base.run.estimate, second.estimate)
         if found.frames == 0.0:
-            return CheckFinding(False, "the two runs make estimates about different frames")
+            return CheckFinding(False, "the two runs estimate different frames")
         compared = (*self.compares, "position_m") if self.compares_poses else self.compares
         if all(getattr(found, name) is None for name in compared):
             return CheckFinding(None, "the SLAM estimates nothing that the law compares")
@@ -221,7 +221,7 @@ def run_on_change(change: StreamChange, base: Run, new_slam: NewSlam) -> Run | C
 
 
 def attempted(scenario: Scenario, new_slam: NewSlam, change: StreamChange | None = None) -> Run | CheckFinding:
-    """Run a SLAM; return a finding that fails if the SLAM raised an exception or made estimates that are not valid.
+    """Run a SLAM; return a finding that fails if the SLAM raised an exception or returned an invalid estimate.
 
     With a `change`, the SLAM gets the changed input. Raises `SimError` if the scenario is impossible, if the machine cannot
     run it, or if a `change` is given for a program.
@@ -266,7 +266,7 @@ def _described(crash: Crash) -> str:
     return f"{text}{hint}{crash.place}"
 
 
-def _claims(estimate: Estimate, name: str) -> bool:
+def _estimates(estimate: Estimate, name: str) -> bool:
     return getattr(estimate, name) is not None
 
 

@@ -58,7 +58,7 @@ def slam_checks(
     An item fails if its check fails with the confidence of a suite (`sim.suites.report.CONFIDENCE`). Its text names a folder
     with the first scenario in which the check fails, and the command that replays it (`--lexis-replay`); a replay checks
     this scenario alone. An item is skipped, and says why, if the check could not be decided in any scenario, for example
-    because the SLAM does not make the estimates that the check is about. The first item of a part runs all scenarios of the
+    because the SLAM does not estimate what the check is about. The first item of a part runs all scenarios of the
     part; with pytest-xdist and `--dist loadgroup`, all items of a part run in one process. The verdicts about several parts
     together, which are means and laws that parts share, have no items: see `check_slam`.
 

@@ -66,7 +66,7 @@ class StreamChange(Protocol):
         """Yield what the SLAM gets in place of this observation.
 
         Each yielded observation has the index of the unchanged observation that it shows. If several have the same index,
-        the estimates about the last one count. `previous` is a copy of the unchanged observation before this one; None at
+        the estimates for the last one count. `previous` is a copy of the unchanged observation before this one; None at
         the beginning.
         """
 

@@ -336,7 +336,7 @@ def test_a_slam_that_ends_the_process_fails_its_test(pytester, inner):
     result.stdout.fnmatch_lines(["SystemExit: 0", "first wrong: in * at 10.0 s: the SLAM raised in process()"])
 
 
-def test_claims_that_the_harness_refuses_are_shown_at_the_method_that_returned_them(pytester, inner):
+def test_estimates_that_the_harness_refuses_are_shown_at_the_method_that_returned_them(pytester, inner):
     pytester.makepyfile(test_slam=SLAM + BEYOND)
     inner("--no-lexis-shrink").stdout.fnmatch_lines(
         [
@@ -649,7 +649,7 @@ class TestLooks:
         [
             "SLAM under test: Endless has no method finish(); valid: *",
             "the fixture slam returned None; valid: a SLAM under test (is `return` missing?)",
-            "note: a figure is None if the SLAM makes no estimate *",
+            "note: a figure is None if the SLAM does not estimate *",
             "note: no figure 'acuracy' (did you mean 'accuracy'?); valid: accuracy, count_error",
             "note: no figure 'ate_m' (did you mean 'trajectory.ate_m'?); valid: seed, *",
             'note: with fidelity "features", observation.image is a Percept; valid: worlds(fidelity="render")',

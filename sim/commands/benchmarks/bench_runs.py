@@ -119,13 +119,13 @@ def _certainty(arguments: argparse.Namespace) -> Iterator[Table]:
     scenarios = (own for scenario in usual for own in configs(scenario, seeds))
     found = measure_certainty(tracked(scenarios, len(presets) * len(seeds), "houses"))
     houses = f"{', '.join(presets)}, seeds {seeds[0]} to {seeds[-1]}, {fidelity}"
-    for name, estimates in (("keyframes", found.keyframes), ("rooms", found.rooms)):
-        error, share = calibration_error(estimates.stated, estimates.right), estimates.right.mean()
+    for name, predictions in (("keyframes", found.keyframes), ("rooms", found.rooms)):
+        error, share = calibration_error(predictions.stated, predictions.right), predictions.right.mean()
         title = f"{houses}: labels of {name}, {share:.3f} right, calibration error {error:.3f}"
         table = Table("probability", name, "stated, mean", "right", title=title)
-        for row in reliability(estimates.stated, estimates.right, _CERTAINTIES):
+        for row in reliability(predictions.stated, predictions.right, _CERTAINTIES):
             shares = (shown(value, "{:.3f}") for value in (row.stated, row.right))
-            table.add_row(f"{row.low:g} to {row.high:g}", str(row.estimates), *shares)
+            table.add_row(f"{row.low:g} to {row.high:g}", str(row.predictions), *shares)
         yield table
 
 

@@ -71,7 +71,7 @@ def first_wrong(run: Run, figure: str | None = None, reference: Run | None = Non
     is one.
 
     Without a figure, the result is the first frame with a wrong label or, if no label is wrong, the frame that is wrong for
-    the trajectory. The result is None if there is no such frame, or if the SLAM does not make the estimate. It is also None
+    the trajectory. The result is None if there is no such frame, or if the SLAM does not estimate this. It is also None
     for a figure that describes the run as a whole, such as "coverage.path_covered".
     """
     kind = "" if figure is None else figure.partition(".")[0]

@@ -99,7 +99,7 @@ def test_landmarks_loops_candidates_and_spaces_are_those_of_active_keyframes(wal
     assert [id for id, views in enumerate(spaces) if sum(len(view.weights) for view in views)] == sorted(kept)
 
 
-def test_the_claims_contain_what_retired_keyframes_have_given_up(walked):
+def test_the_estimates_contain_what_retired_keyframes_have_given_up(walked):
     (finished, slam), (whole, _) = walked
     estimates = finished.estimate
     assert [query for query, _ in estimates.candidates] == list(range(len(slam.map.keyframes)))

@@ -277,7 +277,7 @@ def test_files_of_a_program_that_are_not_valid_are_kept(folder, capsys):
     assert status_of(["check", "--scenario", "small.json", "--command", command, "--out", "kept"]) == 2  # it is replaced
 
 
-def test_the_scenario_of_claims_that_are_not_valid_is_kept(folder, capsys):
+def test_the_scenario_of_an_estimate_that_is_not_valid_is_kept(folder, capsys):
     (folder / "own_slam_wild.py").write_text(
         "import numpy as np\nfrom sim.harness import Estimate\n\n\nclass Wild:\n"
         "    def start(self, camera, room_names): ...\n\n    def process(self, observation): ...\n\n"

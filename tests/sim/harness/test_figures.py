@@ -18,7 +18,7 @@ LONG = replace(OPEN_FLAT, length_m=80.0)
 
 
 def with_half_of_the_loops(*faults):
-    """A run of 80 m whose estimate estimates a true loop at every second revisit, and asks for a match at every frame."""
+    """A run of 80 m whose estimate has a true loop at every second revisit, and asks for a match at every frame."""
     finished = run(replace(LONG, faults=faults), OdometryOnly())
     count, truth = len(finished.estimate.frames), finished.true_poses
     query = true_revisits(truth, finished.session.tour.stamps[finished.estimate.frames])[::2]

@@ -45,7 +45,7 @@ class Chained(OdometryOnly):
         return replace(estimate, T_W_B=poses)
 
 
-def test_odometry_only_claims_poses_alone():
+def test_odometry_only_estimates_poses_alone():
     result = check(SCENARIO, OdometryOnly())
     assert result.trajectory.ate_m == result.trajectory.ate_odometry_m > 0.0
     assert (result.labels, result.rooms, result.floors, result.loops) == (
@@ -83,7 +83,7 @@ def test_a_second_run_forgets_the_first():
     np.testing.assert_array_equal(first.rooms, second.rooms)
 
 
-def test_geometric_rooms_claims_rooms_and_floors_and_no_labels():
+def test_geometric_rooms_estimates_rooms_and_floors_and_no_labels():
     result = check(SCENARIO, GeometricRooms())
     assert result.labels == LabelFigures() and result.loops == LoopFigures()
     assert result.floors == FloorFigures(1.0, 0) and 0.0 <= result.rooms.pq < 1.0

@@ -74,7 +74,7 @@ def test_a_failed_plan_says_where_it_ended_and_why(finished):
     assert shown.ended is None and shown.reason.startswith("the robot cannot stand at the first frame of the plan")
 
 
-def test_candidates_carry_the_reasons_that_the_slam_claims_and_the_truth(finished):
+def test_candidates_carry_the_reasons_that_the_slam_estimates_and_the_truth(finished):
     estimates = (
         CandidateVerdict(9, 0, accepted=False, reason="few matches", figures={"matches": 4.0}),
         CandidateVerdict(8, 8, accepted=True, reason="accepted", figures={}),
@@ -103,7 +103,7 @@ def test_verdicts_on_frames_that_do_not_exist_are_refused(finished):
         replace(finished.estimate, verdicts=(CandidateVerdict(10**6, 0, False, "few matches", {}),))
 
 
-def test_lexis_claims_what_became_of_every_candidate():
+def test_lexis_estimates_what_became_of_every_candidate():
     lexis_map = corridor_with_offices(np.random.default_rng(1), loops=[(25, 3)], weights=[1.0], refused=[1])
     accepted, refused = estimate_of(lexis_map).verdicts
     assert accepted.accepted and accepted.figures["misfit [m]"] == 0.25 and accepted.figures["inliers"] == 20.0

@@ -127,7 +127,7 @@ def test_refused_observations_are_counted_under_faults_and_fatal_without():
     assert check(faulty, Picky()).faults.refused > 5
 
 
-def test_claims_of_another_size_are_named():
+def test_estimates_of_another_size_are_named():
     with pytest.raises(SimError, match="labels has 3 rows; valid: 5, one for each of the frames"):
         unchecked(Estimate, frames=np.arange(5), labels=np.zeros(3, int))
 
@@ -172,7 +172,7 @@ def test_claims_of_another_size_are_named():
         ),
     ],
 )
-def test_claims_of_another_form_are_named(estimates, message):
+def test_estimates_of_another_form_are_named(estimates, message):
     with pytest.raises(SimError, match=re.escape(message)):
         unchecked(Estimate, **{"frames": np.arange(5)} | estimates)
 
@@ -251,7 +251,7 @@ def test_figures_do_not_depend_on_the_number_types_of_the_estimates():
     assert kinds == {np.dtype(np.int64), np.dtype(np.float64)}
 
 
-def test_claims_are_checked_as_they_are_returned():
+def test_estimates_are_checked_as_they_are_returned():
     class Spoiling(Recorder):
         def finish(self):
             estimate = super().finish()
@@ -348,7 +348,7 @@ def one_loop(**changes):
         ),
     ],
 )
-def test_claims_that_cannot_be_are_named(estimates, message):
+def test_estimates_that_cannot_be_are_named(estimates, message):
     with pytest.raises(SimError, match=message):
         check(SCENARIO, Recorder(**estimates))
 

@@ -312,7 +312,7 @@ def test_the_frames_are_searched_once_for_all_candidates(tmp_path):
     assert len(calls) == 4  # queries and matches, of loops and of candidates
 
 
-def test_an_empty_list_of_loops_is_a_claim_and_candidates_are_optional(tmp_path):
+def test_an_empty_list_of_loops_is_an_estimate_and_candidates_are_optional(tmp_path):
     estimate = estimated(tmp_path, range(10), loops={"loops": []})
     assert len(estimate.loops.query) == 0 and estimate.candidates is None
     assert estimated(tmp_path, range(10)).loops is not None  # the file is still there

@@ -60,7 +60,7 @@ def test_a_line_leads_from_the_true_to_the_estimated_position(session, estimates
     assert {"estimated path", "from the true to the estimated position"} <= {entry.text for entry in legend}
 
 
-def test_every_frame_is_a_dot_in_the_colour_of_its_claim_at_its_true_position(session, estimates):
+def test_every_frame_is_a_dot_in_the_colour_of_its_estimate_at_its_true_position(session, estimates):
     marks, legend = frame_marks(session, FRAME, estimates)
     later, colours = estimates.frames > FRAME, np.array([estimates.colours[group] for group in estimates.groups])
     assert later.any() and not later.all()
@@ -104,7 +104,7 @@ def test_the_field_of_view_ends_at_walls_and_stays_in_the_house(session):
     assert min(areas) < 0.5 * max(areas)
 
 
-def test_the_legend_says_how_many_claims_it_leaves_out(session, estimates):
+def test_the_legend_says_how_many_estimates_it_leaves_out(session, estimates):
     groups = tuple(f"room {k}" for k in range(len(estimates.groups)))
     many = replace(estimates, groups=groups, colours=dict.fromkeys(groups, "#0072b2"))
     shown = [entry.text for entry in frame_marks(session, FRAME, many)[1]]

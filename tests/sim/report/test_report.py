@@ -273,7 +273,7 @@ def silent(data: ReportData) -> ReportData:
     return replace(data, result={"seed": 7, **figures}, keyframes=table, loops=(), samples=(), paths=())
 
 
-def test_what_the_slam_does_not_claim_is_left_out(rng):
+def test_what_the_slam_does_not_estimate_is_left_out(rng):
     data = silent(example(rng))
     page = render_report(data)
     absent = (
@@ -353,7 +353,7 @@ def test_without_poses_the_dots_are_at_the_positions_of_the_odometry_and_no_posi
     assert not any("position error" in finding.text for finding in findings(data))
 
 
-def test_a_slam_that_claims_to_close_no_loop_is_told_of_it(rng):
+def test_a_slam_that_estimates_to_close_no_loop_is_told_of_it(rng):
     data = silent(example(rng))
     none = replace(data, result={**data.result, "loops": {"verified": 0}})
     assert [finding.text for finding in findings(none) if "loop" in finding.text] == ["No loop was closed."]

@@ -45,7 +45,7 @@ def test_a_good_slam_passes():
     }
 
 
-def test_what_a_slam_does_not_claim_is_not_judged():
+def test_what_a_slam_does_not_estimate_is_not_judged():
     report = check_slam(OdometryOnly, FLAT)
     assert outcomes(report)["labels.accuracy >= 0.8"] == "not estimated" and report.ok
 

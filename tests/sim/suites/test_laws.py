@@ -51,7 +51,7 @@ class LoopsOnce(OdometryOnly):
         )
 
 
-def test_a_run_without_loop_closures_still_claims_them():
+def test_a_run_without_loop_closures_still_estimates_them():
     law = SameEstimates("again", "Twice the same.", NoChange(), compares=("frames",))
     assert law.examine(evaluated_run(OPEN_FLAT, LoopsOnce), LoopsOnce).holds
     needing = replace(law, needs=("loops",))
@@ -84,7 +84,7 @@ class Turning(Forgetful):
 @pytest.mark.parametrize(
     ("slam", "said"), [(Forgetful, "only one of the two runs estimates rooms"), (Turning, "and 1.6 rad")]
 )
-def test_a_law_sees_lost_claims_and_turned_poses(slam, said):
+def test_a_law_sees_lost_estimates_and_turned_poses(slam, said):
     again = replace(FLAT, parts=(replace(PART, checks=(SameEstimates("again", "Twice the same.", NoChange()),), n=1),))
     report = check_slam(slam, again)
     assert outcomes(report)["again"] == "fails" and said in str(report)

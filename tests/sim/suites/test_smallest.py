@@ -63,7 +63,7 @@ class WrongClaims(OdometryOnly):
         return replace(claims, labels=np.full(n, 100))
 
 
-def test_the_smallest_failure_of_invalid_claims_has_claims_that_are_invalid_in_the_same_way():
+def test_the_smallest_failure_of_an_invalid_estimate_is_invalid_in_the_same_way():
     reduction = smallest_failure(None, OPEN_FLAT, WrongClaims, deadline_s=10.0)
     assert reduction.signature.what == "estimate: frames has ... in row ..."
     assert finding(None, reduction.scenario, WrongClaims).measured.startswith("estimate: frames has ")
@@ -145,7 +145,7 @@ def test_the_folder_of_a_crash_has_its_traceback(tmp_path):
 
 
 @pytest.mark.parametrize(("slam", "says"), [(NoLabels, "labels"), (BrokenNow, "not today")])
-def test_invalid_claims_and_slams_that_cannot_be_made_are_replayed(slam, says, tmp_path, monkeypatch):
+def test_invalid_estimates_and_slams_that_cannot_be_made_are_replayed(slam, says, tmp_path, monkeypatch):
     monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": FLAT})
     (verdict,) = (each for each in check_slam(slam, FLAT).verdicts if each.check == COMPLETES)
     replay = Replay(f"from helpers.flat_suite import {slam.__name__}", "", slam.__name__)

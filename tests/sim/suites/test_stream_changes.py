@@ -74,7 +74,7 @@ def lexis():
 
 
 @pytest.mark.parametrize("change", EXACT, ids=lambda change: type(change).__name__)
-def test_lexis_claims_the_same_behind_every_neutral_change(lexis, change):
+def test_lexis_estimates_the_same_behind_every_neutral_change(lexis, change):
     again = run(OPEN_FLAT, changed(Lexis("oracle"), change))
     found = agreement(lexis.estimate, again.estimate)
     assert (found.frames, found.labels, found.rooms, found.floors, found.loops) == (1.0, 1.0, 1.0, 1.0, 1.0)
@@ -82,7 +82,7 @@ def test_lexis_claims_the_same_behind_every_neutral_change(lexis, change):
 
 
 @pytest.mark.parametrize("change", KEEPS_ARRAYS, ids=lambda change: type(change).__name__)
-def test_claims_come_back_for_every_frame_in_the_unchanged_names(change):
+def test_estimates_come_back_for_every_frame_in_the_unchanged_names(change):
     slam = Listening()
     finished = run(OPEN_FLAT, changed(slam, change))
     frames = finished.estimate.frames
@@ -131,7 +131,7 @@ def test_arrays_are_overwritten_once_the_slam_has_processed_them():
     assert not any(seen.T_O_B.any() or seen.increment_covariance.any() for seen in slam.seen)
 
 
-def test_a_turned_body_moves_as_the_body_does_and_its_claims_come_back_as_those_of_the_body():
+def test_a_turned_body_moves_as_the_body_does_and_its_estimates_come_back_as_those_of_the_body():
     plain, turned = Listening(), Listening()
     straight = run(OPEN_FLAT, plain)
     finished = run(OPEN_FLAT, changed(turned, TurnedBody()))

@@ -37,7 +37,7 @@ def test_a_run_without_observations_is_refused():
         MapRooms.of(CLOSED, Voronoi()).finish()
 
 
-def test_wordless_lexis_claims_rooms_but_no_labels():
+def test_wordless_lexis_estimates_rooms_but_no_labels():
     result = evaluate(run(CLOSED, WordlessLexis()))
     assert result.labels.accuracy is None and result.labels.accuracy_baseline is None
     assert result.rooms.pq is not None and result.floors.accuracy > 0.9

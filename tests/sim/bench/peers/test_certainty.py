@@ -10,6 +10,6 @@ def test_labels_that_are_stated_to_be_sure_are_right_more_often():
         [Scenario(preset="home", seed=seed, fidelity="features", frame_rate_hz=2.0) for seed in (103, 104, 105)]
     )
     doubted, *_, sure = reliability(found.keyframes.stated, found.keyframes.right, (0.0, 0.5, 0.9, 0.98, 1.0))
-    assert doubted.estimates > 10 and sure.estimates > 10
+    assert doubted.predictions > 10 and sure.predictions > 10
     assert sure.right > 0.95 > 0.75 > doubted.right
     assert len(found.rooms.stated) >= 24 and (found.rooms.stated <= 1.0).all()

@@ -79,7 +79,7 @@ def test_figures_of_rooms_that_a_run_does_not_have_are_left_out_of_the_means():
     }
 
 
-def test_a_method_that_claims_no_rooms_has_no_figures_of_rooms(monkeypatch):
+def test_a_method_that_estimates_no_rooms_has_no_figures_of_rooms(monkeypatch):
     monkeypatch.setattr(module, "METHODS", {"silent": lambda scenario: OdometryOnly()})
     closed = replace(DIFFICULTIES["openness"], values=(0.0,), methods=("silent",))
     assert list(sweep("home", (901,), closed)) == [SweepRow("silent", 0.0, 901, None, None, None, None)]

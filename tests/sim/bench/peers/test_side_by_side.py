@@ -21,7 +21,7 @@ SLAMS = {
 }
 
 
-def test_systems_side_by_side_claim_what_they_claim_alone():
+def test_systems_side_by_side_estimate_what_they_estimate_alone():
     together = run_side_by_side(OPEN_FLAT, {name: make() for name, make in SLAMS.items()})
     assert list(together) == list(SLAMS)
     for name, make in SLAMS.items():

@@ -33,7 +33,7 @@ def test_the_figures_are_those_of_the_truth_but_for_the_stated_error():
     assert result.labels.accuracy_baseline == before.labels.accuracy_baseline and result.loops == before.loops
 
 
-def test_claims_that_the_slam_does_not_make_are_not_added(drifting):
+def test_estimates_that_the_slam_does_not_make_are_not_added(drifting):
     result = GoodSlam(0.01).result(drifting)
     assert result.labels.accuracy is result.rooms.pq is result.floors.accuracy is None and result.trajectory.ate_m == 0.01
     silent = replace(drifting, estimate=replace(drifting.estimate, T_W_B=None))
