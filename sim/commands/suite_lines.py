@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from sim.suites.report import CheckVerdict, SuiteReport
     from sim.suites.suite_means import SuiteMean
 
-_HEAD = f"{'outcome':12} {'holds in':>12} {'wanted':>6}  check"
+_HEAD = f"{'outcome':14} {'holds in':>12} {'wanted':>6}  check"
 
 
 def suite_lines(report: "SuiteReport", failed_alone: bool) -> Iterator[str]:
@@ -42,13 +42,13 @@ def _all_lines(report: "SuiteReport") -> Iterator[str]:
 
 def _verdict_line(verdict: "CheckVerdict", report: "SuiteReport") -> str:
     (held, decided), wanted = verdict.counts, 1.0 if verdict.rate is None else verdict.rate
-    return f"{_outcome(verdict, report):12} {round(held, 2):5g} of {decided:<3} {percent(wanted):>6}  {verdict.name}"
+    return f"{_outcome(verdict, report):14} {round(held, 2):5g} of {decided:<3} {percent(wanted):>6}  {verdict.name}"
 
 
 def _mean_line(mean: "SuiteMean", report: "SuiteReport") -> str:
     low, high = mean.verdict.interval
     margin = "" if mean.verdict.mean is None else f"  margin {mean.verdict.mean:+.3g} ({low:+.3g} to {high:+.3g})"
-    return f"{_outcome(mean, report):12} {'':19}  {mean.name}{margin}"
+    return f"{_outcome(mean, report):14} {'':19}  {mean.name}{margin}"
 
 
 def _outcome(verdict: "CheckVerdict | SuiteMean", report: "SuiteReport") -> str:

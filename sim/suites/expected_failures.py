@@ -20,7 +20,7 @@ _FILE = FileKind("a file of lexis-sim check --suite --json", 500_000_000, SimErr
 _INSTEAD = {
     "holds": "it holds now",
     "undecided": "it is undecided: more scenarios are needed",
-    "not estimated": "it could not be decided in any scenario",
+    "not applicable": "it could not be decided in any scenario",
     "not examined": "no scenario reaches it",
 }
 """What a check does instead of failing, by its outcome."""

@@ -163,5 +163,5 @@ def _report(verdict: CheckVerdict, expected: ExpectedFailure | None, about_failu
         pytest.fail(f"{verdict}{about_failure()}", pytrace=False)
     if expected is not None:
         pytest.fail(f"{expected.instead(verdict.outcome)}\n{verdict}", pytrace=False)
-    if verdict.outcome in ("not estimated", "not examined"):
+    if verdict.outcome in ("not applicable", "not examined"):
         pytest.skip(str(verdict))

@@ -29,7 +29,7 @@ CONFIDENCE = 0.99
 one check with five of eight seeds."""
 SEED = 7
 """Default seed of the scenarios of a suite; `lexis-sim check --suite` uses the same."""
-SuiteOutcome = Literal["holds", "fails", "undecided", "not estimated", "not examined"]
+SuiteOutcome = Literal["holds", "fails", "undecided", "not applicable", "not examined"]
 _EXAMPLES = 3
 """Number of houses with failing scenarios that the text of a report names for each check."""
 
@@ -101,13 +101,13 @@ class CheckVerdict:
 
     @property
     def outcome(self) -> SuiteOutcome:
-        """The outcome of `verdict`; "not estimated" if the check could not be decided in any scenario that was examined.
+        """The outcome of `verdict`; "not applicable" if the check could not be decided in any scenario that was examined.
 
         A check that has to hold in all scenarios fails at its first failure, and holds as long as there is none. A check
         with a rate is "not examined" until the first group of scenarios is complete.
         """
         if not self.decided:
-            return "not estimated" if self.is_begun else "not examined"
+            return "not applicable" if self.is_begun else "not examined"
         if self.verdict is None:
             return "fails" if self.failures else "holds"
         return self.verdict.outcome if self.verdict.houses else "not examined"
@@ -127,9 +127,9 @@ class CheckVerdict:
         """
         if self.outcome == "not examined":
             return f"{self.name}: not examined"
-        if self.outcome == "not estimated":
+        if self.outcome == "not applicable":
             reason = next(each.findings[self.check].measured for each in self.examined if self.check in each.findings)
-            return f"{self.name}: not estimated ({reason})"
+            return f"{self.name}: not applicable ({reason})"
         held, decided = self.counts
         counts = f"holds in {held} of {decided} scenarios (wanted: in all): {self.outcome}"
         lines = [f"{self.name}: {self.verdict or counts}"]

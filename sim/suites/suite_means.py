@@ -49,14 +49,14 @@ class SuiteMean:
         return MeanVerdict(self.confidence, tuple(self._margins()))
 
     @property
-    def outcome(self) -> RateOutcome | Literal["not estimated", "not examined"]:
-        """The outcome of `verdict`; "not examined" until all scenarios are, and "not estimated" if no run has the figure."""
+    def outcome(self) -> RateOutcome | Literal["not applicable", "not examined"]:
+        """The outcome of `verdict`; "not examined" until all scenarios are, "not applicable" if no run has the figure."""
         if not self.is_complete:
             return "not examined"
-        return self.verdict.outcome if self.verdict.margins else "not estimated"
+        return self.verdict.outcome if self.verdict.margins else "not applicable"
 
     def __str__(self) -> str:
-        if self.outcome in ("not examined", "not estimated"):
+        if self.outcome in ("not examined", "not applicable"):
             return f"{self.name}: {self.outcome}"
         return f"{self.name} is {self.verdict}"
 

@@ -63,7 +63,7 @@ def test_the_command_expects_failures(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": replace(FLAT, parts=(part,))})
     command = "check", "--suite", "flat", "--workers", "1", "--slam", "helpers.flat_suite:FloorsByHeight"
     assert main([*command, "--expect-failure", ORIGIN, "--json", str(tmp_path / "all.json")]) == 0
-    assert "expected         0 of 1     100%  flat: origin" in capsys.readouterr().out
+    assert "expected           0 of 1     100%  flat: origin" in capsys.readouterr().out
     assert json.loads((tmp_path / "all.json").read_text())["ok"] is True
     assert main([*command, "--json", str(tmp_path / "before.json")]) == 1
     assert main([*command, "--known-failures", str(tmp_path / "before.json")]) == 0

@@ -61,7 +61,7 @@ def outcome_of(test, name):
             OdometryOnly,
             "labels.accuracy >= 0.8",
             "Failed",
-            r"but it could not be decided in any scenario: remove .*\n.*: not estimated \(labels\.accuracy is null\)$",
+            r"but it could not be decided in any scenario: remove .*\n.*: not applicable \(labels\.accuracy is null\)$",
         ),
         (Broken, "origin", "Failed", "but no scenario reaches it"),
     ],
@@ -99,7 +99,7 @@ def test_an_expected_failure_needs_a_name_and_a_reason(expected, message):
 def test_an_item_that_is_skipped_says_why():
     law = replace(FLAT, parts=(replace(PART, checks=(LAWS["false loop closures"],), n=1),))
     skipped = outcome_of(slam_checks(OdometryOnly, law), "flat: false loop closures")
-    assert skipped == ("Skipped", "flat: false loop closures: not estimated (the change does not reach this SLAM)")
+    assert skipped == ("Skipped", "flat: false loop closures: not applicable (the change does not reach this SLAM)")
 
 
 def test_a_part_that_cannot_be_drawn_is_tried_once_and_fails_every_item():

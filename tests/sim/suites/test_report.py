@@ -35,7 +35,7 @@ def test_a_part_that_was_not_begun_is_not_examined_rather_than_not_estimated():
     unclaimed = {check.name: CheckFinding(None, "") for check in PART.checks} | {COMPLETES: CheckFinding(True, "")}
     report = SuiteReport(replace(FLAT, parts=(PART, other)), 0, (Examination("flat", 0, OPEN_FLAT, None, unclaimed),))
     outcomes = {(verdict.part.name, verdict.outcome) for verdict in report.verdicts}
-    assert outcomes == {("flat", "holds"), ("flat", "not estimated"), ("other", "not examined")} and report.ok
+    assert outcomes == {("flat", "holds"), ("flat", "not applicable"), ("other", "not examined")} and report.ok
 
 
 def test_a_check_that_a_crash_prevents_is_not_examined_rather_than_not_estimated():
