@@ -126,7 +126,7 @@ def _what_is_valid(value: object, annotation: Any, unit: str) -> str | None:
     if origin in (Union, UnionType):
         declared = next(option for option in get_args(annotation) if option is not NoneType)
         said = None if value is None else _what_is_valid(value, declared, unit)
-        return said and f"{said}, or none"
+        return said and f"{said}, or null (None in Python)"
     if origin is Literal:
         return None if value in get_args(annotation) else ", ".join(map(str, get_args(annotation)))
     base, bounds = (annotation.__origin__, _bounds(annotation.__metadata__)) if origin is Annotated else (annotation, [])

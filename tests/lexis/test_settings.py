@@ -45,7 +45,7 @@ class Outer(Settings, place="outer", error=ConfigError):
         (Outer, "gait", "hop", "walk, run"),
         (Outer, "share", 0.0, "> 0 and <= 1"),
         (Outer, "share", 1.01, "> 0 and <= 1"),
-        (Outer, "length_m", -1.0, "> 0 m, or none"),
+        (Outer, "length_m", -1.0, "> 0 m, or null (None in Python)"),
         (Outer, "name", "", "a text that is not empty"),
         (Outer, "name", 7, "a text that is not empty"),
         (Outer, "loud", 1, "true or false"),
