@@ -19,6 +19,7 @@ from lexis.errors import LexisError, one_line
 
 MAX_LINE_CHARACTERS = 20_000
 """Largest number of characters in a line; lines of numbers are far shorter."""
+_VALID = "; valid: "
 _Model = TypeVar("_Model", bound=BaseModel)
 
 
@@ -37,8 +38,13 @@ class FileKind:
     """Words of the message if the file's content is wrong."""
 
     def refusal(self, path: Path, reason: object) -> ValueError:
-        """The error to raise if a file's content is wrong; the reason is put on one short line."""
-        return self.error(f"{path}: {self.unusable}: {one_line(reason)}; valid: {self.valid}")
+        """The error to raise if a file's content is wrong; the reason is put on one short line.
+
+        A reason that says itself what is valid stands alone.
+        """
+        said = one_line(reason)
+        valid = "" if _VALID in said else f"{_VALID}{self.valid}"
+        return self.error(f"{path}: {self.unusable}: {said}{valid}")
 
     def unopened(self, path: Path, reason: object) -> ValueError:
         """The error to raise if a file cannot be opened; the reason is put on one short line."""

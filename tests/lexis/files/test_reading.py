@@ -85,6 +85,7 @@ def test_what_is_wrong_inside_is_one_short_line(read, content, says, tmp_path):
     with pytest.raises(MapError, match=says) as error:
         read(path, LARGE)
     assert "\n" not in str(error.value) and len(str(error.value)) < 300 + len(str(path))
+    assert str(error.value).count("; valid: ") == 1
 
 
 def test_yaml_is_text_whatever_its_scalars_and_tags_pretend(tmp_path):
