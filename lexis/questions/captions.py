@@ -125,9 +125,10 @@ def read_question(text: str) -> Question:
     if negation := _NEGATION.match(content):
         content, captions = _ARTICLE.sub("", content[negation.end() :], count=1), captions or THING_CAPTIONS
     if part := _NEGATED_PART.search(content):
+        written = _as_written(part[0], text)
         raise LexisError(
-            f"the question {text.strip()!r} negates a part of itself by {part[0]!r}, and images do not show what is absent; "
-            'valid: what to look for, or "not a kitchen" for all rooms that are no kitchen'
+            f"the question {text.strip()!r} negates a part of itself by {written!r}, and images do not show what is "
+            'absent; valid: what to look for, or "not a kitchen" for all rooms that are no kitchen'
         )
     first = _fill(captions, content) if captions else (text.strip() if content == plain else content,)
     if negation:
@@ -154,6 +155,11 @@ def _strip_lead_ins(plain: str) -> tuple[str, Captions | None]:
     if captions is not ACTIVITY_CAPTIONS and (article := _ARTICLE.match(rest)):
         rest, captions = rest[article.end() :], THING_CAPTIONS
     return rest, captions
+
+
+def _as_written(negation: str, text: str) -> str:
+    """Return the word of a question that holds a negation: "isn't" for "not". Other negations are returned as they are."""
+    return next((word for word in text.split() if negation in _normalise(word).split()), negation)
 
 
 def _normalise(text: str) -> str:
