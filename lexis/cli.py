@@ -27,7 +27,7 @@ from lexis.config import Config, read_config
 from lexis.encoder.options import PRECISIONS, EncoderOptions
 from lexis.errors import DatasetError, EncoderError, LexisError, MapError, ObservationError, PlanError, one_line
 from lexis.files.reading import FileKind, read_json
-from lexis.files.replace import check_outside
+from lexis.files.replace import check_outside, check_replaceable
 from lexis.graph.components import sessions_apart
 from lexis.map.export import FORMATS, export_map
 from lexis.map.folder import JSON_FILE, load_map, save_map
@@ -232,7 +232,7 @@ def _run(arguments: argparse.Namespace) -> int:
     from lexis.merging import holds_image
     from lexis.slam import Slam
 
-    warn_of_replacement(arguments.out, JSON_FILE)
+    check_replaceable(arguments.out, JSON_FILE)
     options = EncoderOptions(arguments.device, arguments.precision, cache=arguments.cache)
     dataset = open_dataset(arguments.dataset, DatasetConfig(arguments.odometry, arguments.camera))
     old = _with_features(arguments.map) if arguments.map else None
@@ -244,6 +244,7 @@ def _run(arguments: argparse.Namespace) -> int:
     if old is not None and holds_image(old, next(iter(dataset)), encoder):
         print(f"note: {arguments.map} already holds this recording; the new map will hold it twice", file=sys.stderr)
     before = saved = slam.keyframe_count
+    warn_of_replacement(arguments.out, JSON_FILE)
     shown = track(dataset, "mapping", console=Console(stderr=True), disable=not sys.stderr.isatty())
     with interrupted_later() as pressed:
         try:
@@ -282,11 +283,13 @@ def _save_part(slam: "Slam", before: int, folder: Path) -> None:
 def _merge(arguments: argparse.Namespace) -> int:
     from lexis.merging import check_apart, merge
 
-    warn_of_replacement(arguments.out, JSON_FILE)
+    check_replaceable(arguments.out, JSON_FILE)
     first, second = _with_features(arguments.first), _with_features(arguments.second)
     check_apart(first, second)
     config = _settings(arguments)
-    lexis_map = merge(first, second, _map_encoder(first, arguments.encoder), config)
+    encoder = _map_encoder(first, arguments.encoder)
+    warn_of_replacement(arguments.out, JSON_FILE)
+    lexis_map = merge(first, second, encoder, config)
     save_map(lexis_map, arguments.out)
     _report(lexis_map, arguments.out)
     return 0
@@ -387,11 +390,12 @@ def _query(arguments: argparse.Namespace) -> int:
 def _relabel(arguments: argparse.Namespace) -> int:
     from lexis.map.relabelling import relabel
 
-    warn_of_replacement(arguments.out, JSON_FILE)
+    check_replaceable(arguments.out, JSON_FILE)
     lexis_map = load_map(arguments.map)
     names = _rooms(arguments.rooms)
     config = _settings(arguments)
     renamed = relabel(lexis_map, names, _map_encoder(lexis_map, arguments.encoder), config)
+    warn_of_replacement(arguments.out, JSON_FILE)
     save_map(renamed, arguments.out)
     _report(renamed, arguments.out)
     return 0
@@ -439,8 +443,9 @@ def _export(arguments: argparse.Namespace) -> int:
 
 
 def _import(arguments: argparse.Namespace) -> int:
-    warn_of_replacement(arguments.out, JSON_FILE)
+    check_replaceable(arguments.out, JSON_FILE)
     lexis_map = read_spark_dsg(arguments.graph)
+    warn_of_replacement(arguments.out, JSON_FILE)
     save_map(lexis_map, arguments.out)
     _report(lexis_map, arguments.out)
     return 0

@@ -147,6 +147,23 @@ def test_a_note_says_which_map_will_be_replaced(mapped, capsys):
     assert f"note: {mapped} holds an earlier result" in capsys.readouterr().err
 
 
+def test_no_note_says_that_a_map_will_be_replaced_if_the_command_fails_at_once(mapped, dataset, tmp_path, capsys):
+    out, none = ["-o", str(mapped)], str(tmp_path / "none")
+    for command in (
+        ["run", none, "--rooms", "kitchen"],
+        ["run", str(dataset)],
+        ["run", str(dataset), "--rooms", "kitchen,kitchen"],
+        ["run", str(dataset), "--rooms", "kitchen", "--config", none],
+        ["run", str(dataset), "--map", str(mapped)],
+        ["merge", str(mapped), none],
+        ["relabel", str(mapped), "--rooms", "kitchen,kitchen"],
+        ["relabel", str(mapped), "--rooms", "kitchen", "--config", none],
+        ["import", none],
+    ):
+        assert cli.main([*command, *out]) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+
+
 def test_a_map_whose_encoder_is_gone_says_so(mapped, capsys):
     save_map(replace(load_map(mapped), encoder=EncoderId("gone", "1")), mapped)
     assert cli.main(["query", str(mapped), "x"]) == 2
