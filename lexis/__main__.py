@@ -1,0 +1,28 @@
+"""The console script `lexis`, which `python -m lexis` runs too: it loads the commands and runs one.
+
+Loading the commands takes some tenths of a second. Ctrl-C during this time ends the program with one line, as it does later.
+"""
+
+import sys
+from importlib import import_module
+
+_INTERRUPTED = 130
+"""Exit status after an interruption. `lexis.command_line` has the same, but is not imported here, because it loads slowly."""
+
+
+def run_program(module: str) -> int:
+    """Import a module, call its function `main`, and return the exit status. Ctrl-C prints one line and gives status 130."""
+    try:
+        return int(import_module(module).main())
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return _INTERRUPTED
+
+
+def main() -> int:
+    """Run the command that the arguments of the process name, and return its exit status."""
+    return run_program("lexis.cli")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
