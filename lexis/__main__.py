@@ -7,7 +7,7 @@ import sys
 from importlib import import_module
 
 _INTERRUPTED = 130
-"""Exit status after an interruption. `lexis.command_line` has the same, but is not imported here, because it loads slowly."""
+"""Exit status after an interruption. `lexis.command_line` has the same, but is not imported here: it loads slowly."""
 
 
 def run_program(module: str) -> int:
