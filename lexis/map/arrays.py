@@ -195,7 +195,8 @@ def check(arrays: Arrays) -> None:
     for name in ("T_O_B", "T_W_B", "loop_pose"):
         if not is_rigid(arrays[name], tolerance=1e-5).all():
             raise MapError(f"array {name} has a matrix that is no rigid motion")
-        if np.abs(arrays[name]).max(initial=0.0) > MAX_POSITION_M:
+    for name in ("T_O_B", "T_W_B", "loop_pose", "room_mean", "landmark_points", "other_landmark_points"):
+        if np.abs(arrays.get(name, np.zeros(0))).max(initial=0.0) > MAX_POSITION_M:
             raise MapError(f"array {name} has a position beyond {MAX_POSITION_M:g} m; valid: positions on Earth")
     if np.abs(arrays["stamp"]).max(initial=0.0) > MAX_STAMP_S:
         raise MapError(f"array stamp has a time beyond {MAX_STAMP_S:g} s; valid: seconds of a usual clock")

@@ -108,6 +108,7 @@ def test_a_map_of_one_camera_has_nothing_of_others(lexis_map, tmp_path):
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
+        ({"other_landmark_points": "far"}, "other_landmark_points has a position beyond"),
         ({"other_embedding": None}, "lacks the arrays other_embedding"),
         ({"other_embedding": np.zeros((40, 2, 16), np.float32)}, "other_embedding"),
         ({"other_embedding": np.full((40, 1, 16), np.nan, np.float32)}, "finite"),
@@ -156,10 +157,11 @@ def test_a_failed_save_leaves_nothing(lexis_map, tmp_path, monkeypatch):
 
 
 def rewritten(folder, **changes):
-    """Replace arrays in the folder of a map; "narrow" removes the last column, and None the array."""
+    """Replace arrays in the folder of a map; "narrow" removes the last column, "far" adds 1e300, and None the array."""
     with np.load(folder / "arrays.npz") as arrays:
         content = {name: arrays[name] for name in arrays.files}
-    changes = {k: content[k][:, :-1] if isinstance(v, str) and v == "narrow" else v for k, v in changes.items()}
+    makers = {"narrow": lambda array: array[:, :-1], "far": lambda array: array + 1e300}
+    changes = {k: makers[v](content[k]) if isinstance(v, str) else v for k, v in changes.items()}
     np.savez(folder / "arrays.npz", **{k: v for k, v in (content | changes).items() if v is not None})
 
 
@@ -187,6 +189,8 @@ def rewritten(folder, **changes):
         ({"loop_covariance": np.zeros((2, 6, 6))}, "loop_covariance has a singular matrix"),
         ({"feature_count": np.array([2**62, 2**62, 2**62, 2**62] + [0] * 36)}, "feature_count does not add up"),
         ({"stamp": np.arange(40) * 1e300}, "array stamp has a time beyond"),
+        ({"room_mean": np.full((3, 3), 1e300)}, "room_mean has a position beyond"),
+        ({"landmark_points": "far"}, "landmark_points has a position beyond"),
         ({"T_W_B": np.eye(4)[None] + np.pad([[1e155]], ((0, 3), (3, 0))) * np.ones((40, 1, 1))}, "T_W_B .* position beyond"),
     ],
 )

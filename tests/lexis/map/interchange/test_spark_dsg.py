@@ -178,6 +178,7 @@ def changed(data, path, value):
         ("nodes.6.attributes.metadata.lexis.similarities", [1.0], "p1 has 1 similarities; valid: 4"),
         ("nodes.45.attributes.world_R_body.w", 3.0, "a0 has a rotation that is no unit quaternion"),
         ("nodes.45.attributes.position", [1e300, 0, 0], "position beyond"),
+        ("nodes.2.attributes.position", [0, 1e300, 0], "array room_mean has a position beyond"),
         ("nodes.45.attributes.metadata.lexis.stamp", 1e6, "stamp does not ascend"),
         ("nodes.84", None, "40 nodes p|39 nodes a"),
         ("edges.1.target", 8070450532247929832, "p1000 is no keyframe"),
