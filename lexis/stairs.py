@@ -14,8 +14,8 @@ FLOOR_TOLERANCE_M = 0.4
 """Smallest height difference between a half landing and the nearest floor [m]."""
 LEVEL_M = 0.045
 """A keyframe at an end of the stairs is on the floor if its height differs from that of the next keyframe off the stairs by
-less than this [m]. Odometry drifts by less than this from one keyframe to the next, and a stair
-riser is more than three times as high."""
+less than this [m]. Odometry drifts by less than this from one keyframe to the next, and a stair riser is more than three
+times as high."""
 RIDE_M = 1.2
 """Smallest change of height of a ride in a lift [m]."""
 RIDE_SLOPE = 1.3
