@@ -137,6 +137,6 @@ def _failure(fails: "Claim", result: "RunResult") -> str:
     value = fails.value(result)
     if value is None:
         null = " or ".join(fails.figures)
-        why = "the SLAM does not estimate what it needs, or for too few frames, or nothing in the run calls for it"
+        why = "the SLAM does not estimate what it needs, or for too few frames only, or nothing in the run calls for it"
         return f"failed: {null} is null: {why}; it cannot be judged by {str(fails)!r}"
     return f"failed: {fails.figure} is {value:g}, and fails if {fails}"

@@ -162,7 +162,7 @@ def _estimates(path: Path, times: RecordedTimes, poses: dict[int, Pose]) -> dict
         if away > times.period_s / 2:
             raise SimError(f"{ROOMS}: stamp {estimate.stamp:.6f} matches no frame; valid: {times.span()}")
         if frame in estimates:
-            raise SimError(f"{ROOMS}: stamp {estimate.stamp:.6f} is a second estimate about one frame; valid: one for each")
+            raise SimError(f"{ROOMS}: stamp {estimate.stamp:.6f} belongs to a frame with another entry; valid: one for each")
         if frame == AT_REST:
             continue
         if frame not in poses:

@@ -73,7 +73,7 @@ def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search
     unknown = execution.failure.unknown_figure if execution.failure else ""
     lines += [f"note: {unknown}"] if unknown else []
     if execution.run is not None and execution.failure is not None and execution.failure.uses_none:
-        lines.append("note: a figure is None if the SLAM does not estimate what it is computed from")
+        lines.append("note: a figure is None if the SLAM does not estimate what the figure is computed from")
     if isinstance(error, AttributeError | TypeError) and "Percept" in str(error):
         lines.append('note: with fidelity "features", observation.image is a Percept; valid: worlds(fidelity="render")')
     try:

@@ -135,7 +135,7 @@ class SameEstimates:
             return CheckFinding(False, f"only one of the two runs estimates {', '.join(lost)}")
         found = agreement(base.run.estimate, second.estimate)
         if found.frames == 0.0:
-            return CheckFinding(False, "the two runs estimate different frames")
+            return CheckFinding(False, "the estimates of the two runs cover different frames")
         compared = (*self.compares, "position_m") if self.compares_poses else self.compares
         if all(getattr(found, name) is None for name in compared):
             return CheckFinding(None, "the SLAM estimates nothing that the law compares")

@@ -292,11 +292,11 @@ def test_the_first_wrong_frame_is_wrong_for_the_figure_in_the_assertion(pytester
     pytester.makepyfile(test_slam=SLAM + FLOORS)
     result = inner("--no-lexis-shrink", "--lexis-out", "kept")
     result.assert_outcomes(failed=2)
-    result.stdout.fnmatch_lines(["first wrong: in * at * s: floor 9 estimated, is on floor 0"])
+    result.stdout.fnmatch_lines(["first wrong: in * at * s: estimated on floor 9, is on floor 0"])
     result.stdout.fnmatch_lines(["first wrong: in * at * s: the position is * m off*"])
     for name in ("why.md", "report.html"):
         pages = [page.read_text() for page in sorted(pytester.path.glob(f"kept/*/{name}"))]
-        assert "floor 9 estimated" in pages[0] and "m off" in pages[1]
+        assert "estimated on floor 9" in pages[0] and "m off" in pages[1]
 
 
 def test_the_page_of_a_failure_of_floors_counts_the_kinds_of_errors(pytester, inner, monkeypatch):
@@ -305,9 +305,7 @@ def test_the_page_of_a_failure_of_floors_counts_the_kinds_of_errors(pytester, in
     pytester.makepyfile(test_slam=SLAM + FLOORS)
     inner("--lexis-out", "kept", "-k", "test_floors").assert_outcomes(failed=1)
     (page,) = (page.read_text() for page in pytester.path.glob("kept/*/why.md"))
-    (here,) = re.findall(
-        r"Here, (\d+) of \1 wrong frames are estimated on a floor too high; in the original scenario, ", page
-    )
+    (here,) = re.findall(r"Here, (\d+) of \1 wrong frames are placed on a floor too high; in the original scenario, ", page)
     assert int(here) > 0 and "may fail for another reason" not in page
 
 
@@ -649,7 +647,7 @@ class TestLooks:
         [
             "SLAM under test: Endless has no method finish(); valid: *",
             "the fixture slam returned None; valid: a SLAM under test (is `return` missing?)",
-            "note: a figure is None if the SLAM does not estimate *",
+            "note: a figure is None if the SLAM does not estimate what *",
             "note: no figure 'acuracy' (did you mean 'accuracy'?); valid: accuracy, count_error",
             "note: no figure 'ate_m' (did you mean 'trajectory.ate_m'?); valid: seed, *",
             'note: with fidelity "features", observation.image is a Percept; valid: worlds(fidelity="render")',

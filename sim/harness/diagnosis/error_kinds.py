@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from sim.harness.diagnosis.first_wrong import misplaced
 from sim.harness.finished_run import Run
 
-NO_FLOOR, TOO_HIGH, TOO_LOW = "estimated on no floor", "estimated on a floor too high", "estimated on a floor too low"
-NO_ROOM, SPLIT = "in no estimated room", "estimated apart from the rest of their room"
+NO_FLOOR, TOO_HIGH, TOO_LOW = "placed on no floor", "placed on a floor too high", "placed on a floor too low"
+NO_ROOM, SPLIT = "in no estimated room", "split from the rest of their room"
 TWINS, STRANGERS = "merged with a room of the same label", "merged with a room of another label"
 
 

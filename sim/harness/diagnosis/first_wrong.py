@@ -159,7 +159,7 @@ def _floor(run: Run) -> Iterator[_Wrong]:
     estimates, truth = run.estimate.floors, run.true_storeys
     if estimates is not None:
         wrong = np.flatnonzero((estimates != truth) & ~run.on_stairs)
-        yield from (_Wrong(int(k), f"floor {estimates[k]} estimated, is on floor {truth[k]}") for k in wrong)
+        yield from (_Wrong(int(k), f"estimated on floor {estimates[k]}, is on floor {truth[k]}") for k in wrong)
 
 
 def _position(run: Run) -> Iterator[_Wrong]:

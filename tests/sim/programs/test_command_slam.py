@@ -263,7 +263,7 @@ def test_the_frames_of_rooms_json_are_the_keyframes(tmp_path):
         ([0.0, 1.0], None, "no stamp is within 0.125 s of a frame of the walk"),
         ([2.0], [{"stamp": 12.0}], "rooms.json: stamp 1000000003.000000 matches no frame"),
         ([2.0], [{"stamp": 5.0}], "has no pose; valid: frames that trajectory.tum holds"),
-        ([2.0], [{"stamp": 2.0}, {"stamp": 2.1}], "is a second estimate about one frame"),
+        ([2.0], [{"stamp": 2.0}, {"stamp": 2.1}], "belongs to a frame with another entry"),
         ([0.0, 2.0], [{"stamp": 0.0}], "every stamp is before the walk"),
         ([2.0], [{"stamp": 2.0, "label": "ktchen"}], "unknown label 'ktchen' (did you mean 'kitchen'?); valid: kitchen"),
         ([2.0, 3.0], [{"stamp": 2.0, "room": 1}, {"stamp": 3.0}], "has no room, others have; valid: all frames or none"),

@@ -70,7 +70,7 @@ def spoilt(estimate):
         ("labels", "rooms.pq", "labelled "),
         ("labels", None, "labelled "),
         ("rooms", "rooms.pq", "in the estimated room "),
-        ("floors", "floors.accuracy", "floor 1 estimated, is on floor 0"),
+        ("floors", "floors.accuracy", "estimated on floor 1, is on floor 0"),
         ("T_W_B", "trajectory.ate_m", "from 1.2 s to 1.8 s the estimate moves "),
     ],
 )
