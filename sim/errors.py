@@ -21,7 +21,7 @@ class ProgramError(SimError):
 
 
 class EstimateError(SimError):
-    """The estimates of a SLAM under test are not valid: they contradict each other, or refer to frames that do not exist."""
+    """The estimate of a SLAM under test is not valid: it contradicts itself, or refers to frames that do not exist."""
 
 
 class ProgramFilesError(ProgramError, EstimateError):

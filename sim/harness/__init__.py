@@ -1,4 +1,4 @@
-"""The harness: gives the observations of a scenario to a SLAM, and checks the SLAM's estimates against the truth.
+"""The harness: gives the observations of a scenario to a SLAM, and compares the SLAM's estimate with the truth.
 
     from sim import Scenario, check
 
@@ -6,7 +6,7 @@
     assert result.floors.accuracy > 0.9
 
 `scenario` describes a run; `run_settings` and `walk` derive its house, tour and odometry. `slam_under_test` is the interface
-of a SLAM, `estimate` holds the SLAM's estimates, and `adapters` contains LEXIS and others. `runner` gives the observations
+of a SLAM, `estimate` holds what the SLAM returns, and `adapters` contains LEXIS and others. `runner` gives the observations
 of `scenario_sessions` to the SLAM, and returns a `finished_run`. `planning` lets a robot drive the SLAM's plans; `upright`
 turns estimated poses so that z points up. `figures` (with `loops`) computes the figures that `results` holds. `claims` reads
 statements about figures, such as "rooms.pq >= 0.6". `outputs` writes the folder of a run with its report, for which

@@ -84,7 +84,7 @@ def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None
     """Run a SLAM; return the finished run, or the crash of the SLAM or of the program under test.
 
     A crash is an exception in a method of the SLAM, or a failure of the program. Exceptions from outside the SLAM's methods
-    are passed on. `SimError` and `EncoderError` are always passed on: the scenario or the estimates of the SLAM are not
+    are passed on. `SimError` and `EncoderError` are always passed on: the scenario or the estimate of the SLAM is not
     valid, or a model cannot be loaded.
     """
     with noted() as last, chdir("."):  # a SLAM may change the working directory

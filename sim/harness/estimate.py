@@ -1,4 +1,4 @@
-"""What a SLAM estimates in a run. Every estimate is optional: figures that need a missing one are null, never 0."""
+"""`Estimate`: what a SLAM estimates in a run. Figures that need a field which the SLAM leaves out are null, never 0."""
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -34,12 +34,13 @@ _FORMS: Mapping[str, tuple[str, tuple[int | None, ...]]] = MappingProxyType(
         "similarities": ("fiu", (None,)),
     }
 )
-"""For each estimate, the valid values of numpy's `dtype.kind`, and the shape of one row (None: any length)."""
+"""For each optional array of `Estimate`, the valid values of numpy's `dtype.kind`, and the shape of one row (None: any
+length)."""
 
 _MEANINGS: Mapping[str, str] = MappingProxyType(
     dict.fromkeys(("labels", "baseline_labels"), ", indices into room_names or -1") | {"floors": ", with -1 on stairs"}
 )
-"""What the numbers of an estimate mean, as the end of a message; for estimates whose numbers are easily mistaken."""
+"""What the numbers of a field of `Estimate` mean, as the end of a message; for fields whose numbers are easily mistaken."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +57,7 @@ class EstimatedLoops:
     """Final confidence of the SLAM in each loop, in [0, 1]; None if the SLAM gives no confidences."""
 
     def converted(self) -> "EstimatedLoops":
-        """Return the same estimates with indices as int64 and all other numbers as float64."""
+        """Return the same loops with indices as int64 and all other numbers as float64."""
         query, match = (each.astype(np.int64, copy=False) for each in (self.query, self.match))
         weights = None if self.weights is None else self.weights.astype(np.float64, copy=False)
         return EstimatedLoops(query, match, self.T_match_query.astype(np.float64, copy=False), weights)
@@ -83,13 +84,13 @@ class CandidateVerdict:
 class Estimate:
     """What a SLAM estimates in a run. Arrays have one row for each frame in `frames`: its keyframes, or all frames.
 
-    Raises `EstimateError` for estimates of another type than the fields state; for arrays that differ in their number of
+    Raises `EstimateError` for values of another type than the fields state; for arrays that differ in their number of
     rows, or have numbers that are not finite; for rows that do not exist; for poses that are no rigid motions or not on
     Earth; for labels, rooms and floors below -1; and for loops whose query is not later than its match.
     """
 
     frames: Int[np.ndarray, "n"]
-    """`Observation.index` of every frame that the estimate is about, ascending and each once."""
+    """`Observation.index` of every frame that the estimate covers, ascending and each once."""
     T_W_B: Poses | None = None
     """Poses of the body in the SLAM's own world frame. To compute figures, this frame is aligned with the true world
     frame."""
@@ -118,14 +119,14 @@ class Estimate:
     def __post_init__(self) -> None:
         n = _checked_frames(self.frames)
         for name, (kinds, row) in _FORMS.items():
-            if (estimate := getattr(self, name)) is not None:
-                _check_rows(name, estimate, n, kinds, row)
+            if (values := getattr(self, name)) is not None:
+                _check_rows(name, values, n, kinds, row)
         if self.T_W_B is not None:
             _check_rigid("T_W_B", self.T_W_B)
         for name in ("labels", "baseline_labels", "rooms", "floors"):
-            estimate = getattr(self, name)
-            if estimate is not None and (below := np.flatnonzero(estimate < -1)).size:
-                bad = f"{name} has {estimate[below[0]]} in row {below[0]}"
+            values = getattr(self, name)
+            if values is not None and (below := np.flatnonzero(values < -1)).size:
+                bad = f"{name} has {values[below[0]]} in row {below[0]}"
                 raise EstimateError(f"estimate: {bad}; valid: numbers from 0, or -1 for none")
         if self.loops is not None:
             _check_loops(self.loops)
@@ -144,16 +145,15 @@ class Estimate:
         """Convert whole numbers to int64 and other numbers to float64, so that figures do not depend on a SLAM's types."""
         object.__setattr__(self, "frames", self.frames.astype(np.int64, copy=False))
         for name, (kinds, _) in _FORMS.items():
-            if (estimate := getattr(self, name)) is not None:
-                object.__setattr__(self, name, estimate.astype(_TYPES[kinds], copy=False))
+            if (values := getattr(self, name)) is not None:
+                object.__setattr__(self, name, values.astype(_TYPES[kinds], copy=False))
         if self.loops is not None:
             object.__setattr__(self, "loops", self.loops.converted())
 
     def named_rooms(self, room_names: tuple[str, ...]) -> dict[int, str] | None:
         """Return the most frequent label of every room instance, by the instance's number.
 
-        Instances without any labelled frame are left out. The result is None unless the SLAM estimates both rooms and
-        labels.
+        Instances without any labelled frame are left out. The result is None unless there are both rooms and labels.
         """
         if self.rooms is None or self.labels is None:
             return None
@@ -225,7 +225,7 @@ def _checked_stages(seconds: object) -> Mapping[str, float]:
 
 
 def _check_text(name: str, text: object) -> None:
-    """Raise `EstimateError` unless an estimate is a text that can be written to a file."""
+    """Raise `EstimateError` unless a field is a text that can be written to a file."""
     if not isinstance(text, str) or encodable(text) != text:
         raise EstimateError(f"estimate: {name} is {text!r:.40}; valid: a text")
 
@@ -266,19 +266,19 @@ def _check_rigid(name: str, motions: Float64[np.ndarray, "n 4 4"]) -> None:
         )
 
 
-def _check_rows(name: str, estimate: object, n: int, kinds: str, row: tuple[int | None, ...]) -> None:
-    """Raise `EstimateError` unless an estimate is an array with `n` finite rows of the given shape."""
+def _check_rows(name: str, values: object, n: int, kinds: str, row: tuple[int | None, ...]) -> None:
+    """Raise `EstimateError` unless a field of an estimate is an array with `n` finite rows of the given shape."""
     wanted = "whole numbers" if kinds == "iu" else "numbers"
-    if not _is_plain(estimate) or estimate.dtype.kind not in kinds or estimate.ndim != 1 + len(row):
+    if not _is_plain(values) or values.dtype.kind not in kinds or values.ndim != 1 + len(row):
         shape = ", ".join(["n", *("any" if size is None else str(size) for size in row)])
         valid = f"an array of {wanted} of shape ({shape}){_MEANINGS.get(name, '')}"
-        raise EstimateError(f"estimate: {name} is {type_of(estimate)}; valid: {valid}")
-    if len(estimate) != n:
-        raise EstimateError(f"estimate: {name} has {len(estimate)} rows; valid: {n}, one for each of the frames")
-    if any(size not in (None, found) for size, found in zip(row, estimate.shape[1:], strict=True)):
-        raise EstimateError(f"estimate: {name} has shape {estimate.shape}; valid: {(n, *row)}")
-    if not np.isfinite(estimate).all():
-        raise EstimateError(f"estimate: {name} is not finite in row {int(np.argwhere(~np.isfinite(estimate))[0, 0])}")
+        raise EstimateError(f"estimate: {name} is {type_of(values)}; valid: {valid}")
+    if len(values) != n:
+        raise EstimateError(f"estimate: {name} has {len(values)} rows; valid: {n}, one for each of the frames")
+    if any(size not in (None, found) for size, found in zip(row, values.shape[1:], strict=True)):
+        raise EstimateError(f"estimate: {name} has shape {values.shape}; valid: {(n, *row)}")
+    if not np.isfinite(values).all():
+        raise EstimateError(f"estimate: {name} is not finite in row {int(np.argwhere(~np.isfinite(values))[0, 0])}")
 
 
 def _is_plain(value: object) -> TypeGuard[np.ndarray]:

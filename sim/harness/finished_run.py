@@ -1,4 +1,4 @@
-"""`Run`: the estimates of a SLAM in a run that has ended, together with what the SLAM was given, and the truth."""
+"""`Run`: the estimate of a SLAM in a run that has ended, together with what the SLAM was given, and the truth."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -105,7 +105,7 @@ class Run:
     def most_similar(self, row: int, count: int) -> tuple[tuple[str, float], ...]:
         """Return the `count` room names most similar to the frame in a row of the estimate, with similarities, best first.
 
-        The result is empty if the SLAM estimates no similarities.
+        The result is empty if the SLAM returned no similarities.
         """
         if self.estimate.similarities is None:
             return ()

@@ -1,4 +1,4 @@
-"""`edge_truth`: compares the loop closures that a SLAM estimates with the true poses."""
+"""`edge_truth`: compares the loop closures of a SLAM with the true poses."""
 
 import numpy as np
 from jaxtyping import Bool

@@ -1,4 +1,4 @@
-"""Tests the plans of a SLAM: a simulated robot drives from each room label that the SLAM estimates to every other label."""
+"""Tests the plans of a SLAM: a simulated robot drives from each estimated room label to every other one."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -90,9 +90,9 @@ def try_plans(run: Run, steering: Steering = "estimate", blind: bool = False) ->
     """Ask the SLAM for a plan from each label of its rooms to every other label, and let a robot drive each plan.
 
     Stairs are neither start nor goal. The robot starts at the first frame of the plan. Its odometry has the error that it
-    had at the end of the run, and drifts on from there. If `blind`, the robot uses no range scan to avoid obstacles. If the
-    SLAM estimates no labelled rooms or cannot plan paths, there are no trials. A plan that cannot be driven fails: the robot
-    cannot stand at its first frame, or no way leads from there into a room of the goal's label.
+    had at the end of the run, and drifts on from there. If `blind`, the robot uses no range scan to avoid obstacles. There
+    are no trials if no room of the SLAM has a label, or if the SLAM cannot plan paths. A plan that cannot be driven fails:
+    the robot cannot stand at its first frame, or no way leads from there into a room of the goal's label.
 
     Raises `EstimateError` for a plan that does not consist of rows of the estimate.
     """
@@ -104,8 +104,8 @@ def try_plans(run: Run, steering: Steering = "estimate", blind: bool = False) ->
 def planned_pairs(run: Run) -> list[tuple[str, str]]:
     """Return all pairs of labels (start, goal) between which plans are asked for.
 
-    The labels are those of the SLAM's rooms, except stairs, sorted. There are no pairs if the SLAM estimates no labelled
-    rooms.
+    The labels are those of the SLAM's rooms, except stairs, sorted. There are no pairs if none of the
+    SLAM's rooms has a label.
     """
     rooms = run.estimate.named_rooms(run.room_names) or {}
     return list(permutations(sorted(set(rooms.values()) - {STAIRS}), 2))

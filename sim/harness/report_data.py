@@ -45,18 +45,18 @@ def report_data(
 
 
 def _keyframes(run: Run) -> KeyframeTable:
-    truth, estimates = run.true_poses, run.estimate
+    truth, estimate = run.true_poses, run.estimate
     odometry = aligned(run.odometry_poses, truth)
     unknown = np.full(len(truth), UNKNOWN)
     return KeyframeTable(
         run.true_stamps,
         truth,
         odometry,
-        odometry if estimates.T_W_B is None else aligned(estimates.T_W_B, truth),
+        odometry if estimate.T_W_B is None else aligned(estimate.T_W_B, truth),
         run.true_storeys,
         run.true_labels,
-        unknown if estimates.baseline_labels is None else estimates.baseline_labels,
-        unknown if estimates.labels is None else estimates.labels,
+        unknown if estimate.baseline_labels is None else estimate.baseline_labels,
+        unknown if estimate.labels is None else estimate.labels,
         tuple(run.house.rooms[room].id for room in run.true_rooms),
         _room_of_frames(run),
     )
@@ -109,21 +109,21 @@ def _loops(run: Run) -> tuple[LoopMark, ...]:
 
 
 def _candidates(run: Run) -> tuple[CandidateMark, ...]:
-    estimates = run.estimate.verdicts or ()
-    query = np.array([estimate.query for estimate in estimates], int)
-    distances_m, angles_rad = separation(run.true_poses, query, np.array([estimate.match for estimate in estimates], int))
+    verdicts = run.estimate.verdicts or ()
+    query = np.array([verdict.query for verdict in verdicts], int)
+    distances_m, angles_rad = separation(run.true_poses, query, np.array([verdict.match for verdict in verdicts], int))
     revisits = (distances_m <= PLACE_M) & (angles_rad <= PLACE_RAD)
-    truths = zip(estimates, distances_m.tolist(), revisits.tolist(), strict=True)
+    truths = zip(verdicts, distances_m.tolist(), revisits.tolist(), strict=True)
     return tuple(
         CandidateMark(
-            estimate.query, estimate.match, estimate.accepted, estimate.reason, _known(estimate.figures), distance_m, revisit
+            verdict.query, verdict.match, verdict.accepted, verdict.reason, _known(verdict.figures), distance_m, revisit
         )
-        for estimate, distance_m, revisit in truths
+        for verdict, distance_m, revisit in truths
     )
 
 
 def _known(figures: Mapping[str, float]) -> dict[str, float]:
-    """Return figures as Python's floats, without those that are NaN. A SLAM may estimate any kind of number."""
+    """Return figures as Python's floats, without those that are NaN. A SLAM may give numbers of any type."""
     return {name: float(value) for name, value in figures.items() if not math.isnan(value)}
 
 

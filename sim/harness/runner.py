@@ -1,4 +1,4 @@
-"""`run`: gives the observations of a scenario to a SLAM, and returns the SLAM's estimates together with the truth."""
+"""`run`: gives the observations of a scenario to a SLAM, and returns the SLAM's estimate together with the truth."""
 
 from collections.abc import Callable, Mapping
 from contextlib import closing
@@ -57,7 +57,7 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     if not isinstance(estimate, Estimate):
         raise EstimateError(f"SLAM under test: finish() returned {type(estimate).__name__}; valid: an Estimate")
     seconds = timed.seconds | {"render_s": session.render_seconds - rendered_before_s}
-    # The estimates are checked again, because a SLAM may have written into its arrays since it made the estimate.
+    # The estimate is checked again, because a SLAM may have written into the arrays since it made the estimate.
     _check_estimate(replace(estimate), given, len(walked.house.spec.room_labels))
     last.run = Run(
         scenario, session.house, walked.walkable, session, slam, estimate, given, seconds, tuple(delivered), tuple(refused)
@@ -113,7 +113,7 @@ def _indices(given: Mapping[int, Given]) -> str:
 
 
 def _check_estimate(estimate: Estimate, given: Mapping[int, Given], names: int) -> None:
-    """Raise EstimateError for estimates for frames that the SLAM was not given, or with room names that do not exist."""
+    """Raise `EstimateError` if an estimate has frames that the SLAM was not given, or indices of names that do not exist."""
     for row, frame in enumerate(estimate.frames.tolist()):
         if frame not in given:
             raise EstimateError(f"estimate: frames has {frame} in row {row}; valid: {_indices(given)}")

@@ -34,7 +34,7 @@ class SlamUnderTest(Protocol):
         """
 
     def finish(self) -> Estimate:
-        """Return the SLAM's estimates about the whole run."""
+        """Return the SLAM's estimate of the whole run."""
 
 
 _PARAMETERS: Mapping[str, tuple[str, ...]] = MappingProxyType(

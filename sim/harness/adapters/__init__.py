@@ -1,7 +1,7 @@
 """Adapters for the SLAM systems that ship with the harness: LEXIS, and two simple baselines.
 
 `lexis` is the adapter of LEXIS, `closure_log` records its loop closures, and `true_stages` contains replacements for
-stages of LEXIS that know the truth. `odometry_only` estimates the odometry's poses without any SLAM, and `geometric_rooms`
+stages of LEXIS that know the truth. `odometry_only` returns the odometry's poses without any SLAM, and `geometric_rooms`
 finds floors and rooms from positions alone. Both baselines fail in situations that a SLAM has to master.
 """
 

@@ -47,7 +47,7 @@ class GeometricRooms:
     def finish(self) -> Estimate:
         """Return the poses, floors and rooms of all keyframes. Raises `SimError` if no observation was usable."""
         poses = self._odometry.finish()
-        assert poses.T_W_B is not None  # OdometryOnly estimates them
+        assert poses.T_W_B is not None  # OdometryOnly returns them
         positions = poses.T_W_B[:, :3, 3]
         floors = floors_by_height(positions[:, 2])
         return replace(poses, rooms=rooms_by_distance(positions, floors), floors=floors)

@@ -139,7 +139,7 @@ class Lexis:
 
 
 def estimate_of(map: LexisMap) -> Estimate:
-    """Convert a LEXIS map to estimates, with one row for each keyframe."""
+    """Convert a LEXIS map to an estimate, with one row for each keyframe."""
     loops = LoopArrays.of(map.loops)
     return Estimate(
         frames=np.array([keyframe.observation_index for keyframe in map.keyframes], int),

@@ -1,4 +1,4 @@
-"""A baseline that is no SLAM: it estimates the poses of the odometry unchanged. Every SLAM has to be better than this."""
+"""A baseline that is no SLAM: it returns the poses of the odometry unchanged. Every SLAM has to be better than this."""
 
 from collections.abc import Sequence
 

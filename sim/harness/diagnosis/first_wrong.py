@@ -1,4 +1,4 @@
-"""`first_wrong`: the first frame of a run at which the estimates of a SLAM are wrong, with room, time and reason."""
+"""`first_wrong`: the first frame of a run at which the estimate of a SLAM is wrong, with room, time and reason."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -71,8 +71,8 @@ def first_wrong(run: Run, figure: str | None = None, reference: Run | None = Non
     is one.
 
     Without a figure, the result is the first frame with a wrong label or, if no label is wrong, the frame that is wrong for
-    the trajectory. The result is None if there is no such frame, or if the SLAM does not estimate this. It is also None
-    for a figure that describes the run as a whole, such as "coverage.path_covered".
+    the trajectory. The result is None if there is no such frame, or if the SLAM does not estimate what the figure needs. It
+    is also None for a figure that describes the run as a whole, such as "coverage.path_covered".
     """
     kind = "" if figure is None else figure.partition(".")[0]
     found = _found(_SEARCHES[kind], run, reference) if kind in _SEARCHES else None
@@ -115,9 +115,9 @@ def crash_frame(session: Session, done: float) -> WrongFrame:
     return WrongFrame(frame, room, float(stamps[frame] - stamps[0]), f"the SLAM raised {where}")
 
 
-def wrong_estimates(run: Run, estimate: Literal["labels", "rooms", "floors"]) -> Bool[np.ndarray, "n"]:
-    """Return for every frame whether its label, its room instance or its floor is wrong; for none if it is not estimated."""
-    search = {"labels": _label, "rooms": _instance, "floors": _floor}[estimate]
+def wrong_estimates(run: Run, name: Literal["labels", "rooms", "floors"]) -> Bool[np.ndarray, "n"]:
+    """Return for every frame whether its label, its room instance or its floor is wrong; for none without such estimates."""
+    search = {"labels": _label, "rooms": _instance, "floors": _floor}[name]
     wrong = np.zeros(len(run.estimate.frames), bool)
     wrong[[found.row for found in search(run)]] = True
     return wrong

@@ -1,4 +1,4 @@
-"""`estimated_frames`: the estimates of a SLAM that show on a plan why a run is wrong."""
+"""`estimated_frames`: the part of a SLAM's estimate that shows on a plan why a run is wrong."""
 
 from dataclasses import replace
 from typing import Literal
@@ -17,7 +17,7 @@ from sim.report.palette import instance_colours, label_colours
 
 
 def estimated_frames(run: Run, figure: str | None, wrong: WrongFrame) -> FrameEstimates:
-    """Return the estimated path and the estimates that the figure is about: rooms, floors, labels, or none.
+    """Return the estimated path and what else the figure is about: the estimated rooms, floors or labels, or nothing.
 
     If `wrong` is a wrong motion, the estimated path is moved as a whole so that it agrees with the truth where this motion
     begins. Otherwise it is aligned with the true path as for the absolute trajectory error.

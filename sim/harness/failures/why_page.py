@@ -216,7 +216,7 @@ def _faults(run: Run) -> list[str]:
 
 
 def _how_drawn(run: Run, frame: WrongFrame, estimates: FrameEstimates) -> Iterator[str]:
-    """Yield sentences on what the plan shows of the estimates, each with a space before it."""
+    """Yield sentences on what the plan shows of the estimate, each with a space before it."""
     if estimates.T_W_B is not None:
         since_s = run.session.tour.stamps[frame.since or 0] - run.session.tour.stamps[0]
         agrees = (

@@ -49,9 +49,9 @@ class GoodSlam:
     """Whether its poses are those of the odometry, corrected by all true loop closures; otherwise, they are true."""
 
     def result(self, run: Run, trials: Sequence[Trial] = ()) -> RunResult:
-        """Return the figures of a run as if this SLAM had made the estimates.
+        """Return the figures of a run as if this SLAM had made the estimate.
 
-        What the SLAM of the run does not estimate is not added; its other estimates and its driven plans are kept.
+        What the SLAM of the run left out is not added; the rest of its estimate and its driven plans are kept.
         """
         poses = with_true_loops(run) if self.uses_odometry and run.estimate.T_W_B is not None else run.true_poses
         good: dict[str, Any] = {
