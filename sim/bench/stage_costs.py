@@ -40,7 +40,7 @@ class Figures:
     ate_m: float
     """Absolute trajectory error [m]."""
     plans: float
-    """Share of the plans, from each estimated label to each other, that end in a room that truly has the goal's label."""
+    """Share of the plans, from each estimated label to each other one, that end in a room truly labelled as the goal."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""`run_command`: a program in any language as the SLAM. The program reads a recording, and writes its estimates to files."""
+"""`run_command`: a program in any language as the SLAM. The program reads a recording, and writes its estimate to files."""
 
 import math
 import os
@@ -32,7 +32,7 @@ from sim.truth import Truth
 TIMEOUT_S, MEMORY_MB = 600.0, 8192.0
 """Usual limits of a program: wall time [s], and the memory that each of its processes may allocate [MB]."""
 DATASET, OUT = "{dataset}", "{out}"
-"""Placeholders in a command for the folder of the recording and the folder of the estimates."""
+"""Placeholders in a command for the folder of the recording and the folder of the estimate."""
 _KEPT_BYTES = 1_000_000
 
 
@@ -70,7 +70,7 @@ def run_command(
     images: str = "png",
     progress: Progress | None = None,
 ) -> Run:
-    """Record a scenario without its truth, run a program on the recording, and return its estimates with the truth.
+    """Record a scenario without its truth, run a program on the recording, and return its estimate with the truth.
 
     Args:
         scenario: the run; its fidelity is "render", since a program needs images.

@@ -56,13 +56,13 @@ class LoopFile(_Strict):
 
     version: Literal[1]
     loops: list[LoopClaim]
-    """Loop closures; an empty list estimates that there are none."""
+    """Loop closures; an empty list means that there are none."""
     candidates: list[RevisitClaim] | None = None
     """Revisits that the program has proposed; None if the file does not list them."""
 
 
 def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
-    """Read loops.json, and return its estimates as fields of `Estimate`: `loops`, and `candidates` if the file lists them.
+    """Read loops.json, and return its contents as fields of `Estimate`: `loops`, and `candidates` if the file lists them.
 
     Loops and candidates of frames before the walk are left out; `rows_of` returns -1 for them.
 
@@ -75,7 +75,7 @@ def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
     _check(file.loops, (query <= match) & (query >= 0), np.linalg.norm(rows[:, 3:], axis=1))
     walked, weights = (query >= 0) & (match >= 0), _weights(file.loops)
     chosen = None if weights is None else weights[walked]
-    estimates: dict[str, Any] = {"loops": EstimatedLoops(query[walked], match[walked], poses_of(rows[walked]), chosen)}
+    fields: dict[str, Any] = {"loops": EstimatedLoops(query[walked], match[walked], poses_of(rows[walked]), chosen)}
     if file.candidates is not None:
         queries = rows_of([revisit.query for revisit in file.candidates]).tolist()
         every = iter(rows_of([stamp for revisit in file.candidates for stamp in revisit.matches]).tolist())
@@ -88,12 +88,12 @@ def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
             if later in listed:
                 raise SimError(f"{place} are a second entry for one frame; valid: one entry with all its matches")
             listed |= {later} - {-1}
-        estimates["candidates"] = tuple(
+        fields["candidates"] = tuple(
             (later, tuple(row for row in earlier if row >= 0))
             for later, earlier in zip(queries, matches, strict=True)
             if later >= 0
         )
-    return estimates
+    return fields
 
 
 def _weights(loops: Sequence[LoopClaim]) -> Float64[np.ndarray, "m"] | None:

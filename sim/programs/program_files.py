@@ -1,4 +1,4 @@
-"""The files of a program's estimates: `trajectory.tum`, and optionally `rooms.json` and `loops.json`."""
+"""The files of a program's estimate: `trajectory.tum`, and optionally `rooms.json` and `loops.json`."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -31,7 +31,7 @@ _ROOMS_FILE = FileKind("rooms.json as in sim/pages/your-slam.md", 100_000_000, S
 
 
 class FrameClaim(BaseModel):
-    """The estimates of a program about one frame."""
+    """What a program estimates for one frame."""
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
@@ -79,7 +79,7 @@ class RecordedTimes:
 
 
 def read_estimate(folder: Path, times: RecordedTimes, room_names: Sequence[str]) -> Estimate:
-    """Read the estimates that a program has written to a folder.
+    """Read the estimate that a program has written to a folder.
 
     The estimate has one row for each stamp of rooms.json or, without this file, of the trajectory. Each row belongs to the
     recorded observation that is nearest in time.
@@ -87,9 +87,9 @@ def read_estimate(folder: Path, times: RecordedTimes, room_names: Sequence[str])
     Raises `SimError` or `LexisError` if a file is not valid, a stamp is near no observation, or a label is unknown.
     """
     poses = _poses(folder / TRAJECTORY, times)
-    estimates = _estimates(folder / ROOMS, times, poses) if (folder / ROOMS).exists() else None
-    frames = sorted(poses if estimates is None else estimates)
-    columns = {} if estimates is None else _columns(folder / ROOMS, [estimates[frame] for frame in frames], room_names)
+    entries = _entries(folder / ROOMS, times, poses) if (folder / ROOMS).exists() else None
+    frames = sorted(poses if entries is None else entries)
+    columns = {} if entries is None else _columns(folder / ROOMS, [entries[frame] for frame in frames], room_names)
     if (folder / LOOPS).exists():
         columns |= read_loops(folder / LOOPS, lambda stamps: _rows(np.array(stamps, float), times, frames))
     return Estimate(np.array(frames), T_W_B=np.array([poses[frame] for frame in frames]), **columns)
@@ -98,7 +98,7 @@ def read_estimate(folder: Path, times: RecordedTimes, room_names: Sequence[str])
 def estimate_files(folder: Path) -> dict[str, bytes]:
     """Return the content of the files that a program has written to a folder, by their names.
 
-    Only the files of estimates are returned, and of these only regular files of at most 20 MB.
+    Only the files of the estimate are returned, and of these only regular files of at most 20 MB.
     """
     contents = {}
     for name in (TRAJECTORY, ROOMS, LOOPS):
@@ -150,37 +150,37 @@ def _poses(path: Path, times: RecordedTimes) -> dict[int, Pose]:
     return found
 
 
-def _estimates(path: Path, times: RecordedTimes, poses: dict[int, Pose]) -> dict[int, FrameClaim]:
-    """Return the estimates of rooms.json, by the index of the frame; those about the rest before the walk are left out.
+def _entries(path: Path, times: RecordedTimes, poses: dict[int, Pose]) -> dict[int, FrameClaim]:
+    """Return the entries of rooms.json, by the index of the frame. Entries from before the walk are left out.
 
-    Raises `SimError` if a stamp matches no frame, or if a frame is estimated twice or has no pose.
+    Raises `SimError` if a stamp matches no frame, or if a frame has two entries or no pose.
     """
     listed_frames = read_model(path, _ROOMS_FILE, RoomClaims).frames
-    frames, away_s = times.nearest(np.array([estimate.stamp for estimate in listed_frames], float))
-    estimates: dict[int, FrameClaim] = {}
-    for estimate, frame, away in zip(listed_frames, frames.tolist(), away_s.tolist(), strict=True):
+    frames, away_s = times.nearest(np.array([entry.stamp for entry in listed_frames], float))
+    entries: dict[int, FrameClaim] = {}
+    for entry, frame, away in zip(listed_frames, frames.tolist(), away_s.tolist(), strict=True):
         if away > times.period_s / 2:
-            raise SimError(f"{ROOMS}: stamp {estimate.stamp:.6f} matches no frame; valid: {times.span()}")
-        if frame in estimates:
-            raise SimError(f"{ROOMS}: stamp {estimate.stamp:.6f} belongs to a frame with another entry; valid: one for each")
+            raise SimError(f"{ROOMS}: stamp {entry.stamp:.6f} matches no frame; valid: {times.span()}")
+        if frame in entries:
+            raise SimError(f"{ROOMS}: stamp {entry.stamp:.6f} belongs to a frame with another entry; valid: one for each")
         if frame == AT_REST:
             continue
         if frame not in poses:
-            raise SimError(f"{ROOMS}: stamp {estimate.stamp:.6f} has no pose; valid: frames that {TRAJECTORY} holds")
-        estimates[frame] = estimate
-    if not estimates:
+            raise SimError(f"{ROOMS}: stamp {entry.stamp:.6f} has no pose; valid: frames that {TRAJECTORY} holds")
+        entries[frame] = entry
+    if not entries:
         raise SimError(f"{ROOMS}: every stamp is before the walk, when the body is at rest; valid: also frames of the walk")
-    return estimates
+    return entries
 
 
-def _columns(path: Path, estimates: Sequence[FrameClaim], room_names: Sequence[str]) -> dict[str, Any]:
+def _columns(path: Path, entries: Sequence[FrameClaim], room_names: Sequence[str]) -> dict[str, Any]:
     """Convert what is listed about frames to fields of `Estimate`. Raises `SimError` if only some frames have a field."""
     columns = {}
     for name, field in (("label", "labels"), ("room", "rooms"), ("floor", "floors")):
-        values = [getattr(estimate, name) for estimate in estimates]
+        values = [getattr(entry, name) for entry in entries]
         missing = values.count(None)
         if 0 < missing < len(values):
-            stamp = estimates[values.index(None)].stamp
+            stamp = entries[values.index(None)].stamp
             raise SimError(f"{ROOMS}: the frame at {stamp:.6f} s has no {name}, others have; valid: all frames or none")
         if not missing:
             columns[field] = np.array([_number(value, room_names) for value in values], int)

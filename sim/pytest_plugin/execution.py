@@ -217,8 +217,8 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
 def reason_of(item: pytest.Item, error: pytest.ExceptionInfo[BaseException], slam: object = None) -> Reason:
     """Describe a failure by its exception and by the last line of the user's own code in the traceback.
 
-    If the harness refuses the claims of `slam`, no such line is in the traceback; the line is then that of `finish`, which
-    returned the claims.
+    If the harness refuses the estimate of `slam`, no such line is in the traceback; the line is then that of `finish`, which
+    returned the estimate.
     """
     own = [entry for entry in error.traceback if _is_own(Path(entry.path), item.config.rootpath)]
     entry = own[-1] if own else error.traceback[-1]

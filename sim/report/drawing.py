@@ -88,7 +88,7 @@ STYLES: dict[str, Style] = {
     "wrong": Style(fill="#ffffff", stroke="#d5202a", width=4.0, radius=0.115),
 }
 """Styles by name, in painting order. For readers who cannot tell green from red, marks of errors are not only red, but also
-larger, dashed or with a thick outline. The camera lies beneath the dot that shows what is estimated there. Estimates about
+larger, dashed or with a thick outline. The camera lies beneath the dot that shows what is estimated there. Estimates for
 many frames lie beneath the names of rooms: rings of wrong estimates beneath all dots, so that the dots of neighbouring
 frames, which overlap, can still be seen."""
 

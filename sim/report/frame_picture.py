@@ -28,14 +28,14 @@ _LISTED = 12
 
 @dataclass(frozen=True, eq=False)
 class FrameEstimates:
-    """What a SLAM estimates about its frames, for a plan. Arrays have one row for each frame."""
+    """What a SLAM estimates for its frames, to be drawn on a plan. Arrays have one row for each frame."""
 
     frames: Int[np.ndarray, "n"]
     """Indices of the frames in the tour, ascending."""
     T_W_B: Poses | None = None
     """Estimated poses, moved as a whole into the true world frame; None if they are not estimated."""
     groups: tuple[str, ...] = ()
-    """What is estimated about each frame, in words, such as "estimated room 2"; empty if the plan shows none."""
+    """What is estimated for each frame, in words, such as "estimated room 2"; empty if the plan shows none."""
     wrong: Bool[np.ndarray, "n"] | None = None
     """For each frame, whether the estimate in `groups` is wrong; None if no estimate is."""
     colours: Mapping[str, str] = field(default_factory=dict)

@@ -14,7 +14,7 @@ from sim.harness.estimate import Estimate
 
 @dataclass(frozen=True)
 class EstimateAgreement:
-    """How well two estimates agree on the frames that both cover; None for an estimate that at least one of them lacks."""
+    """How well two estimates agree on the frames that both cover; None for a result that at least one of them lacks."""
 
     frames: float
     """Number of frames that both estimates cover, divided by the number of frames that at least one of them covers."""
@@ -26,8 +26,8 @@ class EstimateAgreement:
     floors: float | None
     """Share of the common frames that have the same floor in both estimates."""
     loops: float | None
-    """Number of loop closures that both estimates have, divided by the number that at least one of them has; 1 if
-    both estimate none."""
+    """Number of loop closures that both estimates have, divided by the number that at least one of them has; 1 if both have
+    none."""
     rotation_rad: float | None
     """Largest angle between the two orientations of a common frame, after the trajectories are aligned [rad]."""
     position_m: float | None

@@ -1,4 +1,4 @@
-"""`changed`: puts a change between the input and a SLAM, and converts the SLAM's estimates back to the unchanged input."""
+"""`changed`: puts a change between the input and a SLAM, and converts the SLAM's estimate back to the unchanged input."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -15,7 +15,7 @@ from sim.suites.stream_changes import StreamChange, copied
 
 
 class ChangedStream:
-    """A SLAM whose input is changed. Its estimates are those of the SLAM, converted to the unchanged observations."""
+    """A SLAM whose input is changed. Its estimate is that of the SLAM, converted to the unchanged observations."""
 
     def __init__(self, slam: SlamUnderTest, change: StreamChange) -> None:
         self._slam, self._change = slam, change
@@ -37,7 +37,7 @@ class ChangedStream:
             self._slam.process(replace(given, index=len(self._given) - 1))
 
     def finish(self) -> Estimate:
-        """Return the estimates for the unchanged observations, in the unchanged body frame, with unchanged room names."""
+        """Return the estimate for the unchanged observations, in the unchanged body frame, with unchanged room names."""
         return _restored(self._slam.finish(), np.array(self._given), np.array(self._original_names), self._change)
 
     def _begin(self, camera: Camera, room_names: Sequence[str]) -> tuple[Camera, tuple[str, ...]]:
@@ -66,31 +66,31 @@ def changed(slam: SlamUnderTest, change: StreamChange) -> ChangedStream:
 
 
 def _restored(
-    estimates: Estimate, given: Int[np.ndarray, "observations"], name_of: Int[np.ndarray, "names"], change: StreamChange
+    estimate: Estimate, given: Int[np.ndarray, "observations"], name_of: Int[np.ndarray, "names"], change: StreamChange
 ) -> Estimate:
-    """Convert estimates for changed observations to estimates for the unchanged observations.
+    """Convert an estimate for changed observations to an estimate for the unchanged observations.
 
     If several frames show one observation, only the last of these frames is kept. Candidates and verdicts are left out.
     """
-    frames, from_end = np.unique(given[estimates.frames][::-1], return_index=True)
-    last = len(estimates.frames) - 1 - from_end
+    frames, from_end = np.unique(given[estimate.frames][::-1], return_index=True)
+    last = len(estimate.frames) - 1 - from_end
     T_old_new, T_N_B = inverse(change.T_new_old), inverse(change.T_B_N)
-    new_row = np.searchsorted(frames, given[estimates.frames])
-    similarities = estimates.similarities
+    new_row = np.searchsorted(frames, given[estimate.frames])
+    similarities = estimate.similarities
     if similarities is not None:
         kept = name_of >= 0
         columns = np.zeros((len(similarities), int(name_of.max()) + 1))
         columns[:, name_of[kept]] = similarities[:, kept]
         similarities = columns[last]
     return replace(
-        estimates,
+        estimate,
         frames=frames,
-        T_W_B=None if estimates.T_W_B is None else T_old_new @ estimates.T_W_B[last] @ T_N_B,
-        labels=_renamed(estimates.labels, last, name_of),
-        baseline_labels=_renamed(estimates.baseline_labels, last, name_of),
-        rooms=None if estimates.rooms is None else estimates.rooms[last],
-        floors=None if estimates.floors is None else estimates.floors[last],
-        loops=_moved(estimates.loops, new_row, change.T_B_N),
+        T_W_B=None if estimate.T_W_B is None else T_old_new @ estimate.T_W_B[last] @ T_N_B,
+        labels=_renamed(estimate.labels, last, name_of),
+        baseline_labels=_renamed(estimate.baseline_labels, last, name_of),
+        rooms=None if estimate.rooms is None else estimate.rooms[last],
+        floors=None if estimate.floors is None else estimate.floors[last],
+        loops=_moved(estimate.loops, new_row, change.T_B_N),
         candidates=None,
         verdicts=None,
         similarities=similarities,

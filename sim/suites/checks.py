@@ -32,7 +32,7 @@ from worlds.errors import WorldsError
 
 NewSlam = Callable[[], SlamUnderTest] | Program
 """A function that makes a SLAM that has not run yet; or a program under test, which reads recordings of the scenarios."""
-_ESTIMATED = ("labels", "rooms", "floors", "loops", "T_W_B")
+_RESULTS = ("labels", "rooms", "floors", "loops", "T_W_B")
 _SHARES = ("frames", "labels", "rooms", "floors", "loops")
 """The figures of `EstimateAgreement` that are not distances or angles."""
 
@@ -119,18 +119,18 @@ class SameEstimates:
     compares_poses: bool = True
     """Whether the poses have to agree."""
     needs: tuple[Literal["labels", "loops"], ...] = ()
-    """Results that the SLAM has to claim, otherwise the law says nothing. An empty list of loop closures is no claim."""
+    """Results that the SLAM has to estimate, otherwise the law says nothing. No loop closures count as no result."""
     needs_poses: bool = False
     """Whether the law is only for runs whose poses agree, so that it is about the other results alone."""
 
     def examine(self, base: EvaluatedRun, new_slam: NewSlam) -> CheckFinding:
-        """Run the SLAM on the changed input, and compare the claims of both runs."""
+        """Run the SLAM on the changed input, and compare the estimates of both runs."""
         if lacking := [name for name in self.needs if not _has_any(base.run.estimate, name)]:
             return CheckFinding(None, f"the SLAM estimates no {' and no '.join(lacking)}")
         second = run_on_change(self.change, base.run, new_slam)
         if isinstance(second, CheckFinding):
             return second
-        lost = [name for name in _ESTIMATED if _estimates(base.run.estimate, name) != _estimates(second.estimate, name)]
+        lost = [name for name in _RESULTS if _has(base.run.estimate, name) != _has(second.estimate, name)]
         if lost:
             return CheckFinding(False, f"only one of the two runs estimates {', '.join(lost)}")
         found = agreement(base.run.estimate, second.estimate)
@@ -194,7 +194,7 @@ class NotWorse:
 
 @dataclass(frozen=True)
 class AfterChange:
-    """A law about the run on a changed input alone, in which the estimates of the SLAM must not contradict themselves."""
+    """A law about the run on a changed input alone, in which the estimate of the SLAM must not contradict itself."""
 
     name: str
     says: str
@@ -221,7 +221,7 @@ def run_on_change(change: StreamChange, base: Run, new_slam: NewSlam) -> Run | C
 
 
 def attempted(scenario: Scenario, new_slam: NewSlam, change: StreamChange | None = None) -> Run | CheckFinding:
-    """Run a SLAM; return a finding that fails if the SLAM raised an exception or returned an invalid estimate.
+    """Run a SLAM; return a finding that fails if the SLAM raised an exception or returned an estimate that is not valid.
 
     With a `change`, the SLAM gets the changed input. Raises `SimError` if the scenario is impossible, if the machine cannot
     run it, or if a `change` is given for a program.
@@ -266,12 +266,12 @@ def _described(crash: Crash) -> str:
     return f"{text}{hint}{crash.place}"
 
 
-def _estimates(estimate: Estimate, name: str) -> bool:
+def _has(estimate: Estimate, name: str) -> bool:
     return getattr(estimate, name) is not None
 
 
 def _has_any(estimate: Estimate, name: str) -> bool:
-    """Return whether a SLAM estimates a result, and at least one loop closure if the result is about these."""
+    """Return whether an estimate has a result; for loop closures, whether it has at least one."""
     estimated = getattr(estimate, name)
     return estimated is not None and (not isinstance(estimated, EstimatedLoops) or len(estimated.query) > 0)
 

@@ -44,7 +44,7 @@ _FLOOR_M = 1.0
 
 @dataclass(frozen=True)
 class Consistent:
-    """A law about the estimates of one run, which needs no second run."""
+    """A law about the estimate of one run, which needs no second run."""
 
     name: str
     says: str

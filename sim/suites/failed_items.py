@@ -54,7 +54,7 @@ def about_failure(item: "pytest.Item", verdict: CheckVerdict, new_slam: NewSlam)
 
 
 def _condition(verdict: CheckVerdict) -> str | None:
-    """Return the condition with which `lexis-sim shrink` searches the failure; None for laws and invalid estimates."""
+    """Return the condition by which `lexis-sim shrink` knows the failure; None for laws and invalid estimates."""
     if isinstance(verdict.checked, ClaimCheck):
         return str(verdict.checked.claim.opposite)
     return "crash" if verdict.failures[0].findings[verdict.check].is_crash else None

@@ -17,7 +17,7 @@ COLUMNS = (
 def figure_table(report: SuiteReport) -> str:
     """Return one line for each part with the medians of `COLUMNS` over its completed runs.
 
-    A figure that no run of the part has, such as one about estimates that the SLAM does not make, is shown as "-".
+    A figure that no run of the part has, such as one about labels that the SLAM does not estimate, is shown as "-".
     """
     parts = {part.name: [each.result for each in report.examined if each.part == part.name] for part in report.suite.parts}
     completed = {name: [result for result in results if result is not None] for name, results in parts.items()}

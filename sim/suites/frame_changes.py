@@ -1,6 +1,6 @@
 """Changes of the coordinate frames: another origin of the odometry, and other axes of the body.
 
-The SLAM gets the same walk in other coordinates, so that it has to make the same estimates.
+The SLAM gets the same walk in other coordinates, so it has to return the same estimate.
 """
 
 from collections.abc import Iterator, Sequence

@@ -1,8 +1,7 @@
 """The laws that relate two runs of any SLAM: changes that must matter little, or that should do no harm.
 
-- `SameEstimates` changes the stream of observations and compares the estimates frame by frame. Where the SLAM has no reason
-to
-  notice the change, the tolerance is rounding, or 1 mm where an optimiser stops at a slightly different place.
+- `SameEstimates` changes the stream of observations and compares the estimates frame by frame. Where the SLAM has no
+  reason to notice the change, the tolerance is rounding, or 1 mm where an optimiser stops at a slightly different place.
   `SimilaritiesFollowImages` compares the similarities frame by frame, and `JumbledImagesAreNotRecognised` counts loops.
 - `AfterChange` changes the stream, and examines the run on the changed stream alone.
 - `NotWorse` changes the house, so that the frames differ and only figures can be compared. Its tolerances allow for the

@@ -1,7 +1,7 @@
-"""Changes of a SLAM's input, such as another clock or other room names, after which its estimates should stay the same.
+"""Changes of a SLAM's input, such as another clock or other room names, after which its estimate should stay the same.
 
 A change is applied to the stream of observations and to the room names, before they reach the SLAM; `changed_stream`
-converts the estimates back. The SLAM itself stays the same, so the changes apply to any SLAM. `frame_changes` holds changes
+converts the estimate back. The SLAM itself stays the same, so the changes apply to any SLAM. `frame_changes` holds changes
 of the coordinate frames, and `false_loops` adds wrong loop closures.
 """
 
@@ -66,8 +66,8 @@ class StreamChange(Protocol):
         """Yield what the SLAM gets in place of this observation.
 
         Each yielded observation has the index of the unchanged observation that it shows. If several have the same index,
-        the estimates for the last one count. `previous` is a copy of the unchanged observation before this one; None at
-        the beginning.
+        what the SLAM estimates for the last one counts. `previous` is a copy of the unchanged observation before this one;
+        None at the beginning.
         """
 
     def features(self, features: FeatureInput) -> FeatureInput:

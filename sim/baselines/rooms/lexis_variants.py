@@ -47,5 +47,5 @@ class WordlessLexis:
         self._lexis.process(observation)
 
     def finish(self) -> Estimate:
-        """Return LEXIS's estimates except labels."""
+        """Return LEXIS's estimate without labels."""
         return replace(self._lexis.finish(), labels=None, baseline_labels=None, similarities=None)

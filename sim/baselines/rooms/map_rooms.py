@@ -27,7 +27,7 @@ class MapSegmentation(Protocol):
 
 
 class MapRooms:
-    """Estimates the rooms that a segmentation finds in the true map, at the true positions of LEXIS's keyframes.
+    """Returns the rooms that a segmentation finds in the true map, at the true positions of LEXIS's keyframes.
 
     Unlike a SLAM, this baseline is given the true walls, the true stairs and the true poses, so that no error but the
     segmentation's own counts. It estimates rooms and floors, but neither poses nor labels. Keyframes are selected

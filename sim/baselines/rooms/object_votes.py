@@ -22,7 +22,7 @@ _NO_OBJECTS = ("door", "window")
 
 
 class ObjectVotes:
-    """Estimates the rooms of a segmentation of the true map, and labels them by a vote of the true objects in them.
+    """Returns the rooms of a segmentation of the true map, and labels them by a vote of the true objects in them.
 
     Every category of furniture that stands in a room votes once, with its scores for the room names. A keyframe gets the
     label of its room. The baseline is given the true position and category of all objects of the house, seen or not; the
