@@ -119,7 +119,7 @@ class SameEstimates:
     compares_poses: bool = True
     """Whether the poses have to agree."""
     needs: tuple[Literal["labels", "loops"], ...] = ()
-    """Results that the SLAM has to estimate, otherwise the law says nothing. No loop closures count as no result."""
+    """Results that the SLAM has to estimate, otherwise the law says nothing. For "loops", it has to close at least one."""
     needs_poses: bool = False
     """Whether the law is only for runs whose poses agree, so that it is about the other results alone."""
 
