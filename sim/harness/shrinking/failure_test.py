@@ -96,7 +96,7 @@ class FailureTest:
     def outcome(self, scenario: Scenario, progress: Progress | None = None) -> Observed | Crash:
         """Run the SLAM on a scenario, unless the test has kept this run; return the run with its figures, or the crash.
 
-        Raises what `attempt` raises: the scenario cannot be run, or the SLAM's estimates are not valid.
+        Raises what `attempt` raises: the scenario cannot be run, or the SLAM's estimate is not valid.
         """
         kept = self._kept.get(scenario.fidelity)
         if kept is not None and kept.scenario == scenario:
