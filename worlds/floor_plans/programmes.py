@@ -121,8 +121,7 @@ def programme_groups(labels: Sequence[str], habits: LayoutShares, rng: np.random
        these rooms become twins (rooms of exactly the same shape) of a room with the same label.
     3. Every room that was set aside is carved from a host, since in a bay of its own it would be deep and narrow. It gets a
        bay of its own only if no host is suitable.
-    4. Twins are put into groups, because only in one band do they get the same shape. Every other bay becomes a group of
-       one.
+    4. Twins are put into groups, because only in one band do they get the same shape. Any other bay is a group of one.
     """
     left = [labels[i] for i in rng.permutation(len(labels))]
     chain = _take_chain(left, habits, rng)
