@@ -19,7 +19,7 @@ def flat(rng: np.random.Generator, number: int) -> Scenario:
     return replace(OPEN_FLAT, seed=int(rng.integers(1000)))
 
 
-ORIGIN = SameEstimates("origin", "The claims do not depend on the origin.", MovedOrigin())
+ORIGIN = SameEstimates("origin", "The estimates do not depend on the origin.", MovedOrigin())
 PART = SuitePart(
     "flat", "A flat.", flat, (*claims(0.95, "labels.accuracy >= 0.8"), *claims(0.95, "floors.accuracy >= 0.9"), ORIGIN), n=2
 )

@@ -13,19 +13,19 @@ BUGS = {
     "floors": ("floors.accuracy < 0.9", 2, 5, set()),
     "drift": ("trajectory.ate_m > 0.05", 1, 3, {"perfect odometry"}),
 }
-"""For each bug: the estimate that fails, the largest numbers of storeys and rooms (stairs included) that may be left, and
+"""For each bug: the condition for a failure, the largest numbers of storeys and rooms (with stairs) that may be left, and
 what mends the failure."""
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("bug", BUGS)
 def test_a_program_with_a_planted_bug_is_shrunk_and_blamed(bug, tmp_path):
-    estimate, storeys, rooms, mends = BUGS[bug]
+    condition, storeys, rooms, mends = BUGS[bug]
 
     def run_program(scenario, progress):
         return run_command(scenario, program(bug), progress=progress)
 
-    test = FailureTest(Claim.parse(estimate), planted_command(tmp_path) if bug == "open-plan" else run_program)
+    test = FailureTest(Claim.parse(condition), planted_command(tmp_path) if bug == "open-plan" else run_program)
     reduction = reduce(HOME, test, deadline_s=1e9)
     before, after = map(size, (reduction.original, reduction.scenario))
     assert before.rooms >= 10 and after.storeys <= storeys and after.rooms <= rooms and after.length_m <= 20.0

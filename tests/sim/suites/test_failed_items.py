@@ -48,7 +48,7 @@ def test_a_failed_item_is_stored_and_replayed(pytester, start):
     assert "1 xfailed" in shown and f"\nfolder: {kept}\n" in shown
     assert f"\nreplay: pytest -p sim.pytest_plugin {shlex.quote(ITEM)} --lexis-replay {kept}\n" in shown
     assert folder.name.endswith(Scenario.load(folder / "scenario.json").content_hash)
-    assert "The claims do not depend on the origin." in (folder / "why.md").read_text()
+    assert "The estimates do not depend on the origin." in (folder / "why.md").read_text()
     replayed = start(folder)
     assert "1 failed" in replayed and "% of the floors" in replayed and "in 0 of 2 scenarios" not in replayed
 

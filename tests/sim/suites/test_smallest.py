@@ -76,12 +76,12 @@ def test_the_command_keeps_the_smallest_failing_scenario(tmp_path, capsys, monke
     shown = capsys.readouterr()
     assert (
         "failed: flat: origin: holds in 0 of 1 scenarios (wanted: in all): fails" in shown.err
-        and "The claims do not depend on the origin." in shown.err
+        and "The estimates do not depend on the origin." in shown.err
     )
     kept = Scenario.load(tmp_path / "small" / "flat-origin" / "scenario.json")
     assert len(kept.house.storeys[0].rooms) == 1 and "flat: origin: 3 rooms, 20 m -> 1 room, " in shown.out
     why = (tmp_path / "small" / "flat-origin" / "why.md").read_text()
-    assert "The claims do not depend on the origin." in why and "agrees on" in why.partition("In the original")[0]
+    assert "The estimates do not depend on the origin." in why and "agrees on" in why.partition("In the original")[0]
     replay = tmp_path / "small" / "flat-origin" / "test_replay.py"
     assert f"replay: pytest {replay}" in shown.out
     code = {"__file__": str(replay), "FloorsByHeight": FloorsByHeight}

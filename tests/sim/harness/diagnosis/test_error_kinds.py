@@ -133,13 +133,13 @@ def wrong_bedrooms(run):
 
 
 def test_the_reference_tells_apart_what_has_no_kinds():
-    estimate = Claim.parse("labels.accuracy < 0.9")
+    condition = Claim.parse("labels.accuracy < 0.9")
     steps = {name: STEPS[name] for name in ("drop rooms", "shorten the tour")}
-    slipped = reduce(BEDROOMS, FailureTest(estimate, planted(wrong_bedrooms)), deadline_s=1e9, steps=steps)
+    slipped = reduce(BEDROOMS, FailureTest(condition, planted(wrong_bedrooms)), deadline_s=1e9, steps=steps)
     kept = reduce(
-        BEDROOMS, FailureTest(estimate, planted(wrong_bedrooms), planted(wrong_labels)), deadline_s=1e9, steps=steps
+        BEDROOMS, FailureTest(condition, planted(wrong_bedrooms), planted(wrong_labels)), deadline_s=1e9, steps=steps
     )
-    mended = FailureTest(estimate, planted(wrong_labels))
+    mended = FailureTest(condition, planted(wrong_labels))
     assert mended(slipped.scenario) is not None and mended(kept.scenario) is None
     assert kept.of_reference > 0 and "because the reference fails there, too" in kept.note
 
@@ -170,9 +170,9 @@ def test_how_a_reference_fails_is_told():
         finished = run(scenario, Lost(), progress)
         raise AssertionError(finished)
 
-    estimate = Claim.parse("labels.accuracy < 0.9")
+    condition = Claim.parse("labels.accuracy < 0.9")
     told = [
-        FailureTest(estimate, planted(early), reference).reference_fails(BEDROOMS)
+        FailureTest(condition, planted(early), reference).reference_fails(BEDROOMS)
         for reference in (planted(early), planted(nowhere), planted(all_wrong), lost)
     ]
     assert told[:3] == [None, None, "labels.accuracy is 0"] and told[3].startswith(
