@@ -6,8 +6,8 @@ Loading the commands takes some tenths of a second. Ctrl-C during this time ends
 import sys
 from importlib import import_module
 
-_INTERRUPTED = 130
-"""Exit status after an interruption. `lexis.command_line` has the same, but is not imported here: it loads slowly."""
+INTERRUPTED = 130
+"""Exit status after an interruption, as shells define it: 128 plus the number of the signal."""
 
 
 def run_program(module: str) -> int:
@@ -16,7 +16,7 @@ def run_program(module: str) -> int:
         return int(import_module(module).main())
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
-        return _INTERRUPTED
+        return INTERRUPTED
 
 
 def main() -> int:

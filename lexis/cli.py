@@ -19,9 +19,9 @@ from lexis.command_line import (
     add_command,
     add_completion,
     interrupted_later,
+    note_replacement,
     positive,
     run_command,
-    warn_of_replacement,
 )
 from lexis.config import Config, read_config
 from lexis.encoder.options import PRECISIONS, EncoderOptions
@@ -244,7 +244,7 @@ def _run(arguments: argparse.Namespace) -> int:
     if old is not None and holds_image(old, next(iter(dataset)), encoder):
         print(f"note: {arguments.map} already holds this recording; the new map will hold it twice", file=sys.stderr)
     before = saved = slam.keyframe_count
-    warn_of_replacement(arguments.out, JSON_FILE)
+    note_replacement(arguments.out, JSON_FILE)
     shown = track(dataset, "mapping", console=Console(stderr=True), disable=not sys.stderr.isatty())
     with interrupted_later() as pressed:
         try:
@@ -288,7 +288,7 @@ def _merge(arguments: argparse.Namespace) -> int:
     check_apart(first, second)
     config = _settings(arguments)
     encoder = _map_encoder(first, arguments.encoder)
-    warn_of_replacement(arguments.out, JSON_FILE)
+    note_replacement(arguments.out, JSON_FILE)
     lexis_map = merge(first, second, encoder, config)
     save_map(lexis_map, arguments.out)
     _report(lexis_map, arguments.out)
@@ -326,8 +326,8 @@ def _info(arguments: argparse.Namespace) -> int:
 
 def _plan(arguments: argparse.Namespace) -> int:
     lexis_map = load_map(arguments.map)
-    goal = _goal(lexis_map, arguments.goal, arguments.calibration)
     _check_room(lexis_map, arguments.start, "or a label alone; only --to takes a description")
+    goal = _goal(lexis_map, arguments.goal, arguments.calibration)
     _check_room(lexis_map, goal, "a label alone, or a description of several words")
     result = plan(lexis_map, arguments.start, goal, _settings(arguments).planner, arguments.avoid)
     if arguments.json:
@@ -395,7 +395,7 @@ def _relabel(arguments: argparse.Namespace) -> int:
     names = _rooms(arguments.rooms)
     config = _settings(arguments)
     renamed = relabel(lexis_map, names, _map_encoder(lexis_map, arguments.encoder), config)
-    warn_of_replacement(arguments.out, JSON_FILE)
+    note_replacement(arguments.out, JSON_FILE)
     save_map(renamed, arguments.out)
     _report(renamed, arguments.out)
     return 0
@@ -445,7 +445,7 @@ def _export(arguments: argparse.Namespace) -> int:
 def _import(arguments: argparse.Namespace) -> int:
     check_replaceable(arguments.out, JSON_FILE)
     lexis_map = read_spark_dsg(arguments.graph)
-    warn_of_replacement(arguments.out, JSON_FILE)
+    note_replacement(arguments.out, JSON_FILE)
     save_map(lexis_map, arguments.out)
     _report(lexis_map, arguments.out)
     return 0

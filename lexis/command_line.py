@@ -17,6 +17,7 @@ from typing import Any, NoReturn, TypeAlias
 
 import shtab
 
+from lexis.__main__ import INTERRUPTED
 from lexis.errors import one_line
 from lexis.files.replace import check_replaceable
 
@@ -29,8 +30,8 @@ MAX_LINE = 400
 """Longest message on stderr, in characters. Longer messages are shortened, because a message may quote a value of several
 megabytes."""
 
-_BROKEN_PIPE, _INTERRUPTED = 141, 130
-"""Exit statuses after a broken pipe and after an interruption, as shells define them: 128 plus the number of the signal."""
+_BROKEN_PIPE = 141
+"""Exit status after a broken pipe, as shells define it: 128 plus the number of the signal."""
 _UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 """Error numbers of an output that cannot be written, for example to a full disk."""
 
@@ -107,7 +108,7 @@ def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type
         return _bad_input(parser, f"standard output cannot be written: {error.strerror}; valid: a place with room for it")
     except KeyboardInterrupt as error:
         print(f"interrupted: {error}" if error.args else "interrupted", file=sys.stderr)
-        return _INTERRUPTED
+        return INTERRUPTED
 
 
 @contextmanager
@@ -162,12 +163,16 @@ def _drop_output() -> None:
 
 
 def warn_of_replacement(out: Path, *markers: str) -> None:
-    """Check before long work that `out` can be replaced, and print a note if `out` holds an earlier result.
+    """Check before long work that `out` can be replaced, and print the note of `note_replacement`.
 
-    A folder holds an earlier result if it contains any of the files `markers`. Raises LexisError as `check_replaceable`
-    does.
+    Raises LexisError as `check_replaceable` does.
     """
     check_replaceable(out, *markers)
+    note_replacement(out, *markers)
+
+
+def note_replacement(out: Path, *markers: str) -> None:
+    """Print a note if `out` holds an earlier result, which means that it contains any of the files `markers`."""
     if any((out / marker).is_file() for marker in markers):
         print(f"note: {out} holds an earlier result; the new one will replace it", file=sys.stderr)
 

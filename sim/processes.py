@@ -12,7 +12,8 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-_INTERRUPTED = 130
+from lexis.__main__ import INTERRUPTED
+
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "OMP_WAIT_POLICY": "PASSIVE", "GOMP_SPINCOUNT": "0"}
 
 
@@ -49,7 +50,7 @@ class _Worker(SpawnProcess):
             signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
             super().run()
         except KeyboardInterrupt:
-            os._exit(_INTERRUPTED)
+            os._exit(INTERRUPTED)
 
 
 class _Context(SpawnContext):
@@ -71,7 +72,7 @@ def _begin(start: Callable[..., Any] | None, arguments: tuple[Any, ...]) -> None
         if start is not None:
             start(*arguments)
     except KeyboardInterrupt:  # of which the pool would print a traceback
-        os._exit(_INTERRUPTED)
+        os._exit(INTERRUPTED)
 
 
 def _end_with_parent() -> None:
