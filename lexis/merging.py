@@ -47,5 +47,7 @@ def check_apart(first: LexisMap, second: LexisMap) -> None:
 def holds_image(map: LexisMap, observation: Observation, encoder: Encoder) -> bool:
     """Return whether a map has a keyframe with the stamp and the image of an observation, by the map's encoder."""
     same_time = [keyframe for keyframe in map.keyframes if keyframe.stamp == observation.stamp]
-    embedding = embedding_of(observation.image, encoder) if same_time else np.zeros(0)
+    if not same_time:
+        return False
+    embedding = embedding_of(observation.image, encoder)
     return any(np.array_equal(keyframe.embedding, embedding) for keyframe in same_time)

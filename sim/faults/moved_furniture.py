@@ -48,8 +48,11 @@ def with_furniture_moved(
     on a piece move with the piece. A piece stays where it is if no free place is found for it.
     """
     pieces = list(house.furniture)
-    standing = [i for i, piece in enumerate(pieces) if piece.solid and _height(house, piece) < _ON_FLOOR_M]
-    movable = [i for i in standing if pieces[i].kind not in _FIXED]
+    movable = [
+        i
+        for i, piece in enumerate(pieces)
+        if piece.solid and _height(house, piece) < _ON_FLOOR_M and piece.kind not in _FIXED
+    ]
     # Whether a fault closes doors at the same time must not decide where furniture is: it would move when the doors do.
     swings = [(leaf.storey, leaf.swing) for leaf in built_leaves(house)]
     for i in rng.permutation(movable)[: round(share * len(movable))]:
