@@ -11,7 +11,11 @@ from shapely import Geometry
 from shapely.geometry import MultiPoint, Polygon
 
 from sim.faults.closing_doors import built_leaves
+from worlds.checks.collisions import overlaps
+from worlds.checks.furniture_checks import boxes_around
+from worlds.furniture.placing.room_plan import FLAT_M
 from worlds.house import Furniture, House
+from worlds.placed import Placed
 
 _TRIES = 30
 """Number of places that are tried for each piece of furniture."""
@@ -21,8 +25,6 @@ _BODY_M = 0.3
 """Least distance of moved furniture from the part of the path that the body still has to walk [m]."""
 _ON_FLOOR_M = 0.02
 """Largest height of the underside of a piece that stands on the floor [m]."""
-_FLAT_M = 0.05
-"""Largest thickness of a piece, such as a rug, on which moved furniture may stand [m]."""
 _FIXED = frozenset(
     (
         *("kitchen counter", "kitchen sink", "kitchen island", "stove", "dishwasher", "washing machine", "utility sink"),
@@ -43,9 +45,10 @@ def with_furniture_moved(
 ) -> tuple[Furniture, ...]:
     """Move a share of the loose furniture on the floor, and return all furniture of the house.
 
-    Moved pieces keep clear of walls, of other pieces at their height, of the areas in which doors swing, and of `path`, the
-    body's later positions in W [m]. `within_m` is the largest shift [m], and `turn_rad` the largest rotation [rad]. Objects
-    on a piece move with the piece. A piece stays where it is if no free place is found for it.
+    Moved pieces keep clear of walls, of the areas in which doors swing, and of `path`, the body's later positions in W [m].
+    They overlap no other piece, door leaf or window. Objects on a piece move with the piece, and overlap nothing either.
+    A piece stays where it is if no free place is found for it. `within_m` is the largest shift [m], and `turn_rad` the
+    largest rotation [rad].
     """
     pieces = list(house.furniture)
     movable = [
@@ -54,19 +57,20 @@ def with_furniture_moved(
         if piece.solid and _height(house, piece) < _ON_FLOOR_M and piece.kind not in _FIXED
     ]
     # Whether a fault closes doors at the same time must not decide where furniture is: it would move when the doors do.
-    swings = [(leaf.storey, leaf.swing) for leaf in built_leaves(house)]
+    leaves = list(built_leaves(house))
     for i in rng.permutation(movable)[: round(share * len(movable))]:
         piece = pieces[i]
         riders = [k for k, other in enumerate(pieces) if k != i and _rides(house, other, piece)]
-        others = [other for k, other in enumerate(pieces) if k not in (i, *riders) and _is_in_the_way(other, piece)]
-        free = _free_of(house, piece, others, swings, path)
+        still = [other for k, other in enumerate(pieces) if k not in (i, *riders) and other.size[2] > FLAT_M]
+        obstacles = [thing for thing in (*still, *leaves, *house.windows) if thing.storey == piece.storey]
+        free = _free_of(house, piece, [leaf.swing for leaf in leaves if leaf.storey == piece.storey], path)
         for _ in range(_TRIES):
             angle, distance, turn = rng.uniform(-math.pi, math.pi), within_m * math.sqrt(rng.random()), rng.uniform(-1, 1)
             shift = (distance * math.cos(angle), distance * math.sin(angle))
-            moved = _moved(piece, piece, shift, turn_rad * turn)
-            if shapely.covers(free, moved.footprint):
-                for k in (i, *riders):
-                    pieces[k] = _moved(pieces[k], piece, shift, turn_rad * turn)
+            moved = {k: _moved(pieces[k], piece, shift, turn_rad * turn) for k in (i, *riders)}
+            if shapely.covers(free, moved[i].footprint) and not _overlap(list(moved.values()), obstacles):
+                for k, placed in moved.items():
+                    pieces[k] = placed
                 break
     return tuple(pieces)
 
@@ -81,29 +85,21 @@ def _rides(house: House, other: Furniture, piece: Furniture) -> bool:
     return above and bool(piece.footprint.covers(shapely.Point(other.position[:2])))
 
 
-def _is_in_the_way(other: Furniture, piece: Furniture) -> bool:
-    """Return whether `piece` may not be moved to where `other` is: both are on one storey, and overlap in height."""
-    low, high = max(other.position[2], piece.position[2]), min(each.position[2] + each.size[2] for each in (other, piece))
-    return other.storey == piece.storey and other.size[2] > _FLAT_M and low < high
+def _overlap(moved: Sequence[Furniture], obstacles: Sequence[Placed]) -> bool:
+    """Return whether a moved piece or an object on it overlaps an obstacle."""
+    return len(overlaps(boxes_around(moved), boxes_around(obstacles), 0.0)) > 0
 
 
-def _free_of(
-    house: House,
-    piece: Furniture,
-    others: Sequence[Furniture],
-    swings: Sequence[tuple[int, Polygon]],
-    path: Float64[np.ndarray, "n 3"],
-) -> Geometry:
-    """Return the free area of a piece's room in the plan. The footprint of the moved piece has to lie inside this area.
+def _free_of(house: House, piece: Furniture, swings: Sequence[Polygon], path: Float64[np.ndarray, "n 3"]) -> Geometry:
+    """Return the part of a piece's room, as seen from above, in which the moved piece has to stand.
 
-    `swings` are the storeys and areas in which doors swing.
+    `swings` are the areas in which the doors of the storey swing.
     """
     storey, room = house.storeys[piece.storey], house.room_by_id[piece.room].polygon
     low, high = np.reshape(room.bounds, (2, 2)) + [[-_BODY_M], [_BODY_M]]
     here = path[(path[:, 2] > storey.floor_m) & (path[:, 2] < storey.ceiling_m), :2]
     near = here[((here > low) & (here < high)).all(axis=1)]
-    shapes = [*(other.footprint for other in others), *(swing for level, swing in swings if level == piece.storey)]
-    within = [shape for shape in shapes if shape.intersects(room)]
+    within = [swing for swing in swings if swing.intersects(room)]
     taken = shapely.union_all([*within, MultiPoint(near).buffer(_BODY_M, 4)])
     return room.buffer(-_WALL_M).difference(taken)
 

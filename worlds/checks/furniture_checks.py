@@ -13,6 +13,7 @@ from worlds.furniture.placing.room_plan import FLAT_M
 from worlds.house import Furniture, House
 from worlds.labels import STAIRS
 from worlds.openings.doors import DoorLeaf
+from worlds.placed import Placed
 from worlds.walls import Wall, opening_span
 
 _TOLERANCE_M = 2e-3
@@ -24,8 +25,7 @@ _AT_ONCE = 64
 def furniture_problems(house: House, grid: PlanGrid) -> Iterator[str]:
     """Yield a message for every rule that furniture or a door leaf breaks. The message names the piece or leaf."""
     pieces, leaves = house.furniture, house.leaves
-    boxes = boxes_of([(*p.position, *p.size, p.yaw) for p in pieces])
-    hung = boxes_of([(*leaf.position, *leaf.size, leaf.yaw) for leaf in leaves])
+    boxes, hung = boxes_around(pieces), boxes_around(leaves)
     walls = boxes_of([_wall_row(wall) for wall in house.walls])
     yield from _out_of_storey(house)
     outside = _outside_their_room(house, grid, boxes)
@@ -42,10 +42,14 @@ def furniture_problems(house: House, grid: PlanGrid) -> Iterator[str]:
     for i, j in overlaps(boxes, hung, _TOLERANCE_M).tolist():
         if standing[i]:
             yield f"{piece_name(pieces[i])} in {pieces[i].room!r} runs into {_leaf_name(house, leaves[j])} as it stands"
-    windows = boxes_of([(*window.position, *window.size, window.yaw) for window in house.windows])
-    for i, j in overlaps(boxes, windows, _TOLERANCE_M).tolist():
+    for i, j in overlaps(boxes, boxes_around(house.windows), _TOLERANCE_M).tolist():
         yield f"{piece_name(pieces[i])} in {pieces[i].room!r} runs into {house.windows[j].id}"
     yield from _swings(house, boxes, hung, walls)
+
+
+def boxes_around(things: Sequence[Placed]) -> Obstacles:
+    """Return the box that each thing fills."""
+    return boxes_of([(*thing.position, *thing.size, thing.yaw) for thing in things])
 
 
 def boxes_of(rows: Sequence[tuple[float, ...]]) -> Obstacles:
