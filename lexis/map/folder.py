@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -96,6 +97,13 @@ def load_map(directory: Path | str) -> LexisMap:
     """Read a map that was written by `save_map`. Raises MapError for anything else, such as files of two maps."""
     directory = Path(directory)
     recover(directory)
+    # A run that saves its map every few keyframes may have replaced the map after the first of its two files was read.
+    with suppress(MapError):
+        return _read_map(directory)
+    return _read_map(directory)
+
+
+def _read_map(directory: Path) -> LexisMap:
     header = read_model(directory / JSON_FILE, _HEADER_FILE, _Map)
     others = header.other_cameras
     sizes = {"rooms": len(header.rooms), "room_names": len(header.room_names), "others": len(others)}

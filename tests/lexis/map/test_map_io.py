@@ -13,6 +13,7 @@ from helpers.map_builder import corridor_with_offices, with_rear_camera, with_re
 from helpers.same_map import assert_same
 
 from lexis.errors import LexisError, MapError
+from lexis.files.arrays import read_arrays
 from lexis.map.folder import load_map, save_map
 from lexis.types import LOOP_OUTCOMES
 
@@ -247,6 +248,20 @@ def test_the_files_of_two_maps_are_no_map(lexis_map, tmp_path, name):
     shutil.copy(tmp_path / "b" / name, tmp_path / "a" / name)
     with pytest.raises(MapError, match=r"map\.json belongs to another arrays\.npz, or one of them was changed; valid: b"):
         load_map(tmp_path / "a")
+
+
+def test_a_map_that_is_replaced_between_the_reading_of_its_two_files_is_read_again(lexis_map, tmp_path, monkeypatch):
+    """A run with `--save-every` replaces its map while another program may read it."""
+    later = replace(lexis_map, keyframes=tuple(replace(k, stamp=k.stamp + 1.0) for k in lexis_map.keyframes))
+    save_map(lexis_map, tmp_path / "map")
+
+    def replacing(*arguments):
+        monkeypatch.undo()
+        save_map(later, tmp_path / "map")
+        return read_arrays(*arguments)
+
+    monkeypatch.setattr("lexis.map.folder.read_arrays", replacing)
+    assert_same(load_map(tmp_path / "map"), later)
 
 
 def test_a_compressed_map_is_refused(lexis_map, tmp_path):
