@@ -99,7 +99,7 @@ class WorldStates:
 
 
 class FrameRenderer:
-    """Renders the frames of a tour, each in its own world. Use it in one thread only, which owns the GL context.
+    """Renders the frames of a tour, each in its own world. Use it in one thread at a time.
 
     With a distortion, `world_states` has to be built for the larger pinhole camera from `sim.render.lens.rendered_camera`.
     """

@@ -6,7 +6,6 @@ their cameras move.
 """
 
 from collections.abc import Sequence
-from contextlib import nullcontext
 from dataclasses import dataclass
 from types import TracebackType
 
@@ -17,6 +16,7 @@ from lexis.types import Intrinsics, Pose
 from sim.errors import GraphicsError
 from sim.render.decorative_geoms import draw
 from sim.render.gl import graphics_errors, mujoco, require_rendering
+from sim.render.gl_context import GlContext
 from sim.render.scene import Scene
 from sim.render.visibility import Cells
 from worlds.visuals.meshes import Solid
@@ -43,22 +43,16 @@ class RenderedFrame:
 class Raster:
     """Renders a scene with any pinhole camera. Use it as a context manager, or call `close` at the end.
 
-    A raster holds a GL context, so that only the thread that created it can use and close it. Raises `GraphicsError` if
+    A raster may be used by several threads, but only by one at a time. Raises `GraphicsError` if
     off-screen OpenGL is missing or fails, and for images that are larger than the scene was built for.
     """
 
     def __init__(self, scene: Scene) -> None:
         require_rendering()
-        self._scene, model = scene, scene.model
+        self._scene = scene
         self._fill(_SPARE)
-        self._size = model.vis.global_.offwidth, model.vis.global_.offheight
-        with graphics_errors(f"a context of {self._size[0]} x {self._size[1]} px"):
-            self._gl = mujoco.GLContext(*self._size)
-            self._gl.make_current()
-            self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
-            mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
-        self._context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
-        self._open = True
+        self._context = GlContext(scene.model)
+        self._context.resources.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
 
     def _fill(self, spare: int) -> None:
         """Make the abstract scenes, with memory for `spare` parts of moving things."""
@@ -110,11 +104,7 @@ class Raster:
 
     def close(self) -> None:
         """Release the GL context. Further calls have no effect. Other rasters stay usable."""
-        if self._open:
-            self._open = False
-            with self._gl.as_current() if hasattr(self._gl, "as_current") else nullcontext():
-                self._context.free()
-            self._gl.free()
+        self._context.close()
 
     def __enter__(self) -> "Raster":
         return self
@@ -145,17 +135,17 @@ class Raster:
         buffer: Float32[np.ndarray, "h w"] | None,
     ) -> None:
         """Render the scene. Write colours to `image` and depths to `buffer` (bottom row first), unless these are None."""
-        if not self._open:
+        if not self._context.is_open:
             raise GraphicsError("renderer: it is closed; valid: rendering before close()")
-        if intrinsics.width > self._size[0] or intrinsics.height > self._size[1]:
-            wanted, size = f"{intrinsics.width} x {intrinsics.height}", f"{self._size[0]} x {self._size[1]}"
+        width, height = self._context.size
+        if intrinsics.width > width or intrinsics.height > height:
+            wanted, size = f"{intrinsics.width} x {intrinsics.height}", f"{width} x {height}"
             raise GraphicsError(f"renderer: an image of {wanted} px; valid: up to {size} px, which the scene was built for")
         _aim(scene, T_W_C, intrinsics)
         area = mujoco.MjrRect(0, 0, intrinsics.width, intrinsics.height)
-        with graphics_errors("rendering"):
-            self._gl.make_current()
-            mujoco.mjr_render(area, scene, self._context)
-            mujoco.mjr_readPixels(image, buffer, area, self._context)
+        with graphics_errors("rendering"), self._context.as_current():
+            mujoco.mjr_render(area, scene, self._context.resources)
+            mujoco.mjr_readPixels(image, buffer, area, self._context.resources)
 
     def _metres(self, buffer: Float32[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
         """Convert a depth buffer (1 at the near plane, 0 at the far plane, bottom row first) to depth [m], top row first."""
