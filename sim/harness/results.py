@@ -169,6 +169,9 @@ class FaultFigures:
     """Number of observations that the SLAM refused."""
 
 
+_OF_FAULTS = frozenset(f"faults.{name}" for name in get_type_hints(FaultFigures))
+
+
 @dataclass(frozen=True)
 class RunResult:
     """All figures of a run, as in result.json."""
@@ -220,13 +223,15 @@ class RunResult:
 
         Raises KeyError that lists the valid names.
         """
+        parts = name.split(".")
+        if self.faults is None and ".".join(parts[:2]) in _OF_FAULTS:
+            return None
         value: Any = self
-        for part in name.split("."):
-            if value is None:
-                return None
-            choices = value if isinstance(value, Mapping) else vars(value)
+        for k, part in enumerate(parts):
+            choices = value if isinstance(value, Mapping) else getattr(value, "__dict__", {})
             if part not in choices:
-                raise KeyError(f"{name!r}: no figure {part!r}; valid: {', '.join(choices)}")
+                valid = ", ".join(choices) or repr(".".join(parts[:k]))
+                raise KeyError(f"{name!r}: no figure {part!r}; valid: {valid}")
             value = choices[part]
         return value
 

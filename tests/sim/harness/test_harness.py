@@ -75,6 +75,10 @@ def test_a_figure_is_found_by_its_dotted_name(result):
     assert result["labels.accuracy"] == result.labels.accuracy and result["place_recognition.3.tp"] is not None
     with pytest.raises(KeyError, match=r"'labels.acc': no figure 'acc'; valid: accuracy, accuracy_baseline"):
         result["labels.acc"]
+    assert result["faults.frames.blur"] is None and result["faults.refused"] is None
+    for name, valid in (("encoder.name", "'encoder'"), ("labels.accuracy.x", "'labels.accuracy'"), ("faults.x", "'faults'")):
+        with pytest.raises(KeyError, match=f"valid: {valid}"):
+            result[name]
 
 
 def test_lexis_beats_its_odometry_and_closes_no_false_loop(finished, result):
