@@ -22,6 +22,7 @@ _LONGEST_S = 1e9
 """Longest time of a stage [s]."""
 _TYPES = MappingProxyType({"iu": np.int64, "fiu": np.float64})
 """The type into which the arrays of an estimate are converted, by the valid values of `dtype.kind`."""
+_LARGEST = np.iinfo(np.int64).max
 _RIGID = 1e-3
 """Tolerance in the check of estimated rotation matrices, which may have been computed in single precision."""
 _FORMS: Mapping[str, tuple[str, tuple[int | None, ...]]] = MappingProxyType(
@@ -169,6 +170,7 @@ def _checked_frames(frames: object) -> int:
     valid = "valid: one or more indices of observations, from 0 and ascending, each once"
     if len(frames) == 0:
         raise EstimateError(f"estimate: frames is empty; {valid}")
+    _check_size("frames", frames)
     if (below := np.flatnonzero(frames < 0)).size:
         raise EstimateError(f"estimate: frames has {frames[below[0]]} in row {below[0]}; {valid}")
     if (falls := 1 + np.flatnonzero(frames[1:] <= frames[:-1])).size:
@@ -279,6 +281,14 @@ def _check_rows(name: str, values: object, n: int, kinds: str, row: tuple[int | 
         raise EstimateError(f"estimate: {name} has shape {values.shape}; valid: {(n, *row)}")
     if not np.isfinite(values).all():
         raise EstimateError(f"estimate: {name} is not finite in row {int(np.argwhere(~np.isfinite(values))[0, 0])}")
+    if kinds == "iu":
+        _check_size(name, values)
+
+
+def _check_size(name: str, values: Int[np.ndarray, "n"]) -> None:
+    """Raise `EstimateError` for numbers that int64 cannot hold, such as an unsigned -1."""
+    if (beyond := np.flatnonzero(values > _LARGEST)).size:
+        raise EstimateError(f"estimate: {name} has {values[beyond[0]]} in row {beyond[0]}; valid: numbers up to 2^63 - 1")
 
 
 def _is_plain(value: object) -> TypeGuard[np.ndarray]:

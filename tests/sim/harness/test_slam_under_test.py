@@ -316,6 +316,8 @@ def one_loop(**changes):
         ({"frames": np.array([7, 7])}, "frames has 7 after 7 in row 1; valid: .* from 0 and ascending"),
         ({"frames": np.array([-1, 7])}, "frames has -1 in row 0; valid: one or more indices of observations, from 0"),
         ({"frames": np.array([7, 3], np.uint8)}, "frames has 3 after 7 in row 1"),
+        ({"frames": np.array([7, 2**63 + 5], np.uint64)}, "frames has 9223372036854775813 in row 1; valid: numbers up to"),
+        ({"rooms": lambda slam: every(-1)(slam).astype(np.uint64)}, "rooms has 18446744073709551615 in row 0; valid"),
         ({"frames": np.zeros(0, int)}, "frames is empty; valid: one or more indices of observations"),
         ({"T_W_B": lambda slam: np.full((len(slam.frames), 4, 4), np.nan)}, "T_W_B is not finite in row 0"),
         (
