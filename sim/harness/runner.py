@@ -1,20 +1,16 @@
 """`run`: gives the observations of a scenario to a SLAM, and returns the SLAM's estimate together with the truth."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import closing
-from dataclasses import replace
-
-import numpy as np
 
 from lexis.errors import ObservationError
 from lexis.timing import StageTimer
-from sim.errors import EstimateError
 from sim.feature_sensor.model import MINI_FEATURES, FeatureModel
 from sim.fidelity import ORACLE
 from sim.harness.adapters.lexis import Lexis
-from sim.harness.estimate import Estimate
 from sim.harness.finished_run import Given, Run
 from sim.harness.last_run import last_run
+from sim.harness.returned_estimate import checked_estimate
 from sim.harness.scenario import Scenario
 from sim.harness.scenario_sessions import feature_model, session_of
 from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput, SlamUnderTest, check_slam_methods
@@ -53,12 +49,9 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     given, delivered, refused = _processed(slam, session, timed, progress)
     last.done = 1.0
     with timed("slam_s"), last.calling_slam():
-        estimate = slam.finish()
-    if not isinstance(estimate, Estimate):
-        raise EstimateError(f"SLAM under test: finish() returned {type(estimate).__name__}; valid: an Estimate")
+        returned = slam.finish()
+    estimate = checked_estimate(returned, given, len(walked.house.spec.room_labels))
     seconds = timed.seconds | {"render_s": session.render_seconds - rendered_before_s}
-    # The estimate is checked again, because a SLAM may have written into the arrays since it made the estimate.
-    _check_estimate(replace(estimate), given, len(walked.house.spec.room_labels))
     last.run = Run(
         scenario, session.house, walked.walkable, session, slam, estimate, given, seconds, tuple(delivered), tuple(refused)
     )
@@ -101,27 +94,3 @@ def _start(slam: SlamUnderTest, scenario: Scenario, session: Session, model: Fea
         slam.start_on_features(camera, names, FeatureInput(model, source, scenario.encoder == ORACLE, session.verifier()))
     else:
         slam.start(camera, names)
-
-
-def _indices(given: Mapping[int, Given]) -> str:
-    """Return the indices of the observations that the SLAM was given, as text for messages."""
-    if not given:
-        return "indices of observations that the SLAM was given and did not refuse, of which there are none"
-    low, high = min(given), max(given)
-    gaps = len(given) <= high - low
-    return f"{low} to {high}" + (", without observations that were dropped or that the SLAM refused" if gaps else "")
-
-
-def _check_estimate(estimate: Estimate, given: Mapping[int, Given], names: int) -> None:
-    """Raise `EstimateError` if an estimate has frames that the SLAM was not given, or indices of names that do not exist."""
-    for row, frame in enumerate(estimate.frames.tolist()):
-        if frame not in given:
-            raise EstimateError(f"estimate: frames has {frame} in row {row}; valid: {_indices(given)}")
-    for name in ("labels", "baseline_labels"):
-        values = getattr(estimate, name)
-        if values is not None and (beyond := np.flatnonzero(values >= names)).size:
-            bad = f"{name} has {values[beyond[0]]} in row {beyond[0]}"
-            raise EstimateError(f"estimate: {bad}; valid: -1 to {names - 1}, since there are {names} room names")
-    columns = names if estimate.similarities is None else estimate.similarities.shape[1]
-    if columns != names:
-        raise EstimateError(f"estimate: similarities has {columns} columns; valid: {names}, one for each room name")

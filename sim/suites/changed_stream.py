@@ -10,6 +10,7 @@ from lexis.maths.se3 import inverse
 from lexis.types import Camera, Observation, Pose
 from sim.errors import SimError
 from sim.harness.estimate import Estimate, EstimatedLoops
+from sim.harness.returned_estimate import checked_estimate
 from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput, SlamUnderTest
 from sim.suites.stream_changes import StreamChange, copied
 
@@ -38,7 +39,8 @@ class ChangedStream:
 
     def finish(self) -> Estimate:
         """Return the estimate for the unchanged observations, in the unchanged body frame, with unchanged room names."""
-        return _restored(self._slam.finish(), np.array(self._given), np.array(self._original_names), self._change)
+        estimate = checked_estimate(self._slam.finish(), range(len(self._given)), len(self._original_names))
+        return _restored(estimate, np.array(self._given), np.array(self._original_names), self._change)
 
     def _begin(self, camera: Camera, room_names: Sequence[str]) -> tuple[Camera, tuple[str, ...]]:
         """Forget the previous run, and return the camera and the room names with which the SLAM is started."""

@@ -119,6 +119,24 @@ def test_a_label_for_a_name_that_was_added_is_no_label():
     assert (finished.estimate.labels == -1).all()
 
 
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        (lambda estimate: replace(estimate, frames=estimate.frames + 1), r"frames has \d+ in row \d+; valid: 0 to"),
+        (lambda estimate: replace(estimate, labels=estimate.labels + 99), "labels has 99 in row 0; valid: -1 to"),
+        (lambda estimate: None, r"finish\(\) returned NoneType; valid: an Estimate"),
+    ],
+)
+def test_an_invalid_estimate_gets_the_same_message_with_and_without_a_change(wrong, message):
+    class Invalid(Listening):
+        def finish(self):
+            return wrong(super().finish())
+
+    for slam in (Invalid(), changed(Invalid(), NoChange())):
+        with pytest.raises(EstimateError, match=message):
+            run(OPEN_FLAT, slam)
+
+
 def test_only_a_slam_that_accepts_features_accepts_them_behind_a_change():
     assert hasattr(changed(Lexis("oracle"), NoChange()), "start_on_features")
     assert not hasattr(changed(OdometryOnly(), NoChange()), "start_on_features")
