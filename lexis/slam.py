@@ -285,8 +285,12 @@ class Slam:
         known = [verdict for verdict in verdicts if verdict.match not in judged]
         self._graph.add_loops(kept)
         self._verdicts[len(self._verdicts) - len(verified.verdicts) :] = [*with_support(verified.verdicts, kept), *known]
-        if known:
-            self._candidates.append((loops[0].query, tuple(verdict.match for verdict in known)))
+        self._propose_more([verdict.match for verdict in known])
+
+    def _propose_more(self, matches: Sequence[int]) -> None:
+        """Add candidates to those of the last keyframe."""
+        query, before = self._candidates[-1]
+        self._candidates[-1] = query, (*before, *matches)
 
     def _join_components(self, query: Keyframe) -> bool:
         """Seek the place of a keyframe in the components of the map that are not connected with its own.
@@ -300,7 +304,7 @@ class Slam:
             settings = at_any_distance(self._config.verification)
             found = self._verify(query, candidates, self._graph, self._camera, settings)
             agreed = self._relocaliser.agreed(found.edges, self._graph)
-        self._candidates.append((query.id, candidates))
+        self._propose_more(candidates)
         self._verdicts.extend(without_support(found.verdicts))
         if not agreed:
             return False

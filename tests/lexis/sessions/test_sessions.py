@@ -143,6 +143,11 @@ def test_rooms_and_ways_do_not_cross_components(first):
     assert_same(replace(relabel(apart, ROOMS, Encoder()), stage_seconds={}), replace(apart, stage_seconds={}))
 
 
+def assert_each_query_has_one_entry(lexis_map):
+    queries = [query for query, _ in lexis_map.candidates]
+    assert len(set(queries)) == len(queries)
+
+
 def candidates_of(lexis_map):
     """The pairs of a query and a candidate, in the order of the map."""
     return [(query, match) for query, matches in lexis_map.candidates for match in matches]
@@ -151,6 +156,7 @@ def candidates_of(lexis_map):
 def test_a_joined_map_tells_what_became_of_every_loop_candidate(first):
     joined = second(first, verifier())
     assert [(verdict.query, verdict.match) for verdict in joined.verdicts] == candidates_of(joined)
+    assert_each_query_has_one_entry(joined)
     accepted = {(verdict.query, verdict.match) for verdict in joined.verdicts if verdict.outcome == "accepted"}
     assert accepted == {(loop.query, loop.match) for loop in joined.loops}
     assert any(query >= FIRST > match for query, match in accepted)
@@ -269,6 +275,7 @@ def test_sessions_that_the_second_map_has_joined_stay_joined_in_a_merged_map(fir
         (query, match) for query, match in loops if query - 30 not in anchors
     }
     assert {(verdict.query, verdict.match) for verdict in merged.verdicts} <= set(candidates_of(merged))
+    assert_each_query_has_one_entry(merged)
 
 
 def test_a_loop_of_a_replayed_keyframe_leaves_the_verdicts_on_other_keyframes_alone(first, monkeypatch):
