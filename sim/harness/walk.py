@@ -45,14 +45,15 @@ def with_walk_m(scenario: Scenario, length_m: float) -> Scenario:
 def walk(scenario: Scenario) -> Walk:
     """Build and validate the house, plan the tour, and draw the odometry. Raises `WorldsError` or `SimError`.
 
-    The four walks that were used last are remembered, because scenarios that are run one after the other often differ only
-    in faults, cameras or the SLAM.
+    The eight walks that were used last are remembered, because scenarios that are run one after the other often differ only
+    in faults, cameras or the SLAM, and because the houses of a group of scenarios, such as five values of openness, are
+    sampled together before they are run.
     """
     usual = Scenario()
     return _walk(replace(scenario, **{name: getattr(usual, name) for name in _IRRELEVANT}), own_kinds())
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=8)
 def _walk(scenario: Scenario, kinds: tuple[Kind, ...]) -> Walk:
     """Make the walk of a scenario, whose house may have furniture of the given `kinds` of the user."""
     streams = random_streams(scenario)
