@@ -2,7 +2,8 @@
 
 Read `pose_graph` first: the graph grows with each keyframe and each loop. `graph_optimisation` finds the poses and limits
 the influence of wrong loops (paper, Eq. 2). `thinning` tells which keyframes are no longer needed, and `components` which
-sessions are connected by loops and share a frame. `walked_steps` lists the pairs of keyframes that the camera moved between.
+sessions are connected by loops and share a frame. `trusted_loops` tells which loops count as true, and `walked_steps` lists
+the pairs of keyframes that the camera moved between.
 """
 
 import lazy_loader

@@ -187,8 +187,8 @@ def _matrices(poses: gtsam.Values) -> Poses:
 def loop_weights(T_W_B: Poses, loops: Sequence[LoopEdge], config: PoseGraphConfig) -> Float64[np.ndarray, "loops"]:
     """Return the weights of loop edges under the kernel at given poses, in [0, 1].
 
-    A loop with a weight below 0.5 counts as rejected. Without a kernel, all weights are 1. Under graduated non-convexity,
-    each weight is 1 or 0.
+    `lexis.graph.trusted_loops` tells which weights count as trusted. Without a kernel, all weights are 1. Under graduated
+    non-convexity, each weight is 1 or 0.
     """
     squared = np.array([squared_residual(T_W_B, loop) for loop in loops], dtype=np.float64)
     if config.kernel == "gnc":

@@ -8,7 +8,7 @@ import numpy as np
 
 from lexis.floors import floor_numbers
 from lexis.graph.components import sessions_apart
-from lexis.planning.connections import MIN_LOOP_WEIGHT
+from lexis.graph.trusted_loops import TRUSTED_WEIGHT, is_trusted
 from lexis.room_names import instance_names, unused_names
 from lexis.types import LexisMap
 
@@ -41,7 +41,7 @@ def map_info(map: LexisMap) -> dict[str, Any]:
         "floors": floor_numbers(map.floors),
         "rooms": rooms,
         "loops": len(map.loops),
-        "trusted_loops": int((map.loop_weights >= MIN_LOOP_WEIGHT).sum()),
+        "trusted_loops": int(is_trusted(map.loop_weights).sum()),
         "candidates": dict(Counter(verdict.outcome for verdict in map.verdicts).most_common()),
         "room_names": list(map.room_names),
         "unused_room_names": list(unused_names(map.room_names, map.rooms)),
@@ -64,7 +64,7 @@ def info_text(info: dict[str, Any]) -> str:
         f"path        {info['path_m']:.1f} m between keyframes",
         f"duration    {info['duration_s']:.1f} s",
         f"floors      {len(info['floors'])}",
-        f"loop edges  {info['loops']}, of which {info['trusted_loops']} trusted (weight at least {MIN_LOOP_WEIGHT:g})",
+        f"loop edges  {info['loops']}, of which {info['trusted_loops']} trusted (weight at least {TRUSTED_WEIGHT:g})",
         f"candidates  {', '.join(f'{count} {outcome}' for outcome, count in info['candidates'].items()) or 'none'}",
         f"encoder     {info['encoder']['name']} ({info['encoder']['fingerprint'][:12]})",
         f"images      {info['image_px'][0]}x{info['image_px'][1]} px",

@@ -7,8 +7,8 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from lexis.floors import NO_FLOOR, floor_numbers
+from lexis.graph.trusted_loops import is_trusted
 from lexis.graph.walked_steps import walked_steps
-from lexis.planning.connections import MIN_LOOP_WEIGHT
 from lexis.room_names import instance_names
 from lexis.types import LexisMap
 
@@ -60,7 +60,7 @@ def _plan(map: LexisMap, points: Float64[np.ndarray, "n 2"], floor: int, size: F
 
 def _edges(map: LexisMap, points: Float64[np.ndarray, "n 2"], here: Bool[np.ndarray, "n"]) -> list[str]:
     loops = [(loop.query, loop.match) for loop in map.loops]
-    kinds = ["loop" if weight >= MIN_LOOP_WEIGHT else "doubted" for weight in map.loop_weights]
+    kinds = ["loop" if trusted else "doubted" for trusted in is_trusted(map.loop_weights)]
     edges = [*((step, "walk") for step in walked_steps(map).tolist()), *zip(loops, kinds, strict=True)]
     return [
         f'<path class="{kind}" d="M{_xy(points[a])}L{_xy(points[b])}"/>' for (a, b), kind in edges if here[a] and here[b]

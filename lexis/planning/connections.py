@@ -5,12 +5,11 @@ from jaxtyping import Float64, Int
 from scipy.sparse import csr_array
 
 from lexis.config import PlannerConfig
+from lexis.graph.trusted_loops import is_trusted
 from lexis.planning.close_pairs import close_pairs
 from lexis.planning.shortcuts import shortcuts
 from lexis.types import LexisMap, LoopArrays
 
-MIN_LOOP_WEIGHT = 0.5
-"""Smallest weight, by the robust kernel of the optimisation, of a loop edge that a path may follow."""
 GRID_M = 2.0**-20
 """The lengths of connections are rounded to multiples of this, about a micrometre [m]. It is a power of two, so that sums of
 lengths are exact."""
@@ -52,7 +51,7 @@ def _within_rooms(map: LexisMap, shortcut_m: float) -> Pairs:
 
 def _trusted_loops(map: LexisMap) -> Pairs:
     loops = LoopArrays.of(map.loops)
-    return np.column_stack((loops.query, loops.match))[map.loop_weights >= MIN_LOOP_WEIGHT]
+    return np.asarray(np.column_stack((loops.query, loops.match))[is_trusted(map.loop_weights)])
 
 
 def _pairs_within(pairs: Pairs, positions: Float64[np.ndarray, "n 3"], metres: float) -> Pairs:

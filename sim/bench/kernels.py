@@ -15,6 +15,7 @@ from jaxtyping import Bool
 from lexis.config import Config, PoseGraphConfig
 from lexis.evaluation.trajectory import ate_rmse
 from lexis.graph.pose_graph import PoseGraph
+from lexis.graph.trusted_loops import is_trusted
 from lexis.types import Keyframe, LoopEdge, Poses
 from sim.bench.houses import configs
 from sim.bench.injected_loops import KINDS, injected
@@ -27,8 +28,6 @@ from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
 KERNELS: tuple[Literal["dcs", "gnc", "huber", "none"], ...] = ("dcs", "gnc", "huber", "none")
 SHARES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
 """Shares of injected (false) loops among all loops."""
-REJECTED = 0.5
-"""A loop counts as rejected if its weight after the optimisation is below this limit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +125,7 @@ def _optimised(
         graph.add_keyframe(keyframe)
     graph.add_loops([*house.loops, *false])
     graph.optimise_if_due(final=True)
-    rejected = graph.loop_weights < REJECTED
+    rejected = ~is_trusted(graph.loop_weights)
     own, added = rejected[: len(house.loops)][house.is_true], rejected[len(house.loops) :]
     ate_m = ate_rmse(graph.T_W_B[:, :3, 3], house.true_poses[:, :3, 3])
     return ate_m, float(own.mean()) if len(own) else None, float((~added).mean()) if len(added) else None

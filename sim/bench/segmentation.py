@@ -5,6 +5,7 @@ from dataclasses import astuple, dataclass
 from typing import Any
 
 from lexis.config import Config
+from lexis.graph.trusted_loops import is_trusted
 from sim.bench.houses import configs
 from sim.bench.row_files import mean_and_std
 from sim.harness import Scenario, evaluate, run, try_plans
@@ -30,7 +31,7 @@ class SegmentationRow:
     """Absolute trajectory error of the optimised trajectory [m]."""
     false_loops: int
     heavy_false_loops: int
-    """Number of false loop edges whose weight after optimisation is above 0.5."""
+    """Number of false loop edges that are trusted after the optimisation."""
     loop_recall: float | None
     """Share of revisits with a true loop edge; None if there were no revisits."""
     plans: float | None
@@ -60,7 +61,7 @@ def run_houses(
                 result.trajectory.ate_odometry_m,
                 result.trajectory.ate_m,
                 int((~is_true).sum()),
-                int((loops.weights[~is_true] > 0.5).sum()),
+                int(is_trusted(loops.weights[~is_true]).sum()),
                 result.loops.recall,
                 result.planning.success,
             ),

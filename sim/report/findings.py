@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from lexis.evaluation.trajectory import LEAST_POSES, STRETCHES_M, ate_rmse, rpe_translation
-from lexis.planning.connections import MIN_LOOP_WEIGHT
+from lexis.graph.trusted_loops import TRUSTED_WEIGHT
 from sim.report.data import UNKNOWN, KeyframeTable, PlanPath, ReportData
 from sim.report.room_errors import SUBSTANTIAL, Groups, room_errors, surplus
 from sim.wording import counted
@@ -165,7 +165,7 @@ def _loops(data: ReportData) -> Iterator[Finding]:
     else:
         worst = false[0]
         ends = data.keyframes.true_poses[[worst.query, worst.match], :3, 3]
-        ignored = worst.weight < MIN_LOOP_WEIGHT
+        ignored = worst.weight < TRUSTED_WEIGHT
         held = ", but the optimiser gives little weight to any of them" if ignored else ""
         edges = f"{len(false)} of {counted(len(data.loops), 'loop edge')} {_suiting(len(false))}"
         yield Finding(

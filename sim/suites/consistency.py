@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64, Int
 
 from lexis.evaluation.loops import REVISIT_S
+from lexis.graph.trusted_loops import is_trusted
 from lexis.maths.paths import arc_length
 from lexis.maths.se3 import between
 from lexis.maths.ties import reaches
@@ -36,8 +37,6 @@ all fitting loops."""
 _REVISITING_SHARE = 0.99
 """Least share of the loop closures, and of the proposed revisits, whose two frames are at least `REVISIT_S` apart. In LEXIS,
 all are."""
-_TRUSTED = 0.5
-"""A loop closure counts as trusted if its weight is larger than this."""
 _FLOOR_M = 1.0
 """Largest difference in height between two frames on one floor [m]. It leaves room for drift; LEXIS reaches 0.4 m."""
 
@@ -78,7 +77,7 @@ def trusted_loops_fit(run: Run) -> CheckFinding:
     if (estimates := _weighted_loops(run)) is None:
         return _NO_WEIGHTS
     poses, loops, weights = estimates
-    if not (trusted := weights > _TRUSTED).any():
+    if not (trusted := is_trusted(weights)).any():
         return CheckFinding(None, "the SLAM trusts no loop closure")
     moved, turned = (errors[trusted] for errors in _loop_errors(loops, poses))
     return CheckFinding(
@@ -131,7 +130,7 @@ class LastLoopsFit:
             return _NO_WEIGHTS
         poses, loops, weights = estimates
         path = arc_length(run.odometry_poses[:, :3, 3])
-        trusted = weights > _TRUSTED
+        trusted = is_trusted(weights)
         last = trusted & (path[np.maximum(loops.query, loops.match)] >= path[-1] - self.end_m)
         others = trusted & ~last
         if not last.any() or not others.any():
@@ -157,7 +156,7 @@ def fitting_loops_are_trusted(run: Run) -> CheckFinding:
     fits = (moved <= _FITS_M) & (turned <= _FITS_RAD)
     if fits.sum() < _FITTING_LOOPS:
         return CheckFinding(None, f"the trajectory satisfies {fits.sum()} loop closures, too few to judge")
-    trusted = (weights[fits] > _TRUSTED).mean()
+    trusted = is_trusted(weights[fits]).mean()
     found = f"of {fits.sum()} loop closures that the trajectory satisfies, {trusted:.0%} are trusted"
     return CheckFinding(bool(trusted >= _FITTING_SHARE), found)
 
