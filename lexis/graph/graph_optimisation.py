@@ -23,7 +23,18 @@ equations solvable while no loop edge connects them."""
 CONVERGED = 1e-5
 """An optimisation ends when an iteration reduces the cost by less than this share of it."""
 ROUGHLY = 1e-3
-"""The same for optimisations during a walk, which start close to the optimum: another one follows soon."""
+"""During a walk, an optimisation ends when an iteration reduces the cost by less than this share of it, because the next
+optimisation follows soon."""
+
+
+def check_loops(loops: Sequence[LoopEdge], keyframes: int) -> None:
+    """Raise LexisError unless loop edges lead from one of so many keyframes to an earlier one, with a definite covariance."""
+    for loop in loops:
+        edge = f"loop edge {loop.match} -> {loop.query}"
+        if not 0 <= loop.match < loop.query < keyframes:
+            raise LexisError(f"{edge} does not fit the graph; valid: 0 <= match < query < {keyframes}")
+        if not is_invertible(loop.covariance):
+            raise LexisError(f"{edge} has a singular covariance; valid: a positive definite one")
 
 
 class GraphOptimiser:
@@ -78,13 +89,7 @@ class GraphOptimiser:
         Raises LexisError, and adds no edge, unless every edge leads from a keyframe of the graph to an earlier keyframe, and
         has a positive definite covariance.
         """
-        for loop in loops:
-            if not 0 <= loop.match < loop.query < self._count:
-                edge = f"{loop.match} -> {loop.query}"
-                raise LexisError(f"loop edge {edge} does not fit the graph; valid: 0 <= match < query < {self._count}")
-            if not is_invertible(loop.covariance):
-                edge = f"{loop.match} -> {loop.query}"
-                raise LexisError(f"loop edge {edge} has a singular covariance; valid: a positive definite one")
+        check_loops(loops, self._count)
         for loop in loops:
             plain = gtsam.noiseModel.Gaussian.Covariance(loop.covariance)
             noise = gtsam.noiseModel.Robust.Create(self._kernel, plain)

@@ -11,8 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float32, Float64, Int
 
 from lexis.config import PoseGraphConfig
-from lexis.errors import LexisError
-from lexis.graph.graph_optimisation import CONVERGED, ROUGHLY, GraphOptimiser, loop_weights
+from lexis.graph.graph_optimisation import CONVERGED, ROUGHLY, GraphOptimiser, check_loops, loop_weights
 from lexis.graph.thinning import STAYS, Retired, anchors, as_retired, fits, thinned_loops
 from lexis.maths.growing_array import GrowingArray
 from lexis.maths.se3 import between, compose_covariance, inverse
@@ -266,11 +265,7 @@ class PoseGraph:
         Raises LexisError, and appends no edge, unless every edge leads from a keyframe of the graph to an earlier keyframe,
         and has a positive definite covariance.
         """
-        n = len(self.keyframes)
-        for loop in loops:
-            if not 0 <= loop.match < loop.query < n:
-                edge = f"{loop.match} -> {loop.query}"
-                raise LexisError(f"loop edge {edge} does not fit the graph; valid: 0 <= match < query < {n}")
+        check_loops(loops, len(self.keyframes))
         if loops and self._optimiser is not None:
             self._optimiser.add_loops(self._acting(loops))
         self.loops.extend(loops)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from lexis.config import PoseGraphConfig
+from lexis.errors import LexisError
 from lexis.graph.pose_graph import PoseGraph
 from lexis.maths import se3
 from lexis.types import Features, Keyframe, Landmarks, LoopEdge
@@ -198,6 +199,17 @@ def test_a_keyframe_whose_anchor_has_retired_is_anchored_to_the_anchor_of_that_o
     assert graph.keyframes[240].anchor == anchor == graph.shown_by[240]
     np.testing.assert_array_equal(graph.keyframes[240].embedding, graph.keyframes[anchor].embedding)
     assert set(graph._retired.anchors.tolist()) <= set(graph.active.tolist())
+
+
+def test_a_loop_without_a_definite_covariance_is_refused_even_if_it_does_not_act(rng):
+    """A loop between a retired keyframe and its anchor takes no part in the optimisation."""
+    graph, _ = walked(*every_lap(rng, 240), THIN)
+    gone, anchor = int(graph.retired[0]), int(graph._retired.anchors[0])
+    singular = LoopEdge(max(gone, anchor), min(gone, anchor), np.eye(4), np.zeros((6, 6)), 50)
+    before = len(graph.loops)
+    with pytest.raises(LexisError, match="has a singular covariance"):
+        graph.add_loops([singular])
+    assert len(graph.loops) == before
 
 
 def test_a_loop_to_a_retired_keyframe_acts_as_a_loop_to_its_anchor(rng):
