@@ -54,6 +54,8 @@ class Trial:
     travelled_m: float
     touched: tuple[str, ...]
     """Names of the objects that the robot collided with."""
+    room: str | None
+    """Id of the room in which the robot ended; None if it ended in no room, or did not drive."""
     path: Float64[np.ndarray, "k 3"]
     """Path of the robot, in W [m]."""
     planned: Float64[np.ndarray, "j 3"]
@@ -143,7 +145,7 @@ def _trials(run: Run, slam: PlansPaths, pairs: list[tuple[str, str]], robot: Rob
 
 def _failed(start: str, goal: str, planned: Float64[np.ndarray, "j 3"] = _NOWHERE) -> Trial:
     """Return the result of a plan that was not driven."""
-    return Trial(start, goal, False, 0.0, 0.0, (), _NOWHERE, planned)
+    return Trial(start, goal, False, 0.0, 0.0, (), None, _NOWHERE, planned)
 
 
 def _try(
@@ -159,7 +161,7 @@ def _try(
         return _failed(start, goal, planned)
     arrived = driven.room is not None and run.house.room_by_id[driven.room].label == goal
     success = arrived and not driven.touched
-    return Trial(start, goal, success, shortest, driven.length_m, driven.touched, driven.path, planned)
+    return Trial(start, goal, success, shortest, driven.length_m, driven.touched, driven.room, driven.path, planned)
 
 
 def _in_plan(T: Pose) -> tuple[float, float, float]:

@@ -74,8 +74,7 @@ def _room_of_frames(run: Run) -> tuple[str, ...]:
 
 def _plan(run: Run, trial: Trial) -> PlanPath:
     reason = "" if trial.success else _why_failed(run, trial)
-    ended = _room(run, trial.path[-1]) if len(trial.path) else None
-    return PlanPath(trial.start, trial.goal, trial.path, trial.success, reason, ended, trial.shortest_m or None)
+    return PlanPath(trial.start, trial.goal, trial.path, trial.success, reason, trial.room, trial.shortest_m or None)
 
 
 def _why_failed(run: Run, trial: Trial) -> str:

@@ -45,11 +45,6 @@ class Drive:
     touched: tuple[str, ...]
     """Names of the geoms that the robot touched, or `DROP`; empty if none. The first contact ends the drive."""
 
-    @property
-    def collisions(self) -> int:
-        """Number of collisions: 0 or 1, because the first collision ends the drive. A drop counts as a collision."""
-        return int(bool(self.touched))
-
 
 class Robot:
     """A robot with a range scanner in a house, which can drive any number of plans.

@@ -95,6 +95,9 @@ def test_drives_do_not_depend_on_the_world_frame_of_the_slam(labels):
     turned = RigidTransform.from_exp_coords([0.9, -1.2, 2.0, 3.0, 4.0, -5.0]).as_matrix()
     upright, oblique = planned(labels, np.eye(4)), planned(labels, turned)
     assert len(upright) == 6 and sum(trial.success for trial in upright) >= 4
+    label_of = {room.id: room.label for storey in SCENARIO.house.storeys for room in storey.rooms}
+    for trial in upright:
+        assert trial.success == (label_of.get(trial.room) == trial.goal and not trial.touched)
     for a, b in zip(upright, oblique, strict=True):
         assert a.success == b.success and a.travelled_m == pytest.approx(b.travelled_m, abs=1e-3)
 

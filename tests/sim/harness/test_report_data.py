@@ -55,7 +55,7 @@ def test_a_failed_plan_says_where_it_ended_and_why(finished):
 
     def plan(end, planned, touched=(), success=False):
         path = feet[[end, end]]
-        trial = Trial("bathroom", "kitchen", success, 3.0, 0.0, touched, path, feet[[planned]])
+        trial = Trial("bathroom", "kitchen", success, 3.0, 0.0, touched, room, path, feet[[planned]])
         (shown,) = report_data(finished, evaluate(finished), [trial]).paths
         return shown.ended, shown.reason
 
@@ -67,9 +67,10 @@ def test_a_failed_plan_says_where_it_ended_and_why(finished):
     assert plan(elsewhere, there, (DROP,))[1] == "came to a drop"
     assert plan(there, there, success=True)[1] == ""
     nothing = np.zeros((0, 3))
-    (unplanned,) = report_data(finished, evaluate(finished), [Trial("a", "b", False, 0.0, 0.0, (), nothing, nothing)]).paths
+    trial = Trial("a", "b", False, 0.0, 0.0, (), None, nothing, nothing)
+    (unplanned,) = report_data(finished, evaluate(finished), [trial]).paths
     assert (unplanned.ended, unplanned.reason, unplanned.shortest_m) == (None, "no plan was found", None)
-    undriven = Trial("bathroom", "kitchen", False, 0.0, 0.0, (), nothing, feet[[there]])
+    undriven = Trial("bathroom", "kitchen", False, 0.0, 0.0, (), None, nothing, feet[[there]])
     (shown,) = report_data(finished, evaluate(finished), [undriven]).paths
     assert shown.ended is None and shown.reason.startswith("the robot cannot stand at the first frame of the plan")
 
