@@ -76,7 +76,8 @@ def jobs_of(suite: Suite, seed: int) -> list[Job]:
 def scenario_of(job: Job) -> Scenario:
     """Draw the scenario of a job. Raises `SimError` if all draws are unlucky."""
     place = job.number % job.part.group
-    return _drawn_group(job.part, job.number - place, job.seed)[place]
+    drawn = _drawn_group(job.part, job.number - place, job.seed)[place]
+    return replace(drawn, fidelity="features", encoder=ORACLE, feature_model=None) if job.is_bare else drawn
 
 
 @lru_cache(maxsize=64)
@@ -101,8 +102,6 @@ def _drawn_group(part: SuitePart, first: int, seed: int) -> tuple[Scenario, ...]
 def examine(job: Job, new_slam: NewSlam) -> Examination:
     """Run a SLAM on one scenario and evaluate all checks. Raises `SimError` if no scenario can be drawn."""
     scenario = scenario_of(job)
-    if job.is_bare:
-        scenario = replace(scenario, fidelity="features", encoder=ORACLE, feature_model=None)
     base = evaluated_run(scenario, new_slam)
     if isinstance(base, CheckFinding):
         return Examination(job.part.name, job.number, scenario, None, {COMPLETES: base})
