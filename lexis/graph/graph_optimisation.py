@@ -28,7 +28,7 @@ optimisation follows soon."""
 
 
 def check_loops(loops: Sequence[LoopEdge], keyframes: int) -> None:
-    """Raise LexisError unless every edge leads from one of the keyframes to an earlier one, and has a definite covariance."""
+    """Raise LexisError unless each edge leads from one of the keyframes to an earlier one, and has a definite covariance."""
     for loop in loops:
         edge = f"loop edge {loop.match} -> {loop.query}"
         if not 0 <= loop.match < loop.query < keyframes:

@@ -90,9 +90,9 @@ class LightsOff(ImageFault):
     """The lights are switched off: little light is left, and the image has the sensor's noise."""
 
     name = "lights-off"
-    left: float = setting(0.002, 0.0, 1.0, kw_only=True)
+    left: float = setting(0.002, 0.0, 1.0)
     """Share of the light that is left."""
-    sigma: float = setting(3.0, 0.0, 255.0, kw_only=True)
+    sigma: float = setting(3.0, 0.0, 255.0)
     """Standard deviation of the noise [grey levels]."""
 
     def edit(self, image: Image, rng: np.random.Generator) -> Image:

@@ -416,6 +416,7 @@ def test_every_way_to_write_a_whole_number_gives_the_same_fault(number):
 def test_a_fault_given_as_a_bare_value_sets_its_first_field():
     assert parse_fault("dropped:0.3,burst=2") == Dropped(0.3, burst=2)
     assert parse_fault("kidnap:30") == Kidnap(30.0)
+    assert parse_fault("lights-off:0.5") == LightsOff(left=0.5)
     assert parse_fault("person:12") == FAULTS["person"](at_s=12.0)
 
 
