@@ -70,7 +70,10 @@ class Controller:
         """Return forward motion [m] and left turn [rad] for the next `STEP_S`; None if the robot has arrived or gives up."""
         here = np.array([pose.x, pose.y])
         self._route.follow(here)
-        if self._has_arrived(here) or self._has_lost_patience():
+        if self._has_arrived(here):
+            return None
+        self._skip_if_stuck()
+        if self._since_s > _PATIENCE_S:
             return None
         target = self._target(here)
         if target is None:
@@ -86,13 +89,13 @@ class Controller:
         left_m = self._route.length_m - self._route.progress_m
         return left_m <= _NEARLY_M and bool(np.linalg.norm(self._route.end - here) <= _ARRIVED_M)
 
-    def _has_lost_patience(self) -> bool:
+    def _skip_if_stuck(self) -> None:
+        """Count the time without progress, and skip a part of the route if it has become long."""
         self._since_s += STEP_S
         if self._since_s > _HESITATION_S:
             self._route.skip(_SKIP_M)
         if self._route.progress_m > self._best_m + 0.1:
             self._best_m, self._since_s = self._route.progress_m, 0.0
-        return self._since_s > _PATIENCE_S
 
     def _target(self, here: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "2"] | None:
         """Return the point to steer to; None if the robot should stay where it is, because the local path ends there."""
