@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -53,23 +54,23 @@ class Run:
         """The labels that rooms may have, as the SLAM was told; estimated and true labels are indices into these names."""
         return self.house.spec.room_labels
 
-    @property
+    @cached_property
     def stamps(self) -> Float64[np.ndarray, "n"]:
         """Time stamps of the frames [s], as the SLAM received them."""
         return np.array([self.given[frame].stamp for frame in self.estimate.frames.tolist()])
 
-    @property
+    @cached_property
     def true_stamps(self) -> Float64[np.ndarray, "n"]:
         """True times of the frames [s], which no fault of the clock changes; see `Truth.stamp`."""
         stamps = {truth.index: truth.stamp for truth in self.delivered}
         return np.array([stamps[frame] for frame in self.estimate.frames.tolist()])
 
-    @property
+    @cached_property
     def true_poses(self) -> Float64[np.ndarray, "n 4 4"]:
         """True poses of the body in the world, `T_W_B`."""
         return np.asarray(self.session.tour.T_W_B[self.estimate.frames])
 
-    @property
+    @cached_property
     def odometry_poses(self) -> Float64[np.ndarray, "n 4 4"]:
         """Poses of the body in the odometry frame, `T_O_B`, as the SLAM received them.
 
@@ -81,23 +82,23 @@ class Run:
         held = np.maximum.accumulate(known)
         return np.where(held[:, None, None] < 0, np.eye(4), poses[held])
 
-    @property
+    @cached_property
     def true_rooms(self) -> Int[np.ndarray, "n"]:
         """True room of every frame, as an index into `house.rooms`."""
         return np.array([self.session.truths[frame].room for frame in self.estimate.frames.tolist()], int)
 
-    @property
+    @cached_property
     def true_labels(self) -> Int[np.ndarray, "n"]:
         """True label of every frame, as an index into `room_names`."""
         names = self.room_names
         return np.array([names.index(self.session.truths[i].label) for i in self.estimate.frames.tolist()], int)
 
-    @property
+    @cached_property
     def on_stairs(self) -> Bool[np.ndarray, "n"]:
         """For every frame, whether the camera is truly on stairs."""
         return np.array([self.house.rooms[room].label == STAIRS for room in self.true_rooms], bool)
 
-    @property
+    @cached_property
     def true_storeys(self) -> Int[np.ndarray, "n"]:
         """True storey of every frame, 0 for the lowest."""
         return np.array([self.session.truths[frame].storey for frame in self.estimate.frames.tolist()], int)
@@ -113,12 +114,12 @@ class Run:
         best = np.argsort(-rounded(scores), kind="stable")[:count]
         return tuple((self.room_names[k], float(scores[k])) for k in best.tolist())
 
-    @property
+    @cached_property
     def walked_rooms(self) -> tuple[int, ...]:
         """Rooms that the tour went through, as indices into `house.rooms`, in the order of the first visit."""
         return tuple(dict.fromkeys(truth.room for truth in self.session.truths))
 
-    @property
+    @cached_property
     def unseen_rooms(self) -> tuple[str, ...]:
         """Ids of the rooms on the tour that contain no frame of the estimate, in the order of the first visit."""
         seen = set(self.true_rooms.tolist())

@@ -11,7 +11,8 @@ from sim.render.rig import build_rig
 from sim.session import Session
 
 _KEPT_BYTES = 300_000_000
-"""Largest size of the images of a scenario that are kept for its next run: 50 s of walk at 10 Hz with one usual camera."""
+"""Largest size of the images of a scenario that are kept for its next run: almost a minute of walk at 10 Hz with one usual
+camera."""
 
 
 def picture_session(scenario: Scenario) -> Session:

@@ -97,8 +97,7 @@ class RigConfig(Settings, place="rig", error=SimError):
     def __post_init__(self) -> None:
         """Raise `SimError` for values that are not valid."""
         super().__post_init__()
-        if self.name not in RIGS:
-            raise SimError(f"unknown rig {self.name!r}{did_you_mean(self.name, RIGS)}; valid: {', '.join(RIGS)}")
+        _check_name(self.name)
         for name in ("lever_arm_m", "lever_arm_rpy_deg"):
             value = getattr(self, name)
             if not isinstance(value, Sequence) or len(value) != 3 or not all(map(_is_small, value)):
@@ -119,9 +118,13 @@ def build_rig(config: RigConfig) -> Rig:
 
 def make_rig(name: str, width: int = 480, height: int = 360, hfov_deg: float = 100.0) -> Rig:
     """Build a preset of `RIGS` with pinhole cameras of this image size and view. Raises `SimError` for an unknown name."""
+    _check_name(name)
+    return RIGS[name](wide_camera(width, height, hfov_deg))
+
+
+def _check_name(name: str) -> None:
     if name not in RIGS:
         raise SimError(f"unknown rig {name!r}{did_you_mean(name, RIGS)}; valid: {', '.join(RIGS)}")
-    return RIGS[name](wide_camera(width, height, hfov_deg))
 
 
 def _wide(camera: Camera) -> Rig:
