@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from sim.harness.crash import Runner
     from sim.harness.failures.failure_folder import Replay
     from sim.harness.slam_under_test import SlamUnderTest
-    from sim.programs.command import Program
+    from sim.programs.program import Program
 
 SLAM_HELP = (
     "a class in a module of the current folder or on Python's path, which is called without arguments (default: LEXIS); "
@@ -95,9 +95,7 @@ def replay_of(arguments: argparse.Namespace) -> "Replay":
 
     if arguments.program is not None:
         given = ", ".join(map(repr, (arguments.program, *_settings(arguments))))
-        return Replay(
-            "from sim.programs import Program, run_command", f"run_command(scenario, {given})", f"Program({given})"
-        )
+        return Replay("from sim.programs import Program", f"Program({given})(scenario)", f"Program({given})")
     if arguments.slam is not None:
         imports = "from sim.commands.slams import slam_factory\nfrom sim.harness import run"
         before = f"    new_slam = slam_factory({arguments.slam!r})\n"
@@ -121,14 +119,14 @@ def refuse_program_options(arguments: argparse.Namespace) -> None:
 
 def program_of(arguments: argparse.Namespace) -> "Program":
     """Return the program that `--command` names, with its limits. Raises `SimError` for a command that is not valid."""
-    from sim.programs.command import Program
+    from sim.programs.program import Program
 
     return Program(arguments.program, *_settings(arguments))
 
 
 def _settings(arguments: argparse.Namespace) -> tuple[str, float, float, str]:
     """Return the format of the recording, the program's limits of time [s] and memory [MB], and the kind of images."""
-    from sim.programs.command import MEMORY_MB, TIMEOUT_S
+    from sim.programs.program import MEMORY_MB, TIMEOUT_S
 
     limits = arguments.timeout or TIMEOUT_S, arguments.memory or MEMORY_MB
     return arguments.format or "euroc", *limits, arguments.image_format or "png"

@@ -1,7 +1,7 @@
 """Runs a program in any language as the SLAM under test.
 
-`command` records a scenario for a program, runs the program with limits of time and memory, and reads the program's
-estimate. `program_files` describes the files of the estimate, and `loop_file` the one with loop closures.
+`program` records a scenario for a program, runs the program in a `limited_process`, and reads the program's estimate.
+`program_files` describes the files of the estimate, and `loop_file` the one with loop closures.
 """
 
 import lazy_loader

@@ -1,2 +1,1 @@
-from .command import Program as Program
-from .command import run_command as run_command
+from .program import Program as Program

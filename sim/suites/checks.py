@@ -23,7 +23,7 @@ from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import CommandSlam, SlamUnderTest, made_slam
 from sim.harness.walk import walk
 from sim.number_checks import check_between
-from sim.programs.command import Program
+from sim.programs.program import Program
 from sim.suites.agreement import EstimateAgreement, agreement
 from sim.suites.changed_stream import changed
 from sim.suites.stream_changes import StreamChange

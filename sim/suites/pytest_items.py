@@ -16,7 +16,7 @@ import numpy as np
 
 from sim.errors import SimError
 from sim.harness.slam_under_test import check_slam_factory
-from sim.programs.command import Program
+from sim.programs.program import Program
 from sim.suites.catalogue import suite_named
 from sim.suites.checks import Check, CheckFinding, NewSlam
 from sim.suites.examination import COMPLETES, replayed_finding

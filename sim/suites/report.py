@@ -15,7 +15,7 @@ from sim.harness.last_run import LastRun, watched
 from sim.harness.results import RunResult
 from sim.harness.runner import Progress
 from sim.harness.slam_under_test import check_slam_factory
-from sim.programs.command import Program
+from sim.programs.program import Program
 from sim.suites.catalogue import suite_named
 from sim.suites.checks import Check, ClaimCheck, NewSlam
 from sim.suites.examination import COMPLETES, Examination, examinations, jobs_of

@@ -1,4 +1,4 @@
-"""Programs with a planted bug, as SLAM systems for `run_command`."""
+"""Programs with a planted bug, as SLAM systems for `Program`."""
 
 import json
 import shlex
@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from sim.harness.walk import walk
-from sim.programs import run_command
+from sim.programs import Program
 from sim.record.stamps import stamp_ns
 from worlds.truth import boundary_openness, room_at
 
@@ -32,6 +32,6 @@ def planted_command(folder):
             "frames": [[stamp_ns(t) / 1e9, house.rooms[room].id] for t, room in zip(tour.stamps, rooms, strict=True)],
         }
         path.write_text(json.dumps(truth))
-        return run_command(scenario, f"{program('open-plan')} {shlex.quote(str(path))}", progress=progress)
+        return Program(f"{program('open-plan')} {shlex.quote(str(path))}")(scenario, progress)
 
     return runner

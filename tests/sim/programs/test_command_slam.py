@@ -16,7 +16,7 @@ from sim.errors import SimError
 from sim.faults.delivery import Dropped
 from sim.harness import Scenario, check, evaluate, write_run
 from sim.harness.adapters import GeometricRooms
-from sim.programs import run_command
+from sim.programs import Program
 from sim.programs.loop_file import read_loops
 from sim.programs.program_files import AT_REST, RecordedTimes, read_estimate
 from sim.record.recording import write_take
@@ -66,7 +66,7 @@ def unlit(monkeypatch):
 @pytest.fixture
 def unrecorded(monkeypatch):
     """Leaves the folder of the recording empty, for programs that do not look at it."""
-    monkeypatch.setattr("sim.programs.command.write_take", lambda *_, **__: None)
+    monkeypatch.setattr("sim.programs.program.write_take", lambda *_, **__: None)
 
 
 def program(folder, content):
@@ -86,13 +86,13 @@ assert {topic!r} in bag, "no such topic"
 (Path(sys.argv[2]) / "trajectory.tum").write_text("1003.0 0 0 0 0 0 0 1")
 """
     with pytest.raises(SimError, match="stamp"):  # the program found the topic, and estimated a pose at no frame
-        run_command(SCENARIO, program(tmp_path, content), "ros2", images=images)
+        Program(program(tmp_path, content), "ros2", images=images)(SCENARIO)
 
 
 def test_a_program_is_judged_as_the_class_that_it_wraps(tmp_path, unlit):
     inside = check(SCENARIO, GeometricRooms())
     command = program(tmp_path, GEOMETRIC)
-    outside = evaluate(run_command(SCENARIO, command, "tum"))
+    outside = evaluate(Program(command, "tum")(SCENARIO))
     assert outside.slam == command
     for figures in ("house", "run", "labels", "rooms", "floors", "loops", "coverage"):
         assert getattr(outside, figures) == getattr(inside, figures), figures
@@ -102,7 +102,7 @@ def test_a_program_is_judged_as_the_class_that_it_wraps(tmp_path, unlit):
 
 def test_the_program_of_the_documentation_runs_on_images(tmp_path):
     (block,) = (block for block in blocks("sim/pages/your-slam.md") if block.language == "py")
-    finished = run_command(SCENARIO, program(tmp_path, block.content + "print('done')\n"))
+    finished = Program(program(tmp_path, block.content + "print('done')\n"))(SCENARIO)
     result = evaluate(finished)
     assert result.trajectory.ate_m == pytest.approx(result.trajectory.ate_odometry_m, abs=1e-6)
     assert 0.0 < result.labels.accuracy < 1.0 and result.floors.accuracy == 1.0 and result.rooms.count_error < 0
@@ -114,7 +114,7 @@ def test_the_program_of_the_documentation_runs_on_images(tmp_path):
 
 def test_a_program_is_judged_under_faults(tmp_path, unlit):
     (block,) = (block for block in blocks("sim/pages/your-slam.md") if block.language == "py")
-    result = evaluate(run_command(replace(SCENARIO, faults=(Dropped(0.3),)), program(tmp_path, block.content)))
+    result = evaluate(Program(program(tmp_path, block.content))(replace(SCENARIO, faults=(Dropped(0.3),))))
     assert result.faults.delivered < 0.85 * result.run.frames
     assert result.trajectory.ate_m == pytest.approx(result.trajectory.ate_odometry_m, abs=1e-6)
 
@@ -170,7 +170,7 @@ QUIET = "import sys; sys.exit(0)"
 def test_what_a_program_does_wrong_is_named_in_one_line(content, message, tmp_path, unrecorded):
     timeout_s = 0.5 if "sleep" in content else 30.0
     with pytest.raises((SimError, LexisError)) as caught:
-        run_command(SCENARIO, program(tmp_path, content), timeout_s=timeout_s, memory_mb=500.0)
+        Program(program(tmp_path, content), timeout_s=timeout_s, memory_mb=500.0)(SCENARIO)
     assert message in str(caught.value) and "\n" not in str(caught.value)
 
 
@@ -186,7 +186,7 @@ def test_what_a_program_does_wrong_is_named_in_one_line(content, message, tmp_pa
 )
 def test_commands_that_cannot_be_run_are_named_before_the_walk(command, scenario, message):
     with pytest.raises(SimError) as caught:
-        run_command(scenario, command)
+        Program(command)(scenario)
     assert message in str(caught.value)
 
 
@@ -195,7 +195,7 @@ def test_commands_that_cannot_be_run_are_named_before_the_walk(command, scenario
 )
 def test_limits_that_are_not_valid_are_named_before_the_walk(limit):
     with pytest.raises(SimError, match=f"program: {next(iter(limit))} is .*; valid: a number of (s|MB) above 0"):
-        run_command(SCENARIO, "true {dataset} {out}", **limit)
+        Program("true {dataset} {out}", **limit)
 
 
 def test_programs_that_are_not_there_or_not_executable_are_named(tmp_path, unrecorded):
@@ -210,7 +210,7 @@ def test_programs_that_are_not_there_or_not_executable_are_named(tmp_path, unrec
         ("loop", "cannot be run: "),
     ):
         with pytest.raises(SimError, match=message):
-            run_command(SCENARIO, f"'{tmp_path / name}' {{dataset}} {{out}}")
+            Program(f"'{tmp_path / name}' {{dataset}} {{out}}")(SCENARIO)
 
 
 TIMES = RecordedTimes(1e9 + 0.25 * np.arange(10), np.array([AT_REST, AT_REST, *range(8)]), 0.25)
@@ -353,6 +353,6 @@ def test_two_entries_of_candidates_for_one_frame_are_refused(tmp_path):
 def test_the_loops_of_a_program_are_compared_with_the_truth(tmp_path, unlit):
     (block,) = (block for block in blocks("sim/pages/your-slam.md") if block.language == "py")
     content = block.content + LOOPS
-    result = evaluate(run_command(replace(SCENARIO, odometry="perfect"), program(tmp_path, content)))
+    result = evaluate(Program(program(tmp_path, content))(replace(SCENARIO, odometry="perfect")))
     assert (result.loops.verified, result.loops.true, result.loops.false) == (2, 1, 1)
     assert result.loops.proposed is None

@@ -5,7 +5,7 @@ from helpers.planted_commands import planted_command, program
 
 from sim.harness import Claim, FailureTest, Scenario, blame, reduce
 from sim.harness.shrinking.scenario_size import size
-from sim.programs import run_command
+from sim.programs import Program
 
 HOME = Scenario(seed=500, frame_rate_hz=4.0)
 BUGS = {
@@ -23,7 +23,7 @@ def test_a_program_with_a_planted_bug_is_shrunk_and_blamed(bug, tmp_path):
     condition, storeys, rooms, mends = BUGS[bug]
 
     def run_program(scenario, progress):
-        return run_command(scenario, program(bug), progress=progress)
+        return Program(program(bug))(scenario, progress)
 
     test = FailureTest(Claim.parse(condition), planted_command(tmp_path) if bug == "open-plan" else run_program)
     reduction = reduce(HOME, test, deadline_s=1e9)
