@@ -18,7 +18,7 @@ from lexis.maths.projection import project_jacobian
 from lexis.maths.rig import camera_angles
 from lexis.maths.se3 import between, inverse, skew, transform
 from lexis.maths.ties import rounded
-from lexis.types import Camera, Covariance, Keyframe, LoopEdge, Pose, Verdict
+from lexis.types import Camera, Covariance, Keyframe, LoopDecision, LoopEdge, Pose
 
 _GRID = 6
 """Number of cells along each side of the image, for measuring the spread of inliers."""
@@ -90,7 +90,7 @@ class Locator:
         self._rotations = np.stack([each.T_B_C[:3, :3] for each in camera.rig])
         self._matches: dict[tuple[int, int, int], Int[np.ndarray, "k 2"]] = {}
 
-    def from_match(self, match: int) -> tuple[Verdict, LoopEdge | None]:
+    def from_match(self, match: int) -> tuple[LoopDecision, LoopEdge | None]:
         """Judge the candidate with the id `match`, by PnP with the landmarks of the candidate and its neighbours.
 
         The loop edge is None if too few key points match, too few of them are inliers, or the inliers cover too little of
@@ -98,20 +98,20 @@ class Locator:
         """
         config, seen = self._config, self._correspondences(match)
         matches = sum(each.size for each in seen)
-        verdict = Verdict(self._query.id, match, "few matches", matches=matches)
+        decision = LoopDecision(self._query.id, match, "few matches", matches=matches)
         if matches < config.min_inliers:
-            return verdict, None
+            return decision, None
         fit = self._fit(seen)
         # One image alone has to confirm the loop. With the sums over all images, false loops would pass more easily.
         cells = max(map(_occupied_cells, fit.seen, self._camera.rig))
-        verdict = replace(verdict, inliers=fit.size, cells=cells)
+        decision = replace(decision, inliers=fit.size, cells=cells)
         if max(each.size for each in fit.seen) < config.min_inliers:
-            return replace(verdict, outcome="few inliers"), None
+            return replace(decision, outcome="few inliers"), None
         if cells < config.min_cells:
-            return replace(verdict, outcome="crowded inliers"), None
+            return replace(decision, outcome="crowded inliers"), None
         T_match_query = inverse(fit.T_C_match[0]) @ inverse(self._camera.T_B_C)
         edge = LoopEdge(self._query.id, match, T_match_query, _covariance(fit, self._camera, config), fit.size)
-        return replace(verdict, outcome="accepted"), edge
+        return replace(decision, outcome="accepted"), edge
 
     def _correspondences(self, match: int) -> _Seen:
         """Match each image of the query to the landmarks of the candidate and its neighbours.

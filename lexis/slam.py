@@ -52,7 +52,7 @@ from lexis.sessions.relocalisation import (
 from lexis.sessions.renumbered_map import RenumberedMap
 from lexis.sight.visible_space import VisibleSpace, spaces_in_view
 from lexis.timing import StageTimer
-from lexis.types import Camera, EncoderId, Keyframe, LexisMap, LoopEdge, Observation, Poses, RoomInstance, Verdict
+from lexis.types import Camera, EncoderId, Keyframe, LexisMap, LoopDecision, LoopEdge, Observation, Poses, RoomInstance
 from lexis.verification import Verification, Verifier, verify
 
 
@@ -104,9 +104,9 @@ class Slam:
         self._similarities = GrowingArray((len(camera.rig), len(self._room_names)))
         self._spaces: list[tuple[VisibleSpace, ...]] = []
         self._candidates: list[tuple[int, tuple[int, ...]]] = []
-        self._verdicts: list[Verdict] = []
+        self._decisions: list[LoopDecision] = []
         self._forgotten = 0
-        """Number of retired keyframes whose spaces, candidates and verdicts have been dropped."""
+        """Number of retired keyframes whose spaces, candidates and decisions have been dropped."""
         self._rooms: tuple[RoomInstance, ...] = ()
         self._previous: Observation | None
         self._selector: KeyframeSelector
@@ -167,7 +167,7 @@ class Slam:
         for id in range(len(map.keyframes)):
             keyframe, place = other.keyframe(id), other.place(id)
             if keyframe.anchor is None:
-                self._add(keyframe, place, other.loops(id), other.verdicts(id))
+                self._add(keyframe, place, other.loops(id), other.decisions(id))
             else:
                 assert place is not None
                 self._graph.add_retired(keyframe, place.T_beside_B)
@@ -223,14 +223,14 @@ class Slam:
         self._graph.resume(map.keyframes, map.T_W_B, map.loops, components)
         for keyframe in map.keyframes:
             self._take_views(keyframe)
-        self._candidates, self._verdicts = list(map.candidates), list(map.verdicts)
+        self._candidates, self._decisions = list(map.candidates), list(map.decisions)
 
     def _add(
         self,
         keyframe: Keyframe,
         place: KnownPlace | None = None,
         loops: Sequence[LoopEdge] = (),
-        verdicts: Sequence[Verdict] = (),
+        decisions: Sequence[LoopDecision] = (),
     ) -> None:
         """Add a keyframe to the graph, and close its loops. In a replay, its place and some of its loops may be known.
 
@@ -242,7 +242,7 @@ class Slam:
         self._take_views(keyframe)
         verified = self._close_loops(keyframe)
         if loops:
-            self._keep_loops(loops, verdicts, verified)
+            self._keep_loops(loops, decisions, verified)
         joined = self._join_components(keyframe)
         optimised = self._optimise() or joined
         due = optimised or len(self._graph.keyframes) % self._config.labels.every == 0
@@ -264,28 +264,28 @@ class Slam:
             return derive_by_component(views, self._graph.components, self._room_names, self._config, given)
 
     def _close_loops(self, query: Keyframe) -> Verification:
-        """Propose loop candidates, verify them by PnP, and add the loop edges. Returns the edges and the verdicts."""
+        """Propose loop candidates, verify them by PnP, and add the loop edges. Returns the edges and the decisions."""
         with self._timed("propose"):
             label = self._room_names[most_similar(self._similarities.rows[query.id].mean(axis=0))]
             candidates = self._propose(query, label, self._rooms, self._graph, self._config.place_recognition)
         with self._timed("verify"):
             verified = self._verify(query, candidates, self._graph, self._camera, self._config.verification)
         self._candidates.append((query.id, candidates))
-        self._verdicts.extend(verified.verdicts)
+        self._decisions.extend(verified.decisions)
         self._graph.add_loops(verified.edges)
         return verified
 
-    def _keep_loops(self, loops: Sequence[LoopEdge], verdicts: Sequence[Verdict], verified: Verification) -> None:
-        """Add known loops of the last keyframe that were not found again, and the verdicts on them.
+    def _keep_loops(self, loops: Sequence[LoopEdge], decisions: Sequence[LoopDecision], verified: Verification) -> None:
+        """Add known loops of the last keyframe that were not found again, and the decisions on them.
 
-        `verified` are the loops that were found, and their verdicts, which are the last ones so far.
+        `verified` are the loops that were found, and their decisions, which are the last ones so far.
         """
-        found, judged = ({one.match for one in ones} for ones in (verified.edges, verified.verdicts))
+        found, judged = ({one.match for one in ones} for ones in (verified.edges, verified.decisions))
         kept = [loop for loop in loops if loop.match not in found]
-        known = [verdict for verdict in verdicts if verdict.match not in judged]
+        known = [decision for decision in decisions if decision.match not in judged]
         self._graph.add_loops(kept)
-        self._verdicts[len(self._verdicts) - len(verified.verdicts) :] = [*with_support(verified.verdicts, kept), *known]
-        self._propose_more([verdict.match for verdict in known])
+        self._decisions[len(self._decisions) - len(verified.decisions) :] = [*with_support(verified.decisions, kept), *known]
+        self._propose_more([decision.match for decision in known])
 
     def _propose_more(self, matches: Sequence[int]) -> None:
         """Add candidates to those of the last keyframe."""
@@ -305,10 +305,10 @@ class Slam:
             found = self._verify(query, candidates, self._graph, self._camera, settings)
             agreed = self._relocaliser.agreed(found.edges, self._graph)
         self._propose_more(candidates)
-        self._verdicts.extend(without_support(found.verdicts))
+        self._decisions.extend(without_support(found.decisions))
         if not agreed:
             return False
-        self._verdicts = with_support(self._verdicts, agreed)
+        self._decisions = with_support(self._decisions, agreed)
         self._graph.join(agreed, shift_of(agreed[-1], self._graph))
         self._optimise(final=True)
         return True
@@ -330,7 +330,7 @@ class Slam:
             for id in new:
                 self._spaces[id] = spaces_in_view(keyframes[id], self._camera, self._config.sight)
         self._candidates = [found for found in self._candidates if keyframes[found[0]].anchor is None]
-        self._verdicts = [verdict for verdict in self._verdicts if keyframes[verdict.query].anchor is None]
+        self._decisions = [decision for decision in self._decisions if keyframes[decision.query].anchor is None]
 
     def _map(self) -> LexisMap:
         T_W_B = side_by_side(self._graph.T_W_B, self._graph.components)
@@ -345,6 +345,6 @@ class Slam:
             loops=tuple(self._graph.loops),
             loop_weights=self._graph.loop_weights,
             candidates=tuple(self._candidates),
-            verdicts=tuple(self._verdicts),
+            decisions=tuple(self._decisions),
             stage_seconds=dict(self._timed.seconds),
         )

@@ -201,7 +201,7 @@ LOOP_OUTCOMES: tuple[LoopOutcome, ...] = get_args(LoopOutcome)
 
 
 @dataclass(frozen=True)
-class Verdict:
+class LoopDecision:
     """What became of one loop candidate in verification, and the figures that decided. None: not determined."""
 
     query: int
@@ -315,8 +315,8 @@ class LexisMap:
     weight."""
     candidates: tuple[tuple[int, tuple[int, ...]], ...]
     """Pairs of a new keyframe's id and the ids of the earlier keyframes proposed as its loop candidates, best first."""
-    verdicts: tuple[Verdict, ...] = ()
-    """What became of the candidates, in the order of `candidates`. A verifier may leave the verdicts out."""
+    decisions: tuple[LoopDecision, ...] = ()
+    """What became of the candidates, in the order of `candidates`. A verifier may leave the decisions out."""
     stage_seconds: dict[str, float] = field(default_factory=dict)
     """Wall time spent in each stage of the pipeline [s], by the stage's name."""
 

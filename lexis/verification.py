@@ -30,7 +30,7 @@ from lexis.config import VerificationConfig
 from lexis.graph.pose_graph import PoseGraph
 from lexis.locator import Locator
 from lexis.maths.se3 import between, log, rotation_angle
-from lexis.types import Camera, Keyframe, LoopArrays, LoopEdge, LoopOutcome, Poses, Verdict
+from lexis.types import Camera, Keyframe, LoopArrays, LoopDecision, LoopEdge, LoopOutcome, Poses
 
 _NEIGHBOURS_M = 3.0
 """Two earlier keyframes are neighbours if the path between them is at most this long [m]."""
@@ -42,8 +42,8 @@ class Verification:
 
     edges: tuple[LoopEdge, ...]
     """The confirmed loop edges, those with the most inliers first."""
-    verdicts: tuple[Verdict, ...] = ()
-    """One verdict for every candidate, in the order of the candidates. A verifier may leave the verdicts out."""
+    decisions: tuple[LoopDecision, ...] = ()
+    """One decision for every candidate, in the order of the candidates. A verifier may leave the decisions out."""
 
 
 @runtime_checkable
@@ -60,7 +60,7 @@ class Verifier(Protocol):
 def verify(
     query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
 ) -> Verification:
-    """Return loop edges from a new keyframe to the candidates that pass verification, and a verdict on each candidate.
+    """Return loop edges from a new keyframe to the candidates that pass verification, and a decision on each candidate.
 
     A candidate passes if PnP confirms the loop and the loop is close enough to the current estimate of the poses.
 
@@ -76,7 +76,7 @@ def verify(
 
 
 def plausible(
-    located: Sequence[tuple[Verdict, LoopEdge | None]], graph: PoseGraph, config: VerificationConfig
+    located: Sequence[tuple[LoopDecision, LoopEdge | None]], graph: PoseGraph, config: VerificationConfig
 ) -> Verification:
     """Keep the loop edges of one new keyframe that are close to the current estimate of the poses.
 
@@ -84,23 +84,23 @@ def plausible(
     with the most inliers first.
 
     Args:
-        located: for every candidate, the verdict so far, and the loop edge if the candidate has been accepted. An edge whose
-            verdict does not state the number of cells counts as one that covers enough of the image.
+        located: for every candidate, the decision so far, and the loop edge if the candidate has been accepted. An edge
+            whose decision does not state the number of cells counts as one that covers enough of the image.
         graph: the current estimate of the poses.
         config: the tolerances, and the largest number of edges.
     """
-    judged = [(verdict if edge is None else _compared(verdict, edge, graph, config), edge) for verdict, edge in located]
-    fitting = [edge for verdict, edge in judged if edge is not None and verdict.outcome == "accepted"]
+    judged = [(decision if edge is None else _compared(decision, edge, graph, config), edge) for decision, edge in located]
+    fitting = [edge for decision, edge in judged if edge is not None and decision.outcome == "accepted"]
     agreeing = _agreeing(sorted(fitting, key=lambda edge: -edge.inliers), graph, config)
     kept = agreeing[: config.max_edges]
     outcomes: dict[int, LoopOutcome] = {edge.match: "contradicted" for edge in fitting}
     outcomes |= {edge.match: "surplus" for edge in agreeing}
     outcomes |= {edge.match: "accepted" for edge in kept}
-    verdicts = (replace(verdict, outcome=outcomes.get(verdict.match, verdict.outcome)) for verdict, _ in judged)
-    return Verification(tuple(kept), tuple(verdicts))
+    decisions = (replace(decision, outcome=outcomes.get(decision.match, decision.outcome)) for decision, _ in judged)
+    return Verification(tuple(kept), tuple(decisions))
 
 
-def _compared(verdict: Verdict, edge: LoopEdge, graph: PoseGraph, config: VerificationConfig) -> Verdict:
+def _compared(decision: LoopDecision, edge: LoopEdge, graph: PoseGraph, config: VerificationConfig) -> LoopDecision:
     """Refuse a loop that is far from the current estimate.
 
     The tolerance grows with the path between the two keyframes, as drift does. An uncertain loop must also be close to the
@@ -113,13 +113,13 @@ def _compared(verdict: Verdict, edge: LoopEdge, graph: PoseGraph, config: Verifi
     distance_m = float(np.linalg.norm(measured[:3, 3] - estimated[:3, 3]))
     angle_rad = float(rotation_angle(between(measured, estimated)))
     turned, shifted = angle_rad > config.gate_rad, distance_m >= config.uncertain_gate_m
-    few_cells = verdict.cells is not None and verdict.cells < config.min_cells_turned
-    outcome = verdict.outcome
+    few_cells = decision.cells is not None and decision.cells < config.min_cells_turned
+    outcome = decision.outcome
     if not within_drift(measured[None], estimated[None], np.array([path_m]), config)[0]:
         outcome = "far from the estimate"
     elif (turned and few_cells) or ((turned or shifted) and _is_uncertain(edge, config)):
         outcome = "uncertain pose"
-    return replace(verdict, outcome=outcome, misfit_m=distance_m, misfit_rad=angle_rad)
+    return replace(decision, outcome=outcome, misfit_m=distance_m, misfit_rad=angle_rad)
 
 
 def _is_uncertain(edge: LoopEdge, config: VerificationConfig) -> bool:

@@ -2,7 +2,7 @@ from .errors import SimError as SimError
 from .faults import parse_fault as parse_fault
 from .feature_sensor import FeatureSensor as FeatureSensor
 from .feature_sensor import load_features as load_features
-from .harness import CandidateVerdict as CandidateVerdict
+from .harness import CandidateDecision as CandidateDecision
 from .harness import Estimate as Estimate
 from .harness import EstimatedLoops as EstimatedLoops
 from .harness import Lexis as Lexis

@@ -16,7 +16,7 @@ from lexis.files.arrays import Arrays, Layout
 from lexis.inputs import DESCRIPTOR_BYTES, MAX_POSITION_M, MAX_STAMP_S, NORM_TOLERANCE, is_invertible, usable_covariances
 from lexis.map.other_views import pack_others, unpack_others
 from lexis.maths.se3 import is_rigid
-from lexis.types import LOOP_OUTCOMES, Features, Keyframe, Landmarks, LexisMap, LoopArrays, LoopEdge, Verdict
+from lexis.types import LOOP_OUTCOMES, Features, Keyframe, Landmarks, LexisMap, LoopArrays, LoopDecision, LoopEdge
 
 LAYOUT: Layout = {
     "session": ("i8", ("keyframes",)),
@@ -49,10 +49,10 @@ LAYOUT: Layout = {
     "candidate_query": ("i8", ("queries",)),
     "candidate_count": ("i8", ("queries",)),
     "candidate_match": ("i8", ("candidates",)),
-    "verdict_pair": ("i8", ("verdicts", 2)),
-    "verdict_outcome": ("i8", ("verdicts",)),
-    "verdict_counts": ("i8", ("verdicts", 3)),
-    "verdict_misfit": ("f8", ("verdicts", 2)),
+    "decision_pair": ("i8", ("decisions", 2)),
+    "decision_outcome": ("i8", ("decisions",)),
+    "decision_counts": ("i8", ("decisions", 3)),
+    "decision_misfit": ("f8", ("decisions", 2)),
 }
 """Type and shape of every array in `arrays.npz`."""
 
@@ -68,7 +68,7 @@ rows of `keypoints`."""
 _NO_ANCHOR = -1
 """Anchor in the arrays of a keyframe that has not retired."""
 _UNKNOWN = -1.0
-"""Value in the arrays for a figure of a verdict that was not determined."""
+"""Value in the arrays for a figure of a decision that was not determined."""
 _Number = TypeVar("_Number", int, float)
 
 
@@ -108,10 +108,10 @@ def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
         "candidate_query": [query for query, _ in map.candidates],
         "candidate_count": [len(matches) for _, matches in map.candidates],
         "candidate_match": [match for _, matches in map.candidates for match in matches],
-        "verdict_pair": [(v.query, v.match) for v in map.verdicts],
-        "verdict_outcome": [LOOP_OUTCOMES.index(v.outcome) for v in map.verdicts],
-        "verdict_counts": [_known((v.matches, v.inliers, v.cells)) for v in map.verdicts],
-        "verdict_misfit": [_known((v.misfit_m, v.misfit_rad)) for v in map.verdicts],
+        "decision_pair": [(v.query, v.match) for v in map.decisions],
+        "decision_outcome": [LOOP_OUTCOMES.index(v.outcome) for v in map.decisions],
+        "decision_counts": [_known((v.matches, v.inliers, v.cells)) for v in map.decisions],
+        "decision_misfit": [_known((v.misfit_m, v.misfit_rad)) for v in map.decisions],
     }
     return {name: _as_laid_out(name, column) for name, column in columns.items()} | pack_others(keyframes, features)
 
@@ -164,15 +164,15 @@ def unpack_candidates(arrays: Arrays) -> tuple[tuple[int, tuple[int, ...]], ...]
     return tuple((q, tuple(m.tolist())) for q, m in zip(arrays["candidate_query"].tolist(), matches, strict=True))
 
 
-def unpack_verdicts(arrays: Arrays) -> tuple[Verdict, ...]:
-    """Convert the arrays of a map back to verdicts on loop candidates. The arrays must have passed `check`."""
-    columns = (arrays[f"verdict_{name}"].tolist() for name in ("pair", "outcome", "counts", "misfit"))
-    verdicts = []
+def unpack_decisions(arrays: Arrays) -> tuple[LoopDecision, ...]:
+    """Convert the arrays of a map back to decisions on loop candidates. The arrays must have passed `check`."""
+    columns = (arrays[f"decision_{name}"].tolist() for name in ("pair", "outcome", "counts", "misfit"))
+    decisions = []
     for (query, match), outcome, counts, misfits in zip(*columns, strict=True):
         matches, inliers, cells = map(_if_known, counts)
         misfit_m, misfit_rad = map(_if_known, misfits)
-        verdicts.append(Verdict(query, match, LOOP_OUTCOMES[outcome], matches, inliers, cells, misfit_m, misfit_rad))
-    return tuple(verdicts)
+        decisions.append(LoopDecision(query, match, LOOP_OUTCOMES[outcome], matches, inliers, cells, misfit_m, misfit_rad))
+    return tuple(decisions)
 
 
 def check(arrays: Arrays) -> None:
@@ -219,10 +219,10 @@ def _check_references(arrays: Arrays) -> None:
         "loop_match": (0, n),
         "candidate_query": (0, n),
         "candidate_match": (0, n),
-        "verdict_pair": (0, n),
-        "verdict_outcome": (0, len(LOOP_OUTCOMES)),
-        "verdict_counts": (_UNKNOWN, np.inf),
-        "verdict_misfit": (_UNKNOWN, np.inf),
+        "decision_pair": (0, n),
+        "decision_outcome": (0, len(LOOP_OUTCOMES)),
+        "decision_counts": (_UNKNOWN, np.inf),
+        "decision_misfit": (_UNKNOWN, np.inf),
         "landmark_feature": (-1, max(len(arrays["keypoints"]), 1)),
         "loop_weight": (0.0, np.nextafter(1.0, 2.0)),
     }

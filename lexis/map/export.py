@@ -139,13 +139,13 @@ def _candidates(map: LexisMap, room_of: Mapping[int, str]) -> list[dict[str, Any
     weights = {(loop.query, loop.match): float(w) for loop, w in zip(map.loops, map.loop_weights, strict=True)}
     embeddings = [keyframe.embeddings.astype(np.float64) for keyframe in map.keyframes]
     return [
-        asdict(verdict)
+        asdict(decision)
         | {
-            "room": room_of.get(verdict.match),
-            "similarity": float((embeddings[verdict.query] @ embeddings[verdict.match].T).max()),
-            "weight": weights.get((verdict.query, verdict.match)),
+            "room": room_of.get(decision.match),
+            "similarity": float((embeddings[decision.query] @ embeddings[decision.match].T).max()),
+            "weight": weights.get((decision.query, decision.match)),
         }
-        for verdict in map.verdicts
+        for decision in map.decisions
     ]
 
 

@@ -16,7 +16,7 @@ from lexis.files.reading import FileKind, open_file, read_model
 from lexis.files.replace import replaced_folder
 from lexis.files.temporary_folder import recover
 from lexis.inputs import MAX_CAMERAS, MAX_NAME_LENGTH, MAX_ROOM_NAMES, check_camera, check_room_names
-from lexis.map.arrays import LAYOUT, check, pack, unpack_candidates, unpack_keyframes, unpack_loops, unpack_verdicts
+from lexis.map.arrays import LAYOUT, check, pack, unpack_candidates, unpack_decisions, unpack_keyframes, unpack_loops
 from lexis.map.other_views import LAYOUT as OF_OTHERS
 from lexis.types import EncoderId, LexisMap, RoomInstance
 
@@ -49,7 +49,7 @@ class _Encoder(BaseModel):
 class _Map(BaseModel):
     model_config = _STRICT
 
-    schema_version: Literal[6] = Field(alias="schema")
+    schema_version: Literal[7] = Field(alias="schema")
     arrays_sha256: Annotated[str, Field(max_length=64)]
     """Digest of `arrays.npz`, which tells whether both files belong together."""
     camera: CameraData
@@ -77,7 +77,7 @@ def save_map(map: LexisMap, directory: Path | str, features: bool = True) -> Non
 
 def _header(map: LexisMap, arrays_sha256: str) -> _Map:
     return _Map(
-        schema=6,
+        schema=7,
         arrays_sha256=arrays_sha256,
         camera=CameraData.of(map.camera),
         other_cameras=tuple(CameraData.of(other) for other in map.camera.others),
@@ -134,7 +134,7 @@ def _read_map(directory: Path) -> LexisMap:
         loops=unpack_loops(arrays),
         loop_weights=arrays["loop_weight"],
         candidates=unpack_candidates(arrays),
-        verdicts=unpack_verdicts(arrays),
+        decisions=unpack_decisions(arrays),
         stage_seconds=header.stage_seconds,
     )
 

@@ -42,7 +42,7 @@ def map_info(map: LexisMap) -> dict[str, Any]:
         "rooms": rooms,
         "loops": len(map.loops),
         "trusted_loops": int(is_trusted(map.loop_weights).sum()),
-        "candidates": dict(Counter(verdict.outcome for verdict in map.verdicts).most_common()),
+        "candidates": dict(Counter(decision.outcome for decision in map.decisions).most_common()),
         "room_names": list(map.room_names),
         "unused_room_names": list(unused_names(map.room_names, map.rooms)),
         "encoder": {"name": map.encoder.name, "fingerprint": map.encoder.fingerprint},

@@ -20,7 +20,7 @@ from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.se3 import inverse
 from lexis.maths.ties import reaches
 from lexis.place_recognition import most_similar_keyframes
-from lexis.types import Keyframe, LoopArrays, LoopEdge, LoopOutcome, Pose, Verdict
+from lexis.types import Keyframe, LoopArrays, LoopDecision, LoopEdge, LoopOutcome, Pose
 from lexis.verification import within_drift
 
 _ANY_M, _ANY_RAD = 1e9, 4.0
@@ -84,24 +84,24 @@ def shift_of(edge: LoopEdge, graph: PoseGraph) -> Pose:
     return np.asarray(graph.T_W_B[edge.match] @ edge.T_match_query @ inverse(graph.T_W_B[edge.query]))
 
 
-def without_support(verdicts: Sequence[Verdict]) -> list[Verdict]:
-    """Return the verdicts on candidates in other components, as long as their edges join nothing.
+def without_support(decisions: Sequence[LoopDecision]) -> list[LoopDecision]:
+    """Return the decisions on candidates in other components, as long as their edges join nothing.
 
     They say "unsupported" instead of "accepted", and have no misfits, because no estimate relates the components.
     """
     outcomes: dict[LoopOutcome, LoopOutcome] = {"accepted": "unsupported"}
     return [
-        replace(verdict, outcome=outcomes.get(verdict.outcome, verdict.outcome), misfit_m=None, misfit_rad=None)
-        for verdict in verdicts
+        replace(decision, outcome=outcomes.get(decision.outcome, decision.outcome), misfit_m=None, misfit_rad=None)
+        for decision in decisions
     ]
 
 
-def with_support(verdicts: Sequence[Verdict], edges: Sequence[LoopEdge]) -> list[Verdict]:
-    """Return verdicts in which the candidates are accepted whose edges have joined two components."""
+def with_support(decisions: Sequence[LoopDecision], edges: Sequence[LoopEdge]) -> list[LoopDecision]:
+    """Return decisions in which the candidates are accepted whose edges have joined two components."""
     joining = {(edge.query, edge.match) for edge in edges}
     return [
-        replace(verdict, outcome="accepted") if (verdict.query, verdict.match) in joining else verdict
-        for verdict in verdicts
+        replace(decision, outcome="accepted") if (decision.query, decision.match) in joining else decision
+        for decision in decisions
     ]
 
 

@@ -9,7 +9,7 @@ from lexis.graph.components import component_of, sessions_of
 from lexis.graph.pose_graph import KnownPlace
 from lexis.maths.se3 import between
 from lexis.maths.ties import rounded
-from lexis.types import Keyframe, LexisMap, LoopEdge, Verdict
+from lexis.types import Keyframe, LexisMap, LoopDecision, LoopEdge
 
 
 class RenumberedMap:
@@ -23,7 +23,7 @@ class RenumberedMap:
         for loop in map.loops:
             if self._sessions[loop.query] != self._sessions[loop.match]:
                 self._loops[loop.query].append(replace(loop, query=first + loop.query, match=first + loop.match))
-        self._verdicts = {(verdict.query, verdict.match): verdict for verdict in map.verdicts}
+        self._decisions = {(decision.query, decision.match): decision for decision in map.decisions}
 
     def keyframe(self, id: int) -> Keyframe:
         """Return the keyframe that has this id in the map, with its new numbers."""
@@ -55,8 +55,8 @@ class RenumberedMap:
         """Return the loop edges that lead from a keyframe to other sessions, which join the sessions."""
         return self._loops[id]
 
-    def verdicts(self, id: int) -> list[Verdict]:
-        """Return the verdicts on these loop edges, as far as the map has them."""
+    def decisions(self, id: int) -> list[LoopDecision]:
+        """Return the decisions on these loop edges, as far as the map has them."""
         pairs = [(id, loop.match - self._first) for loop in self._loops[id]]
-        old = [self._verdicts[pair] for pair in pairs if pair in self._verdicts]
-        return [replace(verdict, query=self._first + id, match=self._first + verdict.match) for verdict in old]
+        old = [self._decisions[pair] for pair in pairs if pair in self._decisions]
+        return [replace(decision, query=self._first + id, match=self._first + decision.match) for decision in old]

@@ -131,7 +131,7 @@ def _tried(
             rows.append(predictors([views[match] for match in matches], [views[query]] * len(matches)))
     found = np.array([edge is not None for _, edge in located], bool)
     edges = LoopArrays.of([edge for _, edge in located if edge is not None])
-    cells = np.array([verdict.cells for verdict, edge in located if edge is not None], int)
+    cells = np.array([decision.cells for decision, edge in located if edge is not None], int)
     errors, right, mistaken = judged(edges, views)
     measured = MeasuredEdges(log(errors).reshape(-1, 6), edges.covariance, edges.inliers, cells)
     false = ~right & ~mistaken

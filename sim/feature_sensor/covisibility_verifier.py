@@ -27,7 +27,7 @@ from scipy.special import expit, ndtri
 from lexis.config import VerificationConfig
 from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.se3 import between, exp, rotation_angle
-from lexis.types import Camera, Keyframe, LoopEdge, Pose, Verdict
+from lexis.types import Camera, Keyframe, LoopDecision, LoopEdge, Pose
 from lexis.verification import Verification, plausible
 from sim.feature_sensor.true_view import TrueView, covisibilities, mistaken_by
 
@@ -48,7 +48,7 @@ class MeasuredEdges:
     covariance: Float64[np.ndarray, "n 6 6"]
     inliers: Int[np.ndarray, "n"]
     cells: Int[np.ndarray, "n"]
-    """Numbers of image cells that contain an inlier, as in `lexis.types.Verdict`."""
+    """Numbers of image cells that contain an inlier, as in `lexis.types.LoopDecision`."""
 
     def __getitem__(self, rows: Int[np.ndarray, "k"] | Bool[np.ndarray, "n"]) -> "MeasuredEdges":
         return MeasuredEdges(*(getattr(self, field.name)[rows] for field in fields(self)))
@@ -166,8 +166,10 @@ class CovisibilityVerifier:
         ]
         return np.asarray(np.max(of_cameras, axis=0))
 
-    def _located(self, query: int, match: int, places: Sequence["_Place"], common: float) -> tuple[Verdict, LoopEdge | None]:
-        """Return the verdict on a candidate, and the edge to it or None.
+    def _located(
+        self, query: int, match: int, places: Sequence["_Place"], common: float
+    ) -> tuple[LoopDecision, LoopEdge | None]:
+        """Return the decision on a candidate, and the edge to it or None.
 
         The query is found at the first place whose limit exceeds a standard normal variable. The variable is partly
         `common`, which all candidates of a query share, because the results of real verification are correlated within a
@@ -181,12 +183,12 @@ class CovisibilityVerifier:
         if not found and rng.random() < self._model.false_rate:
             found, pool = [places[-1]], self._model.false_edges
         if not found:
-            return Verdict(query, match, "unconfirmed"), None
+            return LoopDecision(query, match, "unconfirmed"), None
         drawn = int(rng.integers(len(pool.inliers)))
         inliers, cells = int(pool.inliers[drawn]), int(pool.cells[drawn])
         T_match_query = found[0].T_match_query @ pool.error_motions[drawn]
         edge = LoopEdge(query, match, T_match_query, pool.covariance[drawn].copy(), inliers)
-        return Verdict(query, match, "accepted", inliers=inliers, cells=cells), edge
+        return LoopDecision(query, match, "accepted", inliers=inliers, cells=cells), edge
 
 
 class _Pair(NamedTuple):

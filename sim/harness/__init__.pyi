@@ -1,6 +1,6 @@
 from .adapters import Lexis as Lexis
 from .claims import Claim as Claim
-from .estimate import CandidateVerdict as CandidateVerdict
+from .estimate import CandidateDecision as CandidateDecision
 from .estimate import Estimate as Estimate
 from .estimate import EstimatedLoops as EstimatedLoops
 from .failures.blame_table import BlameTable as BlameTable

@@ -65,7 +65,7 @@ class EstimatedLoops:
 
 
 @dataclass(frozen=True)
-class CandidateVerdict:
+class CandidateDecision:
     """What became of one proposed revisit, and why."""
 
     query: int
@@ -108,8 +108,8 @@ class Estimate:
     candidates: tuple[tuple[int, tuple[int, ...]], ...] | None = None
     """Proposed revisits: for each query (a row of `frames`), the rows of the frames that may show the same place, the most
     similar first."""
-    verdicts: tuple[CandidateVerdict, ...] | None = None
-    """What became of proposed revisits. Only the report shows these verdicts; no figure depends on them."""
+    decisions: tuple[CandidateDecision, ...] | None = None
+    """What became of proposed revisits. Only the report shows these decisions; no figure depends on them."""
     similarities: Float64[np.ndarray, "n names"] | None = None
     """Similarity of every frame with every room name. The report shows the highest similarities of some frames."""
     encoder: str | None = None
@@ -133,13 +133,13 @@ class Estimate:
             _check_loops(self.loops)
         rows = [] if self.loops is None else [*self.loops.query.tolist(), *self.loops.match.tolist()]
         rows += [] if self.candidates is None else _candidate_rows(self.candidates)
-        rows += [] if self.verdicts is None else _verdict_rows(self.verdicts)
+        rows += [] if self.decisions is None else _decision_rows(self.decisions)
         object.__setattr__(self, "stage_seconds", _checked_stages(self.stage_seconds))
         if self.encoder is not None:
             _check_text("encoder", self.encoder)
         if rows and not 0 <= min(rows) <= max(rows) < n:
             found = f"rows {min(rows)} to {max(rows)}"
-            raise EstimateError(f"estimate: loops, candidates and verdicts refer to {found}; valid: 0 to {n - 1}")
+            raise EstimateError(f"estimate: loops, candidates and decisions refer to {found}; valid: 0 to {n - 1}")
         self._convert_arrays()
 
     def _convert_arrays(self) -> None:
@@ -194,25 +194,25 @@ def _is_list(value: object) -> TypeGuard[Sequence[Any]]:
     return isinstance(value, Sequence) or (isinstance(value, np.ndarray) and value.ndim > 0)
 
 
-def _verdict_rows(verdicts: object) -> list[int]:
-    """Return all rows that verdicts refer to. Raises `EstimateError` for anything but a sequence of `CandidateVerdict`."""
-    if not isinstance(verdicts, Sequence) or not all(isinstance(each, CandidateVerdict) for each in verdicts):
-        raise EstimateError(f"estimate: verdicts is {verdicts!r:.60}; valid: a tuple of CandidateVerdict")
-    for verdict in verdicts:
-        _check_text("reason of a verdict", verdict.reason)
-        if not isinstance(verdict.figures, Mapping):
+def _decision_rows(decisions: object) -> list[int]:
+    """Return all rows that decisions refer to. Raises `EstimateError` for anything but a sequence of `CandidateDecision`."""
+    if not isinstance(decisions, Sequence) or not all(isinstance(each, CandidateDecision) for each in decisions):
+        raise EstimateError(f"estimate: decisions is {decisions!r:.60}; valid: a tuple of CandidateDecision")
+    for decision in decisions:
+        _check_text("reason of a decision", decision.reason)
+        if not isinstance(decision.figures, Mapping):
             raise EstimateError(
-                f"estimate: figures of a verdict are {verdict.figures!r:.40}; valid: a mapping of names to numbers"
+                f"estimate: figures of a decision are {decision.figures!r:.40}; valid: a mapping of names to numbers"
             )
-        for name, value in verdict.figures.items():
-            _check_text("name of a figure of a verdict", name)
+        for name, value in decision.figures.items():
+            _check_text("name of a figure of a decision", name)
             if not isinstance(value, Real):
-                given = f"figures[{name!r:.40}] of a verdict is {value!r:.40}"
+                given = f"figures[{name!r:.40}] of a decision is {value!r:.40}"
                 raise EstimateError(f"estimate: {given}; valid: a number; leave unknown figures out")
     try:
-        return [index(row) for verdict in verdicts for row in (verdict.query, verdict.match)]
+        return [index(row) for decision in decisions for row in (decision.query, decision.match)]
     except TypeError:
-        raise EstimateError("estimate: query or match of a verdict is no whole number; valid: rows of frames") from None
+        raise EstimateError("estimate: query or match of a decision is no whole number; valid: rows of frames") from None
 
 
 def _checked_stages(seconds: object) -> Mapping[str, float]:

@@ -108,16 +108,16 @@ def _loops(run: Run) -> tuple[LoopMark, ...]:
 
 
 def _candidates(run: Run) -> tuple[CandidateMark, ...]:
-    verdicts = run.estimate.verdicts or ()
-    query = np.array([verdict.query for verdict in verdicts], int)
-    distances_m, angles_rad = separation(run.true_poses, query, np.array([verdict.match for verdict in verdicts], int))
+    decisions = run.estimate.decisions or ()
+    query = np.array([decision.query for decision in decisions], int)
+    distances_m, angles_rad = separation(run.true_poses, query, np.array([decision.match for decision in decisions], int))
     revisits = (distances_m <= PLACE_M) & (angles_rad <= PLACE_RAD)
-    truths = zip(verdicts, distances_m.tolist(), revisits.tolist(), strict=True)
+    truths = zip(decisions, distances_m.tolist(), revisits.tolist(), strict=True)
     return tuple(
         CandidateMark(
-            verdict.query, verdict.match, verdict.accepted, verdict.reason, _known(verdict.figures), distance_m, revisit
+            decision.query, decision.match, decision.accepted, decision.reason, _known(decision.figures), distance_m, revisit
         )
-        for verdict, distance_m, revisit in truths
+        for decision, distance_m, revisit in truths
     )
 
 

@@ -72,7 +72,7 @@ def _restored(
 ) -> Estimate:
     """Convert an estimate for changed observations to an estimate for the unchanged observations.
 
-    If several frames show one observation, only the last of these frames is kept. Candidates and verdicts are left out.
+    If several frames show one observation, only the last of these frames is kept. Candidates and decisions are left out.
     """
     frames, from_end = np.unique(given[estimate.frames][::-1], return_index=True)
     last = len(estimate.frames) - 1 - from_end
@@ -94,7 +94,7 @@ def _restored(
         floors=None if estimate.floors is None else estimate.floors[last],
         loops=_moved(estimate.loops, new_row, change.T_B_N),
         candidates=None,
-        verdicts=None,
+        decisions=None,
         similarities=similarities,
     )
 

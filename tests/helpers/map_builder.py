@@ -15,9 +15,9 @@ from lexis.types import (
     Keyframe,
     Landmarks,
     LexisMap,
+    LoopDecision,
     LoopEdge,
     RoomInstance,
-    Verdict,
 )
 
 CAMERA = Camera(Intrinsics(480, 360, 200.0, 200.0, 239.5, 179.5), np.eye(4))
@@ -56,13 +56,13 @@ def keyframe(rng, i, pose):
 
 
 def accepted(query, match):
-    """The verdict on a loop candidate that became an edge."""
-    return Verdict(query, match, "accepted", matches=40, inliers=20, cells=7, misfit_m=0.25, misfit_rad=0.125)
+    """The decision on a loop candidate that became an edge."""
+    return LoopDecision(query, match, "accepted", matches=40, inliers=20, cells=7, misfit_m=0.25, misfit_rad=0.125)
 
 
 def few(query, match):
-    """The verdict on a loop candidate without enough matches."""
-    return Verdict(query, match, "few matches", matches=3)
+    """The decision on a loop candidate without enough matches."""
+    return LoopDecision(query, match, "few matches", matches=3)
 
 
 def build_map(positions, labels, rooms, room_names, rng, loops=(), weights=(), refused=()):
@@ -93,7 +93,7 @@ def build_map(positions, labels, rooms, room_names, rng, loops=(), weights=(), r
         loops=tuple(LoopEdge(q, m, random_pose(rng, (0.1, 0, 0)), covariance(rng), 20) for q, m in loops),
         loop_weights=np.array(weights, float),
         candidates=tuple((q, (m, *refused)) for q, m in loops),
-        verdicts=tuple(verdict for q, m in loops for verdict in (accepted(q, m), *(few(q, other) for other in refused))),
+        decisions=tuple(decision for q, m in loops for decision in (accepted(q, m), *(few(q, other) for other in refused))),
         stage_seconds={"encode": 1.5},
     )
 

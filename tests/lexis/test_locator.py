@@ -96,8 +96,8 @@ def test_the_covariance_is_that_of_repeated_measurements(true, world):
 def test_cameras_that_look_in_other_directions_by_the_estimate_are_not_compared(world):
     """If the estimate is turned by half a turn, no pair of cameras can both overlap by the estimate and in truth."""
     turned = se3.exp(np.array([0.0, 0.0, np.pi / 2, 0.0, 0.0, 0.0])) @ HERE
-    (verdict,) = verified(FRONT_REAR, HERE, world, estimated=turned).verdicts
-    assert (verdict.outcome, verdict.matches) == ("few matches", 0)
+    (decision,) = verified(FRONT_REAR, HERE, world, estimated=turned).decisions
+    assert (decision.outcome, decision.matches) == ("few matches", 0)
     anywhere = replace(CONFIG, gate_rad=4.0, gate_m=1e9)
     assert len(verified(FRONT_REAR, HERE, world, anywhere, estimated=turned).edges) == 1
 
@@ -105,8 +105,8 @@ def test_cameras_that_look_in_other_directions_by_the_estimate_are_not_compared(
 def test_the_same_key_points_in_another_arrangement_are_refused(world, rng):
     points, descriptors = world
     match = keyframe(0, FRONT_REAR, np.eye(4), (rng.permutation(points), descriptors))
-    (verdict,) = verified(FRONT_REAR, HERE, world, match=match).verdicts
-    assert verdict.outcome == "few inliers" and verdict.matches > 40
+    (decision,) = verified(FRONT_REAR, HERE, world, match=match).decisions
+    assert decision.outcome == "few inliers" and decision.matches > 40
 
 
 def test_one_image_alone_has_to_confirm_a_loop(world):
@@ -123,6 +123,6 @@ def test_one_image_alone_has_to_confirm_a_loop(world):
         return replace(whole, landmarks=few(first, front), others=others)
 
     config = replace(CONFIG, min_cells=1)
-    (spread,) = verified(FRONT_REAR, np.eye(4), world, config, match=match(12, 12)).verdicts
-    (alone,) = verified(FRONT_REAR, np.eye(4), world, config, match=match(18, 2)).verdicts
+    (spread,) = verified(FRONT_REAR, np.eye(4), world, config, match=match(12, 12)).decisions
+    (alone,) = verified(FRONT_REAR, np.eye(4), world, config, match=match(18, 2)).decisions
     assert (spread.outcome, alone.outcome) == ("few inliers", "accepted") and spread.inliers > alone.inliers

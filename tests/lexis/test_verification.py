@@ -8,7 +8,7 @@ from lexis.config import PoseGraphConfig, VerificationConfig
 from lexis.graph.pose_graph import PoseGraph
 from lexis.maths import se3
 from lexis.maths.projection import project
-from lexis.types import Features, Intrinsics, Keyframe, Landmarks, LoopEdge, Verdict
+from lexis.types import Features, Intrinsics, Keyframe, Landmarks, LoopDecision, LoopEdge
 from lexis.verification import plausible, verify
 
 CONFIG = VerificationConfig(ray_sigma_rad=1.5 / FORWARD_CAMERA.intrinsics.fx)
@@ -120,7 +120,7 @@ def test_heights_have_to_fit_better_than_places_because_they_drift_less(world, t
         moved = poses[2].copy()
         moved[:3, 3] += off
         edge = LoopEdge(2, 0, se3.between(poses[0], moved), 1e-4 * np.eye(6), 50)
-        assert bool(plausible([(Verdict(2, 0, "accepted"), edge)], graph, VerificationConfig()).edges) is accepted
+        assert bool(plausible([(LoopDecision(2, 0, "accepted"), edge)], graph, VerificationConfig()).edges) is accepted
 
 
 def test_another_place_is_refused(world, true, rng):
@@ -171,14 +171,14 @@ def test_a_loop_with_inliers_in_few_cells_may_shift_the_estimate_but_not_turn_it
     drift = se3.exp(np.array([0.0, 0.0, angle, 0.4, 0.0, 0.0]))
     match, query = keyframe(0, np.eye(4), points, descriptors), keyframe(1, drift @ true, points, descriptors, T_true=true)
 
-    def verdict(**settings):
-        (found,) = verify(query, [0], graph_of(match, query), FORWARD_CAMERA, replace(CONFIG, **settings)).verdicts
+    def decision(**settings):
+        (found,) = verify(query, [0], graph_of(match, query), FORWARD_CAMERA, replace(CONFIG, **settings)).decisions
         return found
 
-    cells = verdict(gate_rad_m=0.05).cells
+    cells = decision(gate_rad_m=0.05).cells
     assert cells > CONFIG.min_cells
-    assert verdict(gate_rad_m=0.05, min_cells_turned=cells).outcome == "accepted"
-    turned = verdict(gate_rad_m=0.05, min_cells_turned=cells + 1).outcome
+    assert decision(gate_rad_m=0.05, min_cells_turned=cells).outcome == "accepted"
+    turned = decision(gate_rad_m=0.05, min_cells_turned=cells + 1).outcome
     assert turned == ("uncertain pose" if angle > CONFIG.gate_rad else "accepted")
 
 
@@ -203,7 +203,7 @@ def test_an_uncertain_loop_may_confirm_the_estimate_but_not_change_it_however_lo
 
     def outcome(sigma):
         edge = LoopEdge(2, 0, measured, sigma**2 * np.eye(6), 50)
-        return plausible([(Verdict(2, 0, "accepted"), edge)], graph, VerificationConfig()).verdicts[0].outcome
+        return plausible([(LoopDecision(2, 0, "accepted"), edge)], graph, VerificationConfig()).decisions[0].outcome
 
     assert outcome(0.01) == "accepted"
     assert outcome(0.1) == ("accepted" if accepted else "uncertain pose")
@@ -248,33 +248,33 @@ def test_the_edge_does_not_depend_on_the_last_bits_of_landmarks(world, true, rng
         assert (edge.T_match_query == expected.T_match_query).all() and edge.inliers == expected.inliers
 
 
-def test_every_candidate_gets_a_verdict_that_says_why(world, true, rng):
+def test_every_candidate_gets_a_decision_that_says_why(world, true, rng):
     points, descriptors = world
     other = rng.integers(0, 256, descriptors.shape, np.uint8)
     poster = np.array([5.0, 1.0, 0.5]) + 0.05 * (points - points.mean(axis=0))
 
-    def verdict(seen, known=descriptors, query_points=None, drift=None, config=CONFIG):
+    def decision(seen, known=descriptors, query_points=None, drift=None, config=CONFIG):
         match = keyframe(0, np.eye(4), seen, known)
         estimated = true if drift is None else drift @ true
         query = keyframe(1, estimated, seen if query_points is None else query_points, descriptors, T_true=true)
         verified = verify(query, [0], graph_of(match, query), FORWARD_CAMERA, config)
-        (found,) = verified.verdicts
+        (found,) = verified.decisions
         assert (found.query, found.match) == (1, 0)
         assert len(verified.edges) == (found.outcome == "accepted")
         return found
 
-    good = verdict(points)
+    good = decision(points)
     assert good.outcome == "accepted" and good.matches == good.inliers == 80 and good.cells >= CONFIG.min_cells
     assert good.misfit_m < 1e-3 and good.misfit_rad < 1e-3
-    assert verdict(points, other).outcome == "few matches"
-    scattered = verdict(points, query_points=rng.permutation(points))
+    assert decision(points, other).outcome == "few matches"
+    scattered = decision(points, query_points=rng.permutation(points))
     assert scattered.outcome == "few inliers" and scattered.inliers < CONFIG.min_inliers <= scattered.matches
-    crowded = verdict(poster)
+    crowded = decision(poster)
     assert crowded.outcome == "crowded inliers" and crowded.cells < CONFIG.min_cells and crowded.misfit_m is None
     aside = se3.exp(np.array([0.0, 0.0, 0.0, 0.4, 0.0, 0.0]))
-    assert verdict(points * 8.0, drift=aside).outcome == "uncertain pose"
-    assert verdict(points, drift=aside).outcome == verdict(points * 8.0).outcome == "accepted"
-    far = verdict(points, drift=se3.exp(np.array([0.0, 0.0, 0.0, 3.0, 0.0, 0.0])))
+    assert decision(points * 8.0, drift=aside).outcome == "uncertain pose"
+    assert decision(points, drift=aside).outcome == decision(points * 8.0).outcome == "accepted"
+    far = decision(points, drift=se3.exp(np.array([0.0, 0.0, 0.0, 3.0, 0.0, 0.0])))
     assert far.outcome == "far from the estimate" and far.misfit_m == pytest.approx(3.0, abs=0.01)
 
 
@@ -284,7 +284,7 @@ def test_candidates_with_fewer_inliers_than_the_best_are_surplus(world, true):
     query = keyframe(5, true, points, descriptors)
     config = replace(CONFIG, pool=0, max_edges=2)
     verified = verify(query, range(5), graph_of(*earlier, query), FORWARD_CAMERA, config)
-    assert [verdict.outcome for verdict in verified.verdicts] == ["surplus"] * 3 + ["accepted"] * 2
+    assert [decision.outcome for decision in verified.decisions] == ["surplus"] * 3 + ["accepted"] * 2
     assert {edge.match for edge in verified.edges} == {3, 4}
 
 
@@ -297,9 +297,9 @@ def judged(world, true, errors_m, inliers, order=None, step_m=0.5, config=CONSIS
     located = []
     for i in range(count) if order is None else order:
         measured = se3.between(poses[i], true) @ se3.exp(np.array([0.0, 0.0, 0.0, errors_m[i], 0.0, 0.0]))
-        located.append((Verdict(count, i, "accepted"), LoopEdge(count, i, measured, covariance, inliers[i])))
+        located.append((LoopDecision(count, i, "accepted"), LoopEdge(count, i, measured, covariance, inliers[i])))
     verified = plausible(located, graph, config)
-    outcomes = {verdict.match: verdict.outcome for verdict in verified.verdicts}
+    outcomes = {decision.match: decision.outcome for decision in verified.decisions}
     assert {edge.match for edge in verified.edges} == {match for match, outcome in outcomes.items() if outcome == "accepted"}
     return outcomes
 
@@ -341,8 +341,8 @@ def test_loops_to_two_sessions_are_not_compared_because_nobody_walked_from_one_t
     )
     off = se3.exp(np.array([0.0, 0.0, 0.0, 0.3, 0.0, 0.0]))
     edges = [LoopEdge(4, 1, true, covariance, 50), LoopEdge(4, 3, true @ off, covariance, 40)]
-    verified = plausible([(Verdict(4, edge.match, "accepted"), edge) for edge in edges], graph, CONSISTENT)
-    assert [verdict.outcome for verdict in verified.verdicts] == ["accepted", "accepted"]
+    verified = plausible([(LoopDecision(4, edge.match, "accepted"), edge) for edge in edges], graph, CONSISTENT)
+    assert [decision.outcome for decision in verified.decisions] == ["accepted", "accepted"]
 
 
 def test_by_default_loops_are_not_compared_with_each_other(world, true):

@@ -60,13 +60,13 @@ def _metadata(map: LexisMap) -> _Json:
     names = [[i, name] for i, name in enumerate(map.room_names)]
     others = [CameraData.of(other).model_dump(mode="json") for other in map.camera.others]
     own = {
-        "schema": 1,
+        "schema": 2,
         "camera": CameraData.of(map.camera).model_dump(mode="json"),
         **({"other_cameras": others} if others else {}),
         "encoder": asdict(map.encoder),
         "room_names": list(map.room_names),
         "candidates": map.candidates,
-        "verdicts": [asdict(verdict) for verdict in map.verdicts],
+        "decisions": [asdict(decision) for decision in map.decisions],
         "stage_seconds": map.stage_seconds,
     }
     spaces = {f"_l{layer.level}p{layer.partition}": names for layer in (ROOMS, PLACES)}

@@ -82,8 +82,8 @@ class EncoderData(BaseModel):
     fingerprint: Annotated[str, Field(max_length=10_000)]
 
 
-class VerdictData(BaseModel):
-    """A verdict on a loop candidate; see `lexis.types.Verdict`."""
+class DecisionData(BaseModel):
+    """A decision on a loop candidate; see `lexis.types.LoopDecision`."""
 
     model_config = _STRICT
 
@@ -102,14 +102,14 @@ class GraphData(BaseModel):
 
     model_config = _STRICT
 
-    schema_version: Literal[1] = Field(alias="schema")
+    schema_version: Literal[2] = Field(alias="schema")
     camera: CameraData
     other_cameras: tuple[CameraData, ...] = Field((), max_length=MAX_CAMERAS - 1)
     """The further cameras of a rig. Files of a single camera do not state them."""
     encoder: EncoderData
     room_names: tuple[Name, ...] = Field(min_length=1, max_length=MAX_ROOM_NAMES)
     candidates: tuple[tuple[Id, tuple[Id, ...]], ...] = Field(max_length=_MANY)
-    verdicts: tuple[VerdictData, ...] = Field(max_length=100 * _MANY)
+    decisions: tuple[DecisionData, ...] = Field(max_length=100 * _MANY)
     stage_seconds: dict[str, float] = Field(max_length=100)
 
 

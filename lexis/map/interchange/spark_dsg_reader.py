@@ -37,10 +37,10 @@ from lexis.types import (
     Keyframe,
     Landmarks,
     LexisMap,
+    LoopDecision,
     LoopEdge,
     Poses,
     RoomInstance,
-    Verdict,
 )
 
 _FILE = FileKind(
@@ -87,7 +87,7 @@ def _map(file: GraphFile) -> LexisMap:
         loops=tuple(_loop(loop) for loop in loops),
         loop_weights=np.array([loop.weight for loop in loops], float),
         candidates=own.candidates,
-        verdicts=tuple(Verdict(**vars(verdict)) for verdict in own.verdicts),
+        decisions=tuple(LoopDecision(**vars(decision)) for decision in own.decisions),
         stage_seconds=own.stage_seconds,
     )
 

@@ -72,7 +72,7 @@ PLACE_MUTANTS = (
     Mutant(
         "loops that turn the estimate count even if their inliers lie in a small part of the image",
         "verification.py",
-        "few_cells = verdict.cells is not None and verdict.cells < config.min_cells_turned",
+        "few_cells = decision.cells is not None and decision.cells < config.min_cells_turned",
         "few_cells = False",
     ),
     Mutant(

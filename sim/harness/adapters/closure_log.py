@@ -9,14 +9,14 @@ from lexis.config import PlaceRecognitionConfig, PoseGraphConfig, VerificationCo
 from lexis.graph.graph_optimisation import loop_weights
 from lexis.graph.pose_graph import PoseGraph
 from lexis.place_recognition import PlaceRecogniser
-from lexis.types import Camera, Keyframe, LexisMap, LoopEdge, RoomInstance, Verdict
+from lexis.types import Camera, Keyframe, LexisMap, LoopDecision, LoopEdge, RoomInstance
 from lexis.verification import Verification, Verifier
 
 
 class ClosureLog:
     """Records the results of two stages of LEXIS: place recognition and verification.
 
-    A keyframe that retires from the pose graph gives up its loop edges, candidates and verdicts, which keeps the map small
+    A keyframe that retires from the pose graph gives up its loop edges, candidates and decisions, which keeps the map small
     (see `lexis.graph.thinning`). The harness judges all that LEXIS did, at every keyframe, and needs this record for it.
     """
 
@@ -25,7 +25,7 @@ class ClosureLog:
         self._propose, self._verify = place_recogniser, verifier
         self._candidates: list[tuple[int, tuple[int, ...]]] = []
         self._edges: list[LoopEdge] = []
-        self._verdicts: list[Verdict] = []
+        self._decisions: list[LoopDecision] = []
 
     def propose(
         self, query: Keyframe, label: str, rooms: Sequence[RoomInstance], graph: PoseGraph, config: PlaceRecognitionConfig
@@ -46,7 +46,7 @@ class ClosureLog:
         verified = self._verify(query, candidates, graph, camera, config)
         if not graph.is_split:
             self._edges += verified.edges
-            self._verdicts += verified.verdicts
+            self._decisions += verified.decisions
         return verified
 
     def completed(self, map: LexisMap, config: PoseGraphConfig) -> LexisMap:
@@ -63,11 +63,11 @@ class ClosureLog:
         weights = np.append(map.loop_weights, loop_weights(map.T_W_B, given_up, config))
         order = np.argsort([loop.query for loop in loops], kind="stable")
         candidates = (*map.candidates, *(found for found in self._candidates if found[0] in retired))
-        verdicts = (*map.verdicts, *(verdict for verdict in self._verdicts if verdict.query in retired))
+        decisions = (*map.decisions, *(decision for decision in self._decisions if decision.query in retired))
         return replace(
             map,
             loops=tuple(loops[k] for k in order),
             loop_weights=weights[order],
             candidates=tuple(sorted(candidates, key=lambda found: found[0])),
-            verdicts=tuple(sorted(verdicts, key=lambda verdict: verdict.query)),
+            decisions=tuple(sorted(decisions, key=lambda decision: decision.query)),
         )

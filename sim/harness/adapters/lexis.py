@@ -15,12 +15,12 @@ from lexis.place_recognition import PlaceRecogniser, propose
 from lexis.planning import PathPlanner
 from lexis.semantics import Labeller
 from lexis.slam import Slam
-from lexis.types import Camera, LexisMap, LoopArrays, Observation, Verdict
+from lexis.types import Camera, LexisMap, LoopArrays, LoopDecision, Observation
 from lexis.verification import Verifier, verify
 from sim.feature_sensor.oracle import Oracle
 from sim.fidelity import ORACLE
 from sim.harness.adapters.closure_log import ClosureLog
-from sim.harness.estimate import CandidateVerdict, Estimate, EstimatedLoops
+from sim.harness.estimate import CandidateDecision, Estimate, EstimatedLoops
 from sim.harness.slam_under_test import FeatureInput
 
 
@@ -115,7 +115,7 @@ class Lexis:
     def finish(self) -> Estimate:
         """Complete the map, and return its contents as the estimate that the harness compares with the truth.
 
-        The estimate also contains the loops, candidates and verdicts that retired keyframes have given up.
+        The estimate also contains the loops, candidates and decisions that retired keyframes have given up.
         """
         self._map = self._running.finish()
         assert self._log is not None
@@ -150,23 +150,23 @@ def estimate_of(map: LexisMap) -> Estimate:
         floors=map.floors,
         loops=EstimatedLoops(loops.query, loops.match, loops.T_match_query, map.loop_weights),
         candidates=map.candidates,
-        verdicts=tuple(_verdict(verdict) for verdict in map.verdicts) or None,
+        decisions=tuple(_decision(decision) for decision in map.decisions) or None,
         similarities=map.similarities,
         encoder=map.encoder.name,
         stage_seconds=map.stage_seconds,
     )
 
 
-def _verdict(verdict: Verdict) -> CandidateVerdict:
+def _decision(decision: LoopDecision) -> CandidateDecision:
     figures = {
-        "matches": verdict.matches,
-        "inliers": verdict.inliers,
-        "image cells": verdict.cells,
-        "misfit [m]": verdict.misfit_m,
-        "misfit [rad]": verdict.misfit_rad,
+        "matches": decision.matches,
+        "inliers": decision.inliers,
+        "image cells": decision.cells,
+        "misfit [m]": decision.misfit_m,
+        "misfit [rad]": decision.misfit_rad,
     }
     known = {name: float(value) for name, value in figures.items() if value is not None}
-    return CandidateVerdict(verdict.query, verdict.match, verdict.outcome == "accepted", verdict.outcome, known)
+    return CandidateDecision(decision.query, decision.match, decision.outcome == "accepted", decision.outcome, known)
 
 
 @lru_cache(maxsize=1)

@@ -170,8 +170,8 @@ def rewritten(folder, **changes):
     ("changes", "says"),
     [
         ({"labels": np.full(40, 7)}, "labels"),
-        ({"verdict_outcome": np.full(6, len(LOOP_OUTCOMES))}, "verdict_outcome"),
-        ({"verdict_counts": np.full((6, 3), -2)}, "verdict_counts"),
+        ({"decision_outcome": np.full(6, len(LOOP_OUTCOMES))}, "decision_outcome"),
+        ({"decision_counts": np.full((6, 3), -2)}, "decision_counts"),
         ({"labels": np.zeros(39, int)}, "labels"),
         ({"labels": np.zeros(40)}, "labels"),
         ({"T_W_B": None}, "lacks the arrays T_W_B"),

@@ -20,7 +20,7 @@ from lexis.merging import merge
 from lexis.planning import PathPlanner
 from lexis.sessions.relocalisation import at_any_distance, with_support
 from lexis.slam import Slam
-from lexis.types import EncoderId, Features, LoopEdge, Observation, Percept, Verdict
+from lexis.types import EncoderId, Features, LoopDecision, LoopEdge, Observation, Percept
 from lexis.verification import Verification, plausible
 
 ROOMS = ("office", "kitchen")
@@ -81,7 +81,7 @@ def verifier(wrong=frozenset(), shift=MOVED):
             if query.observation_index in wrong and graph.keyframes[match].session != query.session:
                 turned = se3.exp(np.array([0.0, 0.0, 0.3 * query.id, 0.0, 2.0 * query.id, 0.0]))
                 edge = replace(edge, T_match_query=edge.T_match_query @ turned)
-            located.append((Verdict(query.id, match, "accepted"), edge))
+            located.append((LoopDecision(query.id, match, "accepted"), edge))
         return plausible(located, graph, config)
 
     return check
@@ -155,9 +155,9 @@ def candidates_of(lexis_map):
 
 def test_a_joined_map_tells_what_became_of_every_loop_candidate(first):
     joined = second(first, verifier())
-    assert [(verdict.query, verdict.match) for verdict in joined.verdicts] == candidates_of(joined)
+    assert [(decision.query, decision.match) for decision in joined.decisions] == candidates_of(joined)
     assert_each_query_has_one_entry(joined)
-    accepted = {(verdict.query, verdict.match) for verdict in joined.verdicts if verdict.outcome == "accepted"}
+    accepted = {(decision.query, decision.match) for decision in joined.decisions if decision.outcome == "accepted"}
     assert accepted == {(loop.query, loop.match) for loop in joined.loops}
     assert any(query >= FIRST > match for query, match in accepted)
 
@@ -165,10 +165,10 @@ def test_a_joined_map_tells_what_became_of_every_loop_candidate(first):
 def test_edges_that_contradict_each_other_never_join(first, tmp_path):
     apart = second(first, verifier(wrong=range(FIRST, FIRST + SECOND)))
     assert sessions_apart(apart) == [1]
-    assert [(verdict.query, verdict.match) for verdict in apart.verdicts] == candidates_of(apart)
-    across = [verdict for verdict in apart.verdicts if verdict.query >= FIRST > verdict.match]
-    assert {verdict.outcome for verdict in across} == {"unsupported", "surplus"}
-    assert {verdict.misfit_m for verdict in across} == {None}  # the poses share no frame
+    assert [(decision.query, decision.match) for decision in apart.decisions] == candidates_of(apart)
+    across = [decision for decision in apart.decisions if decision.query >= FIRST > decision.match]
+    assert {decision.outcome for decision in across} == {"unsupported", "surplus"}
+    assert {decision.misfit_m for decision in across} == {None}  # the poses share no frame
     save_map(apart, tmp_path / "map")
     assert_same(load_map(tmp_path / "map"), apart)
 
@@ -183,8 +183,8 @@ def test_uncertain_edges_are_refused_where_no_estimate_relates_the_components(of
     T[0, 3] = off_m
     for sigma_m, outcome in ((0.01, "accepted"), (0.2, "uncertain pose")):
         edge = LoopEdge(1, 0, T, sigma_m**2 * np.eye(6), 50)
-        verified = plausible([(Verdict(1, 0, "accepted"), edge)], graph, at_any_distance(Config().verification))
-        assert verified.verdicts[0].outcome == outcome
+        verified = plausible([(LoopDecision(1, 0, "accepted"), edge)], graph, at_any_distance(Config().verification))
+        assert verified.decisions[0].outcome == outcome
 
 
 def test_wrong_edges_do_not_keep_a_session_from_being_joined(first):
@@ -271,20 +271,20 @@ def test_sessions_that_the_second_map_has_joined_stay_joined_in_a_merged_map(fir
     across = {(30 + loop.query, 30 + loop.match) for loop in joined.loops if loop.query >= FIRST > loop.match}
     loops = {(loop.query, loop.match) for loop in merged.loops}
     assert across == {(query, match) for query, match in loops if query >= 30 + FIRST > match}
-    assert {(verdict.query, verdict.match) for verdict in merged.verdicts if verdict.outcome == "accepted"} == {
+    assert {(decision.query, decision.match) for decision in merged.decisions if decision.outcome == "accepted"} == {
         (query, match) for query, match in loops if query - 30 not in anchors
     }
-    assert {(verdict.query, verdict.match) for verdict in merged.verdicts} <= set(candidates_of(merged))
+    assert {(decision.query, decision.match) for decision in merged.decisions} <= set(candidates_of(merged))
     assert_each_query_has_one_entry(merged)
 
 
-def test_a_loop_of_a_replayed_keyframe_leaves_the_verdicts_on_other_keyframes_alone(first, monkeypatch):
-    """Going through all verdicts for each loop would take a time that grows with the square of the map's length."""
+def test_a_loop_of_a_replayed_keyframe_leaves_the_decisions_on_other_keyframes_alone(first, monkeypatch):
+    """Going through all decisions for each loop would take a time that grows with the square of the map's length."""
     joined, looked_at = second(first, verifier()), []
 
-    def recorded(verdicts, edges):
-        looked_at.append(({verdict.query for verdict in verdicts}, {edge.query for edge in edges}))
-        return with_support(verdicts, edges)
+    def recorded(decisions, edges):
+        looked_at.append(({decision.query for decision in decisions}, {edge.query for edge in edges}))
+        return with_support(decisions, edges)
 
     monkeypatch.setattr("lexis.slam.with_support", recorded)
     merge(walk(range(30), verifier()).finish(), joined, Encoder(), verifier=without_second)

@@ -94,7 +94,7 @@ def test_landmarks_loops_candidates_and_spaces_are_those_of_active_keyframes(wal
     kept = {keyframe.id for keyframe in active(slam.map)}
     assert {keyframe.id for keyframe in slam.map.keyframes if len(keyframe.points)} <= kept
     assert {loop.query for loop in slam.map.loops} | {query for query, _ in slam.map.candidates} <= kept
-    assert {verdict.query for verdict in slam.map.verdicts} <= kept
+    assert {decision.query for decision in slam.map.decisions} <= kept
     spaces = slam._running._spaces
     assert [id for id, views in enumerate(spaces) if sum(len(view.weights) for view in views)] == sorted(kept)
 
@@ -104,8 +104,8 @@ def test_the_estimates_contain_what_retired_keyframes_have_given_up(walked):
     estimates = finished.estimate
     assert [query for query, _ in estimates.candidates] == list(range(len(slam.map.keyframes)))
     proposed = {(query, match) for query, matches in estimates.candidates for match in matches}
-    accepted = {(verdict.query, verdict.match) for verdict in estimates.verdicts if verdict.accepted}
-    assert {(verdict.query, verdict.match) for verdict in estimates.verdicts} == proposed
+    accepted = {(decision.query, decision.match) for decision in estimates.decisions if decision.accepted}
+    assert {(decision.query, decision.match) for decision in estimates.decisions} == proposed
     loops = list(zip(estimates.loops.query.tolist(), estimates.loops.match.tolist(), strict=True))
     assert set(loops) == accepted and len(loops) == len(accepted) > 2 * len(slam.map.loops)
     weights = dict(zip(loops, estimates.loops.weights.tolist(), strict=True))
@@ -135,7 +135,7 @@ def test_the_thinned_map_is_saved_and_loaded_relabelled_and_planned_in(thinned, 
 
 def test_a_session_that_continues_the_map_begins_with_the_same_map(thinned):
     continued = Slam(thinned.camera, Oracle(), thinned.room_names, map=thinned).snapshot()
-    for name in ("keyframes", "rooms", "labels", "floors", "loops", "candidates", "verdicts"):
+    for name in ("keyframes", "rooms", "labels", "floors", "loops", "candidates", "decisions"):
         assert_same(getattr(continued, name), getattr(thinned, name))
     np.testing.assert_allclose(continued.T_W_B, thinned.T_W_B, atol=1e-9)
 

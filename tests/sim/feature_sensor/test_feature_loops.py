@@ -134,7 +134,7 @@ def test_false_edges_come_at_their_rate_with_their_error(house):
     np.testing.assert_allclose(edges[0].T_match_query, se3.exp(FAR.error[0]), atol=1e-9)
 
 
-def test_the_verdict_on_an_edge_depends_on_the_number_of_its_cells(house):
+def test_the_decision_on_an_edge_depends_on_the_number_of_its_cells(house):
     """The edge turns the estimate by 1 rad, which it may if its inliers cover enough of the image."""
     here, graph = sight(house, 2.0, 2.5, 0.3), graph_of(2, step_m=1.0)
     drifting = replace(ANYWHERE, gate_rad=0.1, gate_rad_m=1.0)
@@ -142,11 +142,11 @@ def test_the_verdict_on_an_edge_depends_on_the_number_of_its_cells(house):
     def outcome(cells):
         drawn = replace(FAR, cells=np.array([cells]))
         chosen = LoopModel(np.array([-40.0, 0.0, 0.0, 0.0, 0.0]), 0.0, 1.0, SOME, drawn)
-        (verdict,) = CovisibilityVerifier(chosen, lambda index: (here,), 0)(
+        (decision,) = CovisibilityVerifier(chosen, lambda index: (here,), 0)(
             graph.keyframes[1], [0], graph, CAMERA, drifting
-        ).verdicts
-        assert verdict.cells == cells
-        return verdict.outcome
+        ).decisions
+        assert decision.cells == cells
+        return decision.outcome
 
     assert outcome(6) == "uncertain pose"
     assert outcome(20) == "accepted"
@@ -307,7 +307,7 @@ def test_an_edge_that_contradicts_the_odometry_is_refused(house):
     verifier, graph = CovisibilityVerifier(model(-40.0, false_rate=1.0), lambda index: (here,), 1), graph_of(2)
     accepted, refused = (verifier(graph.keyframes[1], [0], graph, CAMERA, each) for each in (ANYWHERE, VerificationConfig()))
     assert len(accepted.edges) == 1 and refused.edges == ()
-    assert (accepted.verdicts[0].outcome, refused.verdicts[0].outcome) == ("accepted", "far from the estimate")
+    assert (accepted.decisions[0].outcome, refused.decisions[0].outcome) == ("accepted", "far from the estimate")
 
 
 def test_logistic_regression_finds_its_weights(rng):

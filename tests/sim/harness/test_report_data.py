@@ -9,7 +9,7 @@ import pytest
 from helpers.map_builder import corridor_with_offices
 
 from sim.errors import EstimateError
-from sim.harness import CandidateVerdict, Scenario, evaluate, run
+from sim.harness import CandidateDecision, Scenario, evaluate, run
 from sim.harness.adapters import Lexis
 from sim.harness.adapters.lexis import estimate_of
 from sim.harness.estimate import EstimatedLoops
@@ -77,10 +77,10 @@ def test_a_failed_plan_says_where_it_ended_and_why(finished):
 
 def test_candidates_carry_the_reasons_that_the_slam_estimates_and_the_truth(finished):
     estimates = (
-        CandidateVerdict(9, 0, accepted=False, reason="few matches", figures={"matches": 4.0}),
-        CandidateVerdict(8, 8, accepted=True, reason="accepted", figures={}),
+        CandidateDecision(9, 0, accepted=False, reason="few matches", figures={"matches": 4.0}),
+        CandidateDecision(8, 8, accepted=True, reason="accepted", figures={}),
     )
-    estimated = replace(finished, estimate=replace(finished.estimate, verdicts=estimates))
+    estimated = replace(finished, estimate=replace(finished.estimate, decisions=estimates))
     far, same = report_data(estimated, evaluate(estimated)).candidates
     assert (far.query, far.match, far.accepted, far.reason, far.figures) == (9, 0, False, "few matches", {"matches": 4.0})
     metres = np.linalg.norm(finished.true_poses[9, :3, 3] - finished.true_poses[0, :3, 3])
@@ -92,21 +92,21 @@ def test_the_page_shows_figures_of_any_kind_of_number(finished):
     figures = {"inliers": Fraction(7, 2), "matches": np.float32(4.0), "misfit [m]": math.nan}
     loops = EstimatedLoops(np.array([9]), np.array([0]), np.tile(np.eye(4), (1, 1, 1)))
     loops.T_match_query[0, 0, 3] = 99.0
-    verdicts = (CandidateVerdict(9, 0, accepted=True, reason="accepted", figures=figures),)
-    estimated = replace(finished, estimate=replace(finished.estimate, verdicts=verdicts, loops=loops))
+    decisions = (CandidateDecision(9, 0, accepted=True, reason="accepted", figures=figures),)
+    estimated = replace(finished, estimate=replace(finished.estimate, decisions=decisions, loops=loops))
     page = render_report(report_data(estimated, evaluate(estimated)))
     false_loops = page.partition("<h2>False loops</h2>")[2].partition("</table>")[0]
     assert ">3.5<" in false_loops and ">4<" in false_loops and "misfit" not in false_loops
 
 
-def test_verdicts_on_frames_that_do_not_exist_are_refused(finished):
-    with pytest.raises(EstimateError, match="verdicts refer to rows"):
-        replace(finished.estimate, verdicts=(CandidateVerdict(10**6, 0, False, "few matches", {}),))
+def test_decisions_on_frames_that_do_not_exist_are_refused(finished):
+    with pytest.raises(EstimateError, match="decisions refer to rows"):
+        replace(finished.estimate, decisions=(CandidateDecision(10**6, 0, False, "few matches", {}),))
 
 
 def test_lexis_estimates_what_became_of_every_candidate():
     lexis_map = corridor_with_offices(np.random.default_rng(1), loops=[(25, 3)], weights=[1.0], refused=[1])
-    accepted, refused = estimate_of(lexis_map).verdicts
+    accepted, refused = estimate_of(lexis_map).decisions
     assert accepted.accepted and accepted.figures["misfit [m]"] == 0.25 and accepted.figures["inliers"] == 20.0
     assert (refused.query, refused.match, refused.accepted, refused.reason) == (25, 1, False, "few matches")
     assert refused.figures == {"matches": 3.0}

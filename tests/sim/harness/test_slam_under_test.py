@@ -16,7 +16,7 @@ from sim.faults.stamps import StampJump
 from sim.harness import Estimate, EstimatedLoops, Scenario, check, run, try_plans, write_run
 from sim.harness.crash import Crash, attempt
 from sim.harness.diagnosis.first_wrong import crash_frame, first_wrong
-from sim.harness.estimate import CandidateVerdict
+from sim.harness.estimate import CandidateDecision
 from sim.harness.figures import evaluate
 from sim.harness.last_run import LastRun, last_run, noted
 from sim.harness.report_data import report_data
@@ -163,12 +163,12 @@ def test_estimates_of_another_size_are_named():
             {"T_W_B": np.tile(np.eye(4), (5, 1, 1)) + np.eye(4, k=3) * 1e160},
             "T_W_B is beyond 1e+08 m in row 0; valid: places",
         ),
-        ({"verdicts": (CandidateVerdict(None, 0, True, "", {}),)}, "query or match of a verdict is no whole number"),
-        ({"verdicts": (CandidateVerdict(1, 0, True, ["far"], {}),)}, "reason of a verdict is ['far']; valid: a text"),
-        ({"verdicts": (CandidateVerdict(1, 0, True, "", None),)}, "figures of a verdict are None; valid: a mapping"),
+        ({"decisions": (CandidateDecision(None, 0, True, "", {}),)}, "query or match of a decision is no whole number"),
+        ({"decisions": (CandidateDecision(1, 0, True, ["far"], {}),)}, "reason of a decision is ['far']; valid: a text"),
+        ({"decisions": (CandidateDecision(1, 0, True, "", None),)}, "figures of a decision are None; valid: a mapping"),
         (
-            {"verdicts": (CandidateVerdict(1, 0, True, "", {"inliers": None}),)},
-            "figures['inliers'] of a verdict is None; valid: a number",
+            {"decisions": (CandidateDecision(1, 0, True, "", {"inliers": None}),)},
+            "figures['inliers'] of a decision is None; valid: a number",
         ),
     ],
 )
@@ -322,7 +322,7 @@ def one_loop(**changes):
         ({"T_W_B": lambda slam: np.full((len(slam.frames), 4, 4), np.nan)}, "T_W_B is not finite in row 0"),
         (
             {"loops": one_loop(query=np.array([10**6]))},
-            "verdicts refer to rows 0 to 1000000; valid: 0 to",
+            "decisions refer to rows 0 to 1000000; valid: 0 to",
         ),
         ({"loops": one_loop(match=np.array([0, 1]))}, "loops.match has 2 rows; valid: 1"),
         ({"loops": one_loop(weights=np.array([7.0]))}, "loops.weights are 7 to 7; valid: numbers in"),
@@ -337,9 +337,9 @@ def one_loop(**changes):
         ({"candidates": ((2, 0),)}, r"candidates is \(\(2, 0\),\); valid: a tuple of pairs"),
         ({"candidates": {2: (0,)}}, "candidates is {2: .*; valid: a tuple of pairs of a row and other rows"),
         ({"candidates": ((2, (0.5,)),)}, "candidates is .*; valid: a tuple of pairs of a row and other rows"),
-        ({"verdicts": (True,)}, r"verdicts is \(True,\); valid: a tuple of CandidateVerdict"),
+        ({"decisions": (True,)}, r"decisions is \(True,\); valid: a tuple of CandidateDecision"),
         ({"stage_seconds": None}, "stage_seconds is None; valid: a mapping"),
-        ({"candidates": ((0, (-1,)),)}, "loops, candidates and verdicts refer to rows -1 to 0; valid"),
+        ({"candidates": ((0, (-1,)),)}, "loops, candidates and decisions refer to rows -1 to 0; valid"),
         ({"labels": every(-2)}, "labels has -2 in row 0; valid: numbers from 0, or -1 for none"),
         ({"baseline_labels": every(3)}, "baseline_labels has 3 in row 0; valid: -1 to 2, since there are 3 room names"),
         ({"rooms": every(-2)}, "rooms has -2 in row 0; valid: numbers from 0, or -1 for none"),

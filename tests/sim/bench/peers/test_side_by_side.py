@@ -42,7 +42,7 @@ def test_keyframes_that_retire_in_one_system_stay_in_the_others():
     assert any(keyframe.anchor is not None for keyframe in slams["thin"].map.keyframes)
     for name, graph in graphs.items():
         estimated, alone = together[name].estimate, run(walk, Lexis("oracle", Config(pose_graph=graph))).estimate
-        assert estimated.candidates == alone.candidates and estimated.verdicts == alone.verdicts
+        assert estimated.candidates == alone.candidates and estimated.decisions == alone.decisions
         for estimate in ("frames", "T_W_B", "labels", "rooms", "floors", "similarities"):
             assert np.array_equal(getattr(estimated, estimate), getattr(alone, estimate))
         for part in ("query", "match", "T_match_query", "weights"):
