@@ -29,9 +29,9 @@ class EarlierResults:
 
     def refuse_other_scenarios(self, suite: "Suite", seed: int) -> None:
         """Raise `SimError` unless the earlier run has a scenario of this suite and seed."""
-        from sim.suites.examination import jobs_of, scenario_of
+        from sim.suites.examination import jobs_of, drawn_scenario
 
-        if not any(scenario_of(job).content_hash in self.stored.known for job in jobs_of(suite, seed)):
+        if not any(drawn_scenario(job).content_hash in self.stored.known for job in jobs_of(suite, seed)):
             raise SimError(
                 f"{self.path}: has no results of the suite {suite.name} with seed {seed}; valid: a file of "
                 f"lexis-sim check --suite {suite.name} --seed {seed} --json {self.path}"

@@ -24,6 +24,8 @@ from sim.wording import qualified_name
 Runner = Callable[[Scenario, Progress | None], Run]
 """A function that runs the SLAM under test on a scenario. Every call has to create a new SLAM object, because a finished run
 keeps its SLAM."""
+COMPLETES = "the run completes"
+"""Name of a check that every run has to pass: the SLAM raises no exception, and its estimates are valid."""
 TRACEBACK = "failure-traceback.txt"
 """Name of the file with the traceback. A folder with this file is the output of a crash, which a new result may replace."""
 _Result = TypeVar("_Result")

@@ -92,7 +92,7 @@ class Scenario(Settings, place="scenario", error=SimError):
             raise SimError(f"fault {unseen[0]!r} is seen in images only; valid: with fidelity 'render'")
 
     def data(self) -> dict[str, Any]:
-        """Return the scenario as plain data for JSON; `scenario_of` is the inverse.
+        """Return the scenario as plain data for JSON; `scenario_from_data` is the inverse.
 
         If the user has declared kinds of furniture, the data name them, because without them another house would be built.
         """
@@ -126,14 +126,14 @@ class Scenario(Settings, place="scenario", error=SimError):
         path = Path(path)
         data = read_json(path, _FILE)
         try:
-            return scenario_of(data)
+            return scenario_from_data(data)
         except SimError as error:
             raise SimError(f"{path}: {error}") from None
         except WorldsError as error:
             raise reworded(error, f"{path}: {error}") from None
 
 
-def scenario_of(data: object) -> Scenario:
+def scenario_from_data(data: object) -> Scenario:
     """Build a scenario from plain data; absent fields get defaults. Raises `SimError` or `worlds.WorldsError` if invalid."""
     if not isinstance(data, Mapping) or data.get("format") != FORMAT:
         raise SimError(f"is no scenario; valid: a JSON object with format {FORMAT!r}")

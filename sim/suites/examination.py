@@ -18,6 +18,7 @@ import numpy as np
 from lexis.errors import one_line
 from sim.errors import SimError
 from sim.fidelity import ORACLE
+from sim.harness.crash import COMPLETES
 from sim.harness.figures import EvaluatedRun
 from sim.harness.last_run import LastRun, watched
 from sim.harness.results import RunResult
@@ -29,8 +30,6 @@ from sim.suites.checks import Check, CheckFinding, NewSlam, evaluated_run
 from sim.suites.suite import Suite, SuitePart
 from worlds.errors import WorldsError
 
-COMPLETES = "the run completes"
-"""Name of the check that every part has besides its own: the SLAM raises no exception, and its estimates are valid."""
 DIED = "the SLAM ends its process, as a fatal error of compiled code does"
 """What is found in a scenario in which the SLAM ends the worker process."""
 _DRAWS = 20
@@ -73,7 +72,7 @@ def jobs_of(suite: Suite, seed: int) -> list[Job]:
     return [job for job in chain.from_iterable(zip_longest(*rows)) if job is not None]
 
 
-def scenario_of(job: Job) -> Scenario:
+def drawn_scenario(job: Job) -> Scenario:
     """Draw the scenario of a job. Raises `SimError` if all draws are unlucky."""
     place = job.number % job.part.group
     drawn = _drawn_group(job.part, job.number - place, job.seed)[place]
@@ -101,7 +100,7 @@ def _drawn_group(part: SuitePart, first: int, seed: int) -> tuple[Scenario, ...]
 
 def examine(job: Job, new_slam: NewSlam) -> Examination:
     """Run a SLAM on one scenario and evaluate all checks. Raises `SimError` if no scenario can be drawn."""
-    scenario = scenario_of(job)
+    scenario = drawn_scenario(job)
     base = evaluated_run(scenario, new_slam)
     if isinstance(base, CheckFinding):
         return Examination(job.part.name, job.number, scenario, None, {COMPLETES: base})
@@ -220,7 +219,7 @@ def _examined_alone(job: Job, new_slam: NewSlam) -> Examination:
         try:
             return pool.submit(examine, job, new_slam).result()
         except BrokenProcessPool:
-            return Examination(job.part.name, job.number, scenario_of(job), None, {COMPLETES: CheckFinding(False, DIED)})
+            return Examination(job.part.name, job.number, drawn_scenario(job), None, {COMPLETES: CheckFinding(False, DIED)})
 
 
 def _check_picklable(what: str, thing: object) -> None:

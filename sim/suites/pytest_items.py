@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from sim.errors import SimError
+from sim.harness.crash import COMPLETES
 from sim.harness.slam_under_test import check_slam_factory
 from sim.programs.program import Program
 from sim.suites.catalogue import suite_named
 from sim.suites.checks import Check, CheckFinding, NewSlam
-from sim.suites.examination import COMPLETES, replayed_finding
+from sim.suites.examination import replayed_finding
 from sim.suites.expected_failures import NONE_EXPECTED, ExpectedFailure, expected_failures_of
 from sim.suites.failed_items import about_failure, replayed_scenario
 from sim.suites.report import SEED, CheckVerdict, SuiteReport, check_slam, runnable

@@ -11,6 +11,7 @@ from numbers import Real
 from typing import Any, Literal
 
 from sim.errors import SimError
+from sim.harness.crash import COMPLETES
 from sim.harness.last_run import LastRun, watched
 from sim.harness.results import RunResult
 from sim.harness.runner import Progress
@@ -18,7 +19,7 @@ from sim.harness.slam_under_test import check_slam_factory
 from sim.programs.program import Program
 from sim.suites.catalogue import suite_named
 from sim.suites.checks import Check, ClaimCheck, NewSlam
-from sim.suites.examination import COMPLETES, Examination, examinations, jobs_of
+from sim.suites.examination import Examination, examinations, jobs_of
 from sim.suites.expected_failures import NONE_EXPECTED, ExpectedFailure, expected_failures_of
 from sim.suites.suite import Suite, SuitePart
 from sim.suites.suite_means import ALL_PARTS, SuiteMean

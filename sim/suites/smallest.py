@@ -9,7 +9,7 @@ from lexis.errors import LexisError, one_line
 from lexis.files.replace import replaced_folder
 from sim.errors import USER_ERRORS, SimError
 from sim.harness.adapters.lexis import Lexis
-from sim.harness.crash import Runner
+from sim.harness.crash import COMPLETES, Runner
 from sim.harness.failures.blame_table import blame
 from sim.harness.failures.failure_folder import LEXIS_REPLAY, Replay, not_reproduced, write_failure
 from sim.harness.failures.why_page import WHY
@@ -23,7 +23,7 @@ from sim.harness.shrinking.reduction import Reduction
 from sim.harness.world_tests import SCENARIO, TEST_REPLAY, slug_of
 from sim.suites import catalogue
 from sim.suites.checks import Check, CheckFinding, ClaimCheck, NewSlam
-from sim.suites.examination import COMPLETES, DIED, finding, replayed_finding
+from sim.suites.examination import DIED, finding, replayed_finding
 from sim.suites.report import CheckVerdict
 
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")

@@ -12,7 +12,7 @@ from sim.harness.claims import Claim
 from sim.suites.examination import Examination
 from sim.suites.suite import Suite
 from sim.verdicts.mean import MeanVerdict
-from sim.verdicts.rate import RateOutcome
+from sim.verdicts.outcome import Outcome
 
 ALL_PARTS = "all parts"
 """Stands for the name of a part in a verdict about the scenarios of several parts."""
@@ -49,7 +49,7 @@ class SuiteMean:
         return MeanVerdict(self.confidence, tuple(self._margins()))
 
     @property
-    def outcome(self) -> RateOutcome | Literal["not applicable", "not examined"]:
+    def outcome(self) -> Outcome | Literal["not applicable", "not examined"]:
         """The outcome of `verdict`; "not examined" until all scenarios are, "not applicable" if no run has the figure."""
         if not self.is_complete:
             return "not examined"

@@ -8,7 +8,7 @@
 Read `rate` first: it tests whether a claim holds in a wanted share of houses, and stops as soon as the answer is known.
 `mean` tests whether a claim holds on average, which shows small differences sooner. `comparison` compares two SLAMs on the
 same scenarios, figure by figure. `stored_results` reads and writes the results that `lexis-sim compare` compares. `items`
-refuses arguments that do not hold results, scenarios or claims.
+refuses arguments that do not hold results, scenarios or claims, and `outcome` lists the answers of a test.
 
 Glossary:
 

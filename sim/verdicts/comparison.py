@@ -23,6 +23,7 @@ from scipy.stats import binom, binomtest
 
 from sim.errors import SimError
 from sim.harness.claims import Claim
+from sim.harness.crash import COMPLETES
 from sim.harness.figures import check
 from sim.harness.results import RunResult
 from sim.harness.scenario import Scenario
@@ -32,8 +33,6 @@ from sim.verdicts.items import items
 from sim.wording import counted, percent
 
 Change = Literal["worse", "better", "not shown to differ"]
-COMPLETED = "the run completed"
-"""Name of the comparison of completed runs: does one of the SLAMs have results for more scenarios?"""
 
 
 class Rule(NamedTuple):
@@ -254,7 +253,7 @@ def compare_results(
 ) -> Comparison:
     """Compare results of SLAM a with results of SLAM b; results of one scenario form a pair.
 
-    A scenario for which only one of the SLAMs has a result counts under "the run completed". There, too, scenarios of one
+    A scenario for which only one of the SLAMs has a result counts under "the run completes". There, too, scenarios of one
     house count as one: the SLAM that has results for more of these scenarios does better.
 
     Args:
@@ -331,7 +330,7 @@ def _claim_change(claim: Claim, houses: Sequence[Sequence[_Pair]]) -> ClaimChang
 def _completed_change(a: Sequence[RunResult], b: Sequence[RunResult]) -> ClaimChange:
     """Compare how many scenarios of each house have a result."""
     done_a, done_b = (Counter(map(_house, side)) for side in (a, b))
-    return _counted(COMPLETED, [(done_a[house], done_b[house]) for house in done_a.keys() | done_b.keys()])
+    return _counted(COMPLETES, [(done_a[house], done_b[house]) for house in done_a.keys() | done_b.keys()])
 
 
 def _house(result: RunResult) -> Hashable:

@@ -18,7 +18,7 @@ from sim.harness.claims import Claim
 from sim.harness.results import RunResult
 from sim.number_checks import check_between
 from sim.verdicts.items import items
-from sim.verdicts.rate import RateOutcome
+from sim.verdicts.outcome import Outcome
 from sim.wording import counted, percent
 
 _FEWEST = 8
@@ -54,7 +54,7 @@ class MeanVerdict:
         return mean - float(half), mean + float(half)
 
     @property
-    def outcome(self) -> RateOutcome:
+    def outcome(self) -> Outcome:
         """Whether the mean margin is at least 0 ("holds"), below 0 ("fails"), or not known well enough ("undecided")."""
         low, high = self.interval
         return "holds" if low >= 0.0 else "fails" if high < 0.0 else "undecided"

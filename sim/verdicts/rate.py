@@ -22,9 +22,9 @@ from sim.harness.claims import Claim
 from sim.harness.results import RunResult
 from sim.number_checks import check_between
 from sim.verdicts.items import items
+from sim.verdicts.outcome import Outcome
 from sim.wording import counted, percent
 
-RateOutcome = Literal["holds", "fails", "undecided"]
 _LOWEST = 1e-9
 """Confidence bounds are searched among the rates from this rate to 1 minus this rate."""
 _PRIOR = 0.5
@@ -54,7 +54,7 @@ class RateVerdict:
             raise SimError(f"rate: held is {self.held!r:.40} of {self.houses} houses; valid: 0 to {self.houses}")
 
     @property
-    def outcome(self) -> RateOutcome:
+    def outcome(self) -> Outcome:
         """Whether the rate is at least `p` ("holds"), below `p` ("fails"), or not yet known ("undecided")."""
         above, below = _log_evidence(self.p, self.held, self.houses - self.held)
         enough = -math.log1p(-self.confidence)

@@ -21,8 +21,8 @@ from typing import Any
 from lexis.errors import one_line
 from sim.bench.mutation.planting import Mutant, planted
 from sim.errors import SimError
+from sim.harness.crash import COMPLETES
 from sim.processes import ONE_THREAD
-from sim.suites.examination import COMPLETES
 from sim.suites.suite_means import name_of_mean
 from sim.verdicts import load_results
 

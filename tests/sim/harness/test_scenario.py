@@ -13,7 +13,7 @@ from sim.errors import SimError
 from sim.faults import FAULTS
 from sim.faults.delivery import Dropped
 from sim.faults.poses import Kidnap
-from sim.harness.scenario import NEEDS_PIXELS, Scenario, scenario_of
+from sim.harness.scenario import NEEDS_PIXELS, Scenario, scenario_from_data
 from sim.odometry.config import ODOMETRY_PRESETS
 from sim.render.rig import RIGS, RigConfig
 from sim.tours.config import TOUR_KINDS
@@ -53,7 +53,7 @@ def scenarios(draw):
 
 @given(scenarios())
 def test_json_and_back(scenario):
-    again = scenario_of(json.loads(json.dumps(scenario.data(), allow_nan=False)))
+    again = scenario_from_data(json.loads(json.dumps(scenario.data(), allow_nan=False)))
     assert again == scenario and again.content_hash == scenario.content_hash
 
 
@@ -63,7 +63,7 @@ def test_every_field_survives_a_file(tmp_path):
 
 
 def test_what_is_left_out_keeps_its_default():
-    assert scenario_of({"format": "lexis-scenario", "version": 1, "seed": 3}) == Scenario(seed=3)
+    assert scenario_from_data({"format": "lexis-scenario", "version": 1, "seed": 3}) == Scenario(seed=3)
 
 
 def test_different_scenarios_have_different_hashes():
@@ -101,7 +101,7 @@ GOOD = {"format": "lexis-scenario", "version": 1}
 )
 def test_bad_data_names_the_field_and_what_is_valid(data, message):
     with pytest.raises(SimError) as caught:
-        scenario_of(data)
+        scenario_from_data(data)
     assert str(caught.value).startswith(message)
 
 

@@ -24,10 +24,11 @@ from helpers.unchecked import untyped
 from sim.errors import SimError
 from sim.harness import run
 from sim.harness.adapters import GeometricRooms, OdometryOnly
+from sim.harness.crash import COMPLETES
 from sim.harness.failures.failure_folder import Replay
 from sim.harness.last_run import LastRun, watched
 from sim.suites.catalogue import SUITES
-from sim.suites.examination import COMPLETES, examinations, jobs_of
+from sim.suites.examination import examinations, jobs_of
 from sim.suites.pytest_items import slam_checks
 from sim.suites.report import check_slam
 from sim.suites.smallest import SlamUnderSearch, write_smallest

@@ -19,10 +19,11 @@ from helpers.planted_commands import program
 from sim.cli import main
 from sim.commands.check_suite import SUITE_HELP
 from sim.harness.adapters import OdometryOnly
+from sim.harness.crash import COMPLETES
 from sim.programs import Program
 from sim.suites.catalogue import SUITES
 from sim.suites.consistency import CONSISTENCY
-from sim.suites.examination import COMPLETES, examine
+from sim.suites.examination import examine
 from sim.suites.laws import LAWS
 from sim.suites.report import check_slam
 from sim.suites.suite import claims

@@ -9,10 +9,11 @@ from helpers.open_flat import OPEN_FLAT
 
 from sim.harness import Estimate
 from sim.harness.adapters import GeometricRooms, OdometryOnly
+from sim.harness.crash import COMPLETES
 from sim.harness.estimate import EstimatedLoops
 from sim.suites.catalogue import SUITES
 from sim.suites.checks import AfterChange, CheckFinding, NotWorse, SameEstimates, evaluated_run
-from sim.suites.examination import COMPLETES, Examination, jobs_of
+from sim.suites.examination import Examination, jobs_of
 from sim.suites.frame_changes import MovedOrigin
 from sim.suites.laws import LAWS
 from sim.suites.report import SuiteReport, check_slam

@@ -8,7 +8,7 @@ from helpers.flat_suite import FLAT, PART, Broken, FloorsByHeight, Oracle, Wrong
 
 from sim.errors import SimError
 from sim.harness.adapters import OdometryOnly
-from sim.suites.examination import COMPLETES
+from sim.harness.crash import COMPLETES
 from sim.suites.laws import LAWS
 from sim.suites.pytest_items import Item, slam_checks
 from sim.suites.suite import claims

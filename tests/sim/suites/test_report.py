@@ -11,8 +11,9 @@ from sim.cli import main
 from sim.errors import SimError
 from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.harness.claims import Claim
+from sim.harness.crash import COMPLETES
 from sim.suites.checks import CheckFinding
-from sim.suites.examination import COMPLETES, Examination, examine, jobs_of
+from sim.suites.examination import Examination, examine, jobs_of
 from sim.suites.figure_table import figure_table
 from sim.suites.openness_chart import openness_chart
 from sim.suites.report import SuiteReport, check_slam

@@ -25,13 +25,13 @@ from sim.commands.check_suite import _by_cause
 from sim.errors import SimError
 from sim.harness import Scenario, reduce, run
 from sim.harness.adapters import OdometryOnly
-from sim.harness.crash import TRACEBACK
+from sim.harness.crash import COMPLETES, TRACEBACK
 from sim.harness.failures.failure_folder import Replay
 from sim.harness.last_run import noted
 from sim.harness.shrinking.reductions import STEPS
 from sim.harness.shrinking.scenario_size import size
 from sim.suites.checks import CheckFinding
-from sim.suites.examination import COMPLETES, finding
+from sim.suites.examination import finding
 from sim.suites.report import check_slam
 from sim.suites.smallest import SlamUnderSearch, _failure_test, finding_of, smallest_failure, write_smallest
 from sim.suites.suite import Suite, SuitePart, claims

@@ -11,9 +11,10 @@ from helpers.unchecked import unchecked
 from sim.errors import SimError
 from sim.harness import Scenario
 from sim.harness.claims import Claim
+from sim.harness.crash import COMPLETES
 from sim.suites.catalogue import OPENNESS, SUITES, suite_named
 from sim.suites.checks import ClaimCheck
-from sim.suites.examination import COMPLETES, jobs_of, scenario_of
+from sim.suites.examination import jobs_of, drawn_scenario
 from sim.suites.report import check_slam
 from sim.suites.suite import Suite, SuitePart, claims
 
@@ -77,7 +78,7 @@ def test_parts_take_turns_and_draws_do_not_depend_on_other_parts():
     jobs = jobs_of(Suite("two", "", (PART, other)), seed=3)
     assert [(job.part.name, job.number) for job in jobs[:4]] == [("flat", 0), ("other", 0), ("flat", 1), ("other", 1)]
     alone = jobs_of(FLAT, seed=3)
-    assert [scenario_of(job) for job in jobs if job.part is PART] == [scenario_of(job) for job in alone]
+    assert [drawn_scenario(job) for job in jobs if job.part is PART] == [drawn_scenario(job) for job in alone]
 
 
 def test_limits_can_be_set_by_figure():
@@ -129,12 +130,12 @@ def test_an_unknown_suite_is_refused():
 def test_every_suite_can_draw_its_first_scenarios(name):
     for part in SUITES[name].parts:
         first = jobs_of(Suite(name, "", (part,)), seed=0)[:1]
-        assert all(isinstance(scenario_of(job), Scenario) for job in first)
+        assert all(isinstance(drawn_scenario(job), Scenario) for job in first)
 
 
 def test_the_open_plan_suite_opens_the_same_house_step_by_step():
     jobs = jobs_of(SUITES["open-plan"], seed=0)[: len(OPENNESS)]
-    specs = [scenario_of(job).house for job in jobs]
+    specs = [drawn_scenario(job).house for job in jobs]
     assert len({tuple(room.id for room in spec.storeys[0].rooms) for spec in specs}) == 1
     assert len({spec.to_json() for spec in specs}) == len(OPENNESS)
 
@@ -153,7 +154,7 @@ def test_every_scenario_of_a_suite_can_be_sent_to_another_process(name):
 
 
 def test_a_suite_can_be_rendered_for_a_slam_that_needs_images():
-    scenario = scenario_of(jobs_of(SUITES["homes"].with_images(), seed=0)[0])
+    scenario = drawn_scenario(jobs_of(SUITES["homes"].with_images(), seed=0)[0])
     assert (scenario.fidelity, scenario.frame_rate_hz) == ("render", 10.0)
 
 

@@ -107,7 +107,7 @@ def test_figures_that_neither_slam_has_are_left_out():
 def test_scenarios_in_which_only_one_slam_has_a_result_count():
     a, b = results([0.9] * 20), results([0.9] * 20)[12:]
     compared = compare_results(a, b)
-    assert compared.scenarios == 8 and compared.worse == ("the run completed",)
+    assert compared.scenarios == 8 and compared.worse == ("the run completes",)
 
 
 def test_scenarios_of_one_house_count_as_one():

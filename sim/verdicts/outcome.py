@@ -1,0 +1,5 @@
+"""`Outcome`: the possible answers of a statistical test."""
+
+from typing import Literal
+
+Outcome = Literal["holds", "fails", "undecided"]
