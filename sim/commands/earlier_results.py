@@ -29,7 +29,7 @@ class EarlierResults:
 
     def refuse_other_scenarios(self, suite: "Suite", seed: int) -> None:
         """Raise `SimError` unless the earlier run has a scenario of this suite and seed."""
-        from sim.suites.examination import jobs_of, drawn_scenario
+        from sim.suites.examination import drawn_scenario, jobs_of
 
         if not any(drawn_scenario(job).content_hash in self.stored.known for job in jobs_of(suite, seed)):
             raise SimError(

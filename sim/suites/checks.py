@@ -32,7 +32,7 @@ from worlds.errors import WorldsError
 
 NewSlam = Callable[[], SlamUnderTest] | Program
 """A function that makes a SLAM that has not run yet; or a program under test, which reads recordings of the scenarios."""
-_RESULTS = ("labels", "rooms", "floors", "loops", "T_W_B")
+_QUANTITIES = ("labels", "rooms", "floors", "loops", "T_W_B")
 _SHARES = ("frames", "labels", "rooms", "floors", "loops")
 """The figures of `EstimateAgreement` that are not distances or angles."""
 
@@ -99,29 +99,29 @@ class ClaimCheck:
 
 @dataclass(frozen=True)
 class SameEstimates:
-    """A law about the input: after a change that should hardly matter, the SLAM reports nearly the same results.
+    """A law about the input: after a change that should hardly matter, the SLAM estimates nearly the same.
 
-    The results are the frames that the SLAM used, their poses, labels, rooms and floors, and the loop closures.
+    The estimated quantities are the frames that the SLAM used, their poses, labels, rooms and floors, and the loop closures.
     """
 
     name: str
     says: str
     change: StreamChange
     least: float = 1.0
-    """Least agreement of each result in `compares`, in [0, 1]; see `EstimateAgreement`."""
+    """Least agreement of each quantity in `compares`, in [0, 1]; see `EstimateAgreement`."""
     position_m: float = 1e-4
     """Largest allowed distance between the positions that the two runs report for the same frame [m]."""
     rotation_rad: float = 1e-4
     """Largest allowed angle between the orientations that the two runs report for the same frame [rad]."""
     rate: float | None = None
     compares: tuple[str, ...] = _SHARES
-    """The results that have to agree besides the poses, by their names in `EstimateAgreement`."""
+    """The quantities that have to agree besides the poses, by their names in `EstimateAgreement`."""
     compares_poses: bool = True
     """Whether the poses have to agree."""
     needs: tuple[Literal["labels", "loops"], ...] = ()
-    """Results that the SLAM has to estimate, otherwise the law says nothing. For "loops", it has to close at least one."""
+    """Quantities that the SLAM has to estimate, otherwise the law says nothing. "loops": it has to close at least one."""
     needs_poses: bool = False
-    """Whether the law is only for runs whose poses agree, so that it is about the other results alone."""
+    """Whether the law is only for runs whose poses agree, so that it is about the other quantities alone."""
 
     def examine(self, base: EvaluatedRun, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed input, and compare the estimates of both runs."""
@@ -130,7 +130,7 @@ class SameEstimates:
         second = run_on_change(self.change, base.run, new_slam)
         if isinstance(second, CheckFinding):
             return second
-        lost = [name for name in _RESULTS if _has(base.run.estimate, name) != _has(second.estimate, name)]
+        lost = [name for name in _QUANTITIES if _has(base.run.estimate, name) != _has(second.estimate, name)]
         if lost:
             return CheckFinding(False, f"only one of the two runs estimates {', '.join(lost)}")
         found = agreement(base.run.estimate, second.estimate)
@@ -271,13 +271,13 @@ def _has(estimate: Estimate, name: str) -> bool:
 
 
 def _has_any(estimate: Estimate, name: str) -> bool:
-    """Return whether an estimate has a result; for loop closures, whether it has at least one."""
+    """Return whether an estimate has a quantity; for loop closures, whether it has at least one."""
     estimated = getattr(estimate, name)
     return estimated is not None and (not isinstance(estimated, EstimatedLoops) or len(estimated.query) > 0)
 
 
 def _written(found: EstimateAgreement) -> str:
-    """Return an agreement in one line: how much of each result agrees, and how far the poses differ."""
+    """Return an agreement in one line: how much of each quantity agrees, and how far the poses differ."""
     shares = {name: getattr(found, name) for name in _SHARES}
     text = ", ".join(f"{share:.1%} of the {name}" for name, share in shares.items() if share is not None)
     apart = "" if found.position_m is None else f"; poses differ by up to {found.position_m:.2g} m"

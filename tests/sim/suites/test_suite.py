@@ -14,7 +14,7 @@ from sim.harness.claims import Claim
 from sim.harness.crash import COMPLETES
 from sim.suites.catalogue import OPENNESS, SUITES, suite_named
 from sim.suites.checks import ClaimCheck
-from sim.suites.examination import jobs_of, drawn_scenario
+from sim.suites.examination import drawn_scenario, jobs_of
 from sim.suites.report import check_slam
 from sim.suites.suite import Suite, SuitePart, claims
 
