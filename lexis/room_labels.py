@@ -23,8 +23,8 @@ from lexis.config import LabelConfig
 from lexis.maths.ties import nearest_others, rounded
 from lexis.room_names import same_name
 from lexis.stairs import on_stairs
+from lexis.types import Positions
 
-Positions = Float64[np.ndarray, "n 3"]
 Labels = Int[np.ndarray, "n"]
 Similarities = Float64[np.ndarray, "n rooms"]
 Probabilities = Float64[np.ndarray, "n rooms"]

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int
+from jaxtyping import Bool, Int
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -16,10 +16,8 @@ from lexis.floors import NO_FLOOR, assign_floors
 from lexis.maths.stretches import consecutive_pairs
 from lexis.maths.ties import DECIMALS
 from lexis.room_names import same_name
-from lexis.types import RoomInstance
+from lexis.types import PerKeyframe, Positions, RoomInstance
 
-Positions = Float64[np.ndarray, "n 3"]
-PerKeyframe = Int[np.ndarray, "n"]
 Clustering = Callable[[PerKeyframe, PerKeyframe, Positions], tuple[PerKeyframe, PerKeyframe]]
 """A function that groups keyframes, given their labels, floors and positions. It returns the number of every keyframe's
 group, and the labels of the keyframes, which it may correct."""

@@ -15,6 +15,11 @@ from jaxtyping import Float32, Float64, Int, UInt8
 
 Pose = Float64[np.ndarray, "4 4"]
 Poses = Float64[np.ndarray, "n 4 4"]
+Positions = Float64[np.ndarray, "n 3"]
+PerKeyframe = Int[np.ndarray, "n"]
+"""One whole number for every keyframe, such as its label or its floor."""
+Pairs = Int[np.ndarray, "m 2"]
+"""Ids of two keyframes, one pair a row."""
 Image = UInt8[np.ndarray, "h w 3"]
 Covariance = Float64[np.ndarray, "6 6"]
 

@@ -4,9 +4,9 @@ For each candidate of a query keyframe:
 
 1. Match the query's key points to the landmarks of the candidate and of its neighbours on the path; one keyframe alone has
    too few landmarks.
-2. Find the query's pose by PnP with LO-RANSAC, since many matches are wrong.
-   With a rig, each camera of the query is matched to the landmarks of all cameras, so that a rear camera can recognise what
-   a front camera saw. PnP is solved for every camera; the pose with which most key points of all cameras agree is refined.
+2. Find the query's pose by PnP with LO-RANSAC, since many matches are wrong. With a rig, each camera of the query is matched
+   to the landmarks of all cameras, so that a rear camera can recognise what a front camera saw. PnP is solved for every
+   camera; the pose with which most key points of all cameras agree is refined.
 3. Require enough inliers, spread over one image: a poster or another repeated object matches in one spot only.
 4. Estimate the covariance of the pose, which says how certain the loop is.
 5. Refuse a loop too far from the current estimate, because odometry drifts only little per metre, and least in height. An

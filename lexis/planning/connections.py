@@ -1,20 +1,18 @@
 """The steps between two keyframes that a robot can travel, and their lengths."""
 
 import numpy as np
-from jaxtyping import Float64, Int
+from jaxtyping import Float64
 from scipy.sparse import csr_array
 
 from lexis.config import PlannerConfig
 from lexis.graph.trusted_loops import is_trusted
 from lexis.planning.close_pairs import close_pairs
 from lexis.planning.shortcuts import shortcuts
-from lexis.types import LexisMap, LoopArrays
+from lexis.types import LexisMap, LoopArrays, Pairs
 
 GRID_M = 2.0**-20
 """The lengths of connections are rounded to multiples of this, about a micrometre [m]. It is a power of two, so that sums of
 lengths are exact."""
-
-Pairs = Int[np.ndarray, "m 2"]
 
 
 def unwalked_steps(map: LexisMap, config: PlannerConfig) -> Pairs:

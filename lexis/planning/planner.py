@@ -20,11 +20,11 @@ from lexis.config import PlannerConfig
 from lexis.errors import PlanError
 from lexis.graph.walked_steps import walked_steps
 from lexis.planning.arrivals import surely_inside
-from lexis.planning.connections import Pairs, as_graph, unwalked_steps
+from lexis.planning.connections import as_graph, unwalked_steps
 from lexis.planning.path_ends import PathEnd, clear_ends, path_end
 from lexis.planning.shortcuts import chunks, points_between
 from lexis.room_names import find_rooms, instance_names
-from lexis.types import LexisMap, RoomInstance
+from lexis.types import LexisMap, Pairs, RoomInstance
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ hardly shorten a path further. Space above or below stairs looks free, but has n
 from collections.abc import Iterator
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int
+from jaxtyping import Bool, Float64
 from scipy.ndimage import distance_transform_edt
 from scipy.spatial import cKDTree
 
@@ -23,7 +23,7 @@ from lexis.floors import NO_FLOOR
 from lexis.maths.ties import rounded
 from lexis.planning.close_pairs import close_pairs
 from lexis.sight.storey_grid import CELL_M, ViewCounts, count_views, on_storey, storeys
-from lexis.types import LexisMap
+from lexis.types import LexisMap, Pairs
 
 BLOCKED_SHARE = 0.15
 """A cell is occupied if at least this share of the keyframes that look into the cell see a landmark there."""
@@ -37,8 +37,6 @@ _SPARE_M = 1e-5
 rounded and compared with `sight_m`."""
 _CHUNK = 50_000
 """Largest number of steps whose points are checked at a time, so that memory stays bounded."""
-
-Pairs = Int[np.ndarray, "m 2"]
 
 
 def shortcuts(map: LexisMap, config: PlannerConfig) -> Pairs:

@@ -22,13 +22,12 @@ from lexis.config import SightConfig
 from lexis.floors import NO_FLOOR
 from lexis.maths.ties import rounded
 from lexis.room_labels import Probabilities
+from lexis.types import PerKeyframe
 
 _LEAST_PROBABILITY = 1e-9
 """Constant that is added to probabilities before their logarithm is taken."""
 _NONE = 1e-9
 """Sight that counts as none."""
-
-PerKeyframe = Int[np.ndarray, "n"]
 
 
 def merge_alike(

@@ -11,12 +11,13 @@ close to a wall therefore connect two rooms of one label. Inside a room, each pa
 """
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int
+from jaxtyping import Bool, Float64
 from scipy.sparse import csc_array, csr_array, diags_array, eye_array
 from scipy.sparse.linalg import eigsh
 
 from lexis.maths.stretches import consecutive_pairs
 from lexis.maths.ties import reaches, rounded
+from lexis.types import PerKeyframe, Positions
 
 _STEP = 0.2
 """Sight that two consecutive keyframes of a session have of each other in addition, because the robot went from one to the
@@ -27,9 +28,6 @@ _NONE = 1e-9
 """Sight that counts as none."""
 _SHIFT = -1e-3
 """Eigenvalues are sought near this value, which is just below the smallest one, 0."""
-
-Positions = Float64[np.ndarray, "n 3"]
-PerKeyframe = Int[np.ndarray, "n"]
 
 
 def ties(seen_by: csr_array, sessions: PerKeyframe) -> csr_array:

@@ -1,7 +1,7 @@
 """Room instances as groups of keyframes that see each other's places."""
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int
+from jaxtyping import Bool
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -13,13 +13,10 @@ from lexis.maths.ties import rounded
 from lexis.room_labels import Probabilities
 from lexis.sight.alike_rooms import merge_alike
 from lexis.sight.divided_rooms import split_divided, ties
+from lexis.types import Pairs, PerKeyframe, Positions
 
 _STAIRCASE_M = 3.0
 """Largest horizontal distance between two keyframes on stairs that are joined to one staircase [m]."""
-
-PerKeyframe = Int[np.ndarray, "n"]
-Positions = Float64[np.ndarray, "n 3"]
-Pairs = Int[np.ndarray, "m 2"]
 
 
 def cluster_by_sight(
@@ -35,9 +32,8 @@ def cluster_by_sight(
     """Group keyframes into rooms; return the number of the room of every keyframe, and the labels of the keyframes.
 
     1. Two keyframes of one label and floor are in one room if they are consecutive in a session, or if one sees the place of
-       the other. With several cameras, one image that shows the place is enough.
-       Two keyframes on stairs are also in one room if they are horizontally close, because the flights of a staircase lie
-       above one another.
+       the other. With several cameras, one image that shows the place is enough. Two keyframes on stairs are also in one
+       room if they are horizontally close, because the flights of a staircase lie above one another.
     2. A room between whose parts there is hardly any sight is split; see `lexis.sight.divided_rooms`.
     3. A room of fewer than `min_keyframes` keyframes is absorbed by the larger room of its floor that it sees, or is seen
        from, most. Its keyframes take the label of that room. Stairs neither absorb a room nor are absorbed.

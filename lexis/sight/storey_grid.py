@@ -40,8 +40,8 @@ WALKED_M = 0.2
 MAX_CELLS = 20_000_000
 """Largest number of cells in a grid; a square of as many cells is 447 m wide."""
 LOW_M = 0.8
-"""Lines of sight above this height over the floor may pass over a table [m]. The floor is
-taken from the lowest landmarks, so some landmarks must lie on it."""
+"""Lines of sight above this height over the floor may pass over a table [m]. The floor is taken from the
+lowest landmarks, so some landmarks must lie on it."""
 _ON_FLOOR_M, _BELOW_M = 0.12, 0.3
 """Landmarks lie on the floor from `_BELOW_M` below it to `_ON_FLOOR_M` above it [m]."""
 _FLOOR_M, _HEAD_M = 0.2, 0.5
