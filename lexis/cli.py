@@ -465,7 +465,3 @@ def _rooms(text: str) -> tuple[str, ...]:
     if not isinstance(labels, list) or not all(isinstance(label, str) for label in labels):
         raise _ROOMS_FILE.refusal(Path(text), 'has no list "labels" of names')
     return tuple(labels)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

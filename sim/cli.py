@@ -5,7 +5,6 @@ valid.
 """
 
 import argparse
-import sys
 from collections.abc import Sequence
 
 from lexis.command_line import Parser, add_completion, run_command
@@ -37,7 +36,3 @@ def parser() -> Parser:
         group.add_to(commands)
     add_completion(commands, root)
     return root
-
-
-if __name__ == "__main__":
-    sys.exit(main())

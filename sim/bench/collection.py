@@ -93,7 +93,7 @@ def _run(benchmark: Benchmark, out: Path) -> BenchmarkRun:
     if file.is_file() and file.read_bytes().startswith(beginning.encode()):
         return BenchmarkRun(benchmark, None)
     start = time.perf_counter()
-    command = (sys.executable, "-m", "sim.cli", "bench", *benchmark.arguments)
+    command = (sys.executable, "-m", "sim", "bench", *benchmark.arguments)
     environment = {**os.environ, "PYTHONUTF8": "1"} | ({} if benchmark.is_timing else ONE_THREAD)
     with TemporaryFile() as printed, TemporaryFile() as errors:
         process = subprocess.Popen(command, env=environment, stdout=printed, stderr=errors)

@@ -378,7 +378,7 @@ def test_names_of_files_need_not_be_text(tmp_path, rng):
     """This runs in a separate process, whose standard output is as strict about encoding as a terminal."""
     save_map(corridor_with_offices(rng), tmp_path / "map")
     out = os.fsencode(tmp_path) + b"/\xff.tum"
-    line = [sys.executable, "-m", "lexis.cli", "export", tmp_path / "map", "--format", "tum", "-o", out]
+    line = [sys.executable, "-m", "lexis", "export", tmp_path / "map", "--format", "tum", "-o", out]
     done = subprocess.run(line, capture_output=True, env=os.environ | {"PYTHONIOENCODING": "utf-8:strict"})
     assert (done.returncode, done.stderr) == (0, b"") and os.path.exists(out)
     assert done.stdout.endswith(b"/\\udcff.tum\n")

@@ -250,7 +250,7 @@ def _check(folder: Path, options: list[str]) -> tuple[int | None, str, str]:
     Returns the exit status (None if the command was stopped after `_MOST_S` seconds), the output and the error output.
     """
     path = os.pathsep.join([str(folder), *filter(None, [os.environ.get("PYTHONPATH")])])
-    command = [sys.executable, "-P", "-m", "sim.cli", "check", *options]  # -P: the current folder is not on the path
+    command = [sys.executable, "-P", "-m", "sim", "check", *options]  # -P: the current folder is not on the path
     environment = os.environ | ONE_THREAD | {"PYTHONPATH": path}
     process = subprocess.Popen(
         command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
