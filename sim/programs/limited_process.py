@@ -14,6 +14,8 @@ from lexis.errors import one_line
 from sim.errors import ProgramError, SimError
 
 _KEPT_BYTES = 1_000_000
+LARGEST_FILE_BYTES = 4_000_000_000
+"""Largest file that a program may write. A program that prints without end would otherwise fill the disk."""
 
 
 def execute(words: Sequence[str], work: Path, timeout_s: float, memory_mb: float) -> tuple[bytes, bytes]:
@@ -48,13 +50,19 @@ def _exit_status(words: Sequence[str], timeout_s: float, memory_mb: float, stdou
     A negative status is the number of the signal that ended the program, with a minus sign. At the end, all processes of the
     group are killed.
     """
-    memory, highest = int(memory_mb * 1e6), resource.getrlimit(resource.RLIMIT_DATA)[1]
-    if highest != resource.RLIM_INFINITY:  # a limit cannot be raised above that of this process
-        memory = min(memory, highest)
+    limits = {
+        resource.RLIMIT_DATA: int(memory_mb * 1e6),
+        resource.RLIMIT_FSIZE: LARGEST_FILE_BYTES,
+        resource.RLIMIT_CORE: 0,
+    }
+    for kind, wanted in limits.items():
+        highest = resource.getrlimit(kind)[1]
+        if highest != resource.RLIM_INFINITY:  # a limit cannot be raised above that of this process
+            limits[kind] = min(wanted, highest)
 
     def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        for kind, size in limits.items():
+            resource.setrlimit(kind, (size, size))
 
     try:
         process = subprocess.Popen(

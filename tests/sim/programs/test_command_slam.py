@@ -174,6 +174,15 @@ def test_what_a_program_does_wrong_is_named_in_one_line(content, message, tmp_pa
     assert message in str(caught.value) and "\n" not in str(caught.value)
 
 
+def test_a_program_that_prints_without_end_does_not_fill_the_disk(tmp_path, unrecorded, monkeypatch):
+    monkeypatch.setattr("sim.programs.limited_process.LARGEST_FILE_BYTES", 10**7)
+    endless = program(
+        tmp_path, "import signal\nsignal.signal(signal.SIGXFSZ, signal.SIG_DFL)\nwhile True: print('x' * 10**5)"
+    )
+    with pytest.raises(SimError, match=r"ended with signal 25 \(File size limit exceeded\)"):
+        Program(endless, timeout_s=30.0)(SCENARIO)
+
+
 @pytest.mark.parametrize(
     ("command", "scenario", "message"),
     [
