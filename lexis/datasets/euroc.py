@@ -14,12 +14,12 @@ same stamps as the images.
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Float64
 
 from lexis.datasets.camera_tracks import CameraTrack, joined
 from lexis.datasets.recorded import (
@@ -27,17 +27,16 @@ from lexis.datasets.recorded import (
     OdometryTrack,
     Recorded,
     check_ascending,
-    check_distortion,
+    check_calibration,
     image_file,
-    read_image,
-    rectifier,
+    images_in,
 )
-from lexis.errors import DatasetError, LexisError, one_line
+from lexis.errors import DatasetError, one_line
 from lexis.files.reading import FileKind, numbered_lines, read_yaml
-from lexis.inputs import check_camera, is_pose, usable_covariances
-from lexis.maths.quaternions import poses_of
+from lexis.inputs import is_pose, usable_covariances
+from lexis.maths.quaternions import UNIT_TOLERANCE, poses_of
 from lexis.maths.se3 import adjoint, inverse
-from lexis.types import Camera, Image, Intrinsics, Pose
+from lexis.types import Camera, Intrinsics, Pose
 
 SENSORS, CAMERA, ODOMETRY = "mav0", "cam0", "odom0"
 _POSES, _STATES, _WITH_COVARIANCE = 8, 17, 8 + 36
@@ -61,10 +60,7 @@ def read_euroc(directory: Path, config: DatasetConfig) -> Recorded:
     """Read a dataset in EuRoC's ASL format. Raises LexisError, with file and line, if it is incomplete or inconsistent."""
     seen = joined([_read_images(directory / SENSORS / name) for name in config.cameras(CAMERA)])
     track, covariances = _read_odometry(directory / SENSORS / (config.odometry or ODOMETRY))
-    # The covariances belong to the increments between odometry poses. Only if the odometry has the same stamps as the images
-    # are these the increments between images.
-    at_images = covariances is not None and np.array_equal(track.stamps, seen.stamps)
-    return Recorded(seen, track, covariances if at_images else None)
+    return Recorded.of(seen, track, covariances)
 
 
 def _read_images(folder: Path) -> CameraTrack:
@@ -75,12 +71,7 @@ def _read_images(folder: Path) -> CameraTrack:
     stamps = np.array([_stamp(listed, *row) for row in rows])
     check_ascending(str(listed), stamps)
     paths = [image_file(folder / "data", f"{listed}:{number}", words[1]) for number, words in rows]
-    rectified = rectifier(camera, distortion)
-
-    def images(wanted: Bool[np.ndarray, "n"]) -> Iterator[Image]:
-        return (rectified(read_image(paths[i], camera)) for i in np.flatnonzero(wanted).tolist())
-
-    return CameraTrack(str(listed), camera, stamps, images)
+    return CameraTrack(str(listed), camera, stamps, images_in(paths, camera, distortion))
 
 
 def _read_camera(path: Path) -> tuple[Camera, Float64[np.ndarray, "k"]]:
@@ -97,11 +88,7 @@ def _read_camera(path: Path) -> tuple[Camera, Float64[np.ndarray, "k"]]:
         distortion = np.array(_float_list(data.get("distortion_coefficients") or []))
     except (TypeError, ValueError, OverflowError) as error:
         raise _CAMERA_FILE.refusal(path, error) from None
-    try:
-        check_camera(camera)
-    except LexisError as error:
-        raise DatasetError(f"{path}: {error}") from None
-    check_distortion(str(path), distortion)
+    check_calibration(str(path), camera, distortion)
     return camera, distortion
 
 
@@ -170,7 +157,7 @@ def _numbers(path: Path, number: int, words: list[str]) -> list[float]:
         values = [stamp, *map(float, words[1:])]
     except ValueError as error:
         raise DatasetError(f"{path}:{number}: {one_line(error, 80)}; valid: numbers separated by commas") from None
-    if not all(map(math.isfinite, values)) or abs(math.hypot(*values[4:8]) - 1.0) > 1e-3:
+    if not all(map(math.isfinite, values)) or abs(math.hypot(*values[4:8]) - 1.0) > UNIT_TOLERANCE:
         found = f"{one_line(','.join(words[1:8]), 80)} is no pose"
         raise DatasetError(f"{path}:{number}: {found}; valid: finite numbers, columns 5 to 8 a unit quaternion w x y z")
     return values

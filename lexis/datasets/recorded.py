@@ -1,7 +1,7 @@
 """Code shared by the readers of recorded runs: their result type, decoding of images, and interpolation of the odometry."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Annotated
@@ -9,14 +9,14 @@ from typing import Annotated
 import cv2
 import numpy as np
 from annotated_types import Ge, Gt
-from jaxtyping import Float64, UInt8
+from jaxtyping import Bool, Float64, UInt8
 from scipy.spatial.transform import Rotation, Slerp
 
 from lexis.datasets.camera_tracks import RigTrack
 from lexis.datasets.image_header import image_size
-from lexis.errors import DatasetError, one_line
+from lexis.errors import DatasetError, LexisError, one_line
 from lexis.files.reading import FileKind, read_bytes
-from lexis.inputs import MAX_POSITION_M
+from lexis.inputs import MAX_POSITION_M, check_camera
 from lexis.settings import Settings
 from lexis.types import Camera, Image, Poses
 
@@ -77,6 +77,16 @@ class Recorded:
     increment_covariances: Float64[np.ndarray, "n 6 6"] | None
     """Covariances of the odometry's increments from image to image [rad², m²]. None if the dataset states no covariances, or
     states them for other increments, because the odometry has other stamps than the images."""
+
+    @classmethod
+    def of(cls, seen: RigTrack, odometry: OdometryTrack, covariances: Float64[np.ndarray, "n 6 6"] | None) -> "Recorded":
+        """Return images and odometry, with the covariances of the increments between odometry poses [rad², m²], if any.
+
+        The covariances are kept only if the odometry has the same stamps as the images, because only then are the increments
+        between odometry poses the increments between images.
+        """
+        at_images = covariances is not None and np.array_equal(odometry.stamps, seen.stamps)
+        return cls(seen, odometry, covariances if at_images else None)
 
 
 def odometry_at(track: OdometryTrack, at: Float64[np.ndarray, "n"], max_gap_s: float) -> Poses:
@@ -143,6 +153,21 @@ def image_file(folder: Path, where: str, name: str) -> Path:
     return path
 
 
+def images_in(
+    paths: Sequence[Path], camera: Camera, distortion: Float64[np.ndarray, "k"]
+) -> Callable[[Bool[np.ndarray, "n"]], Iterator[Image]]:
+    """Return the function `CameraTrack.images` of a camera whose images are the files `paths`.
+
+    The function removes the distortion of the images. It raises DatasetError as `read_image` does.
+    """
+    rectified = rectifier(camera, distortion)
+
+    def images(wanted: Bool[np.ndarray, "n"]) -> Iterator[Image]:
+        return (rectified(read_image(paths[i], camera)) for i in np.flatnonzero(wanted).tolist())
+
+    return images
+
+
 def read_image(path: Path, camera: Camera) -> Image:
     """Read an RGB image from a file. Raises DatasetError if it is unreadable or does not have the camera's size."""
     return decode_image(np.frombuffer(read_bytes(path, _IMAGE_FILE), np.uint8), str(path), camera)
@@ -181,8 +206,15 @@ def _size_message(where: str, size: tuple[int, int], camera: Camera) -> str:
     return f"{where}: is {size[0]}x{size[1]} px; valid: {k.width}x{k.height} px, as in the camera's calibration"
 
 
-def check_distortion(where: str, distortion: Float64[np.ndarray, "k"]) -> None:
-    """Raise DatasetError unless the coefficients are finite, of plausible size, and as many as a model of OpenCV has."""
+def check_calibration(where: str, camera: Camera, distortion: Float64[np.ndarray, "k"]) -> None:
+    """Raise DatasetError unless the camera and the coefficients of its distortion are usable.
+
+    The coefficients must be finite, of plausible size, and as many as a distortion model of OpenCV has.
+    """
+    try:
+        check_camera(camera)
+    except LexisError as error:
+        raise DatasetError(f"{where}: {error}") from None
     if len(distortion) not in _COEFFICIENTS or not (np.abs(distortion) <= _MAX_COEFFICIENT).all():
         raise DatasetError(
             f"{where}: distortion {one_line(distortion.tolist(), 80)}; "

@@ -30,15 +30,15 @@ from lexis.datasets.recorded import (
     OdometryTrack,
     Recorded,
     check_ascending,
-    check_distortion,
+    check_calibration,
     check_size,
     decode_image,
     rectifier,
 )
-from lexis.errors import DatasetError, LexisError, one_line
+from lexis.errors import DatasetError, one_line
 from lexis.files.reading import FileKind, open_file, read_yaml
-from lexis.inputs import check_camera, usable_covariances
-from lexis.maths.quaternions import poses_of
+from lexis.inputs import usable_covariances
+from lexis.maths.quaternions import UNIT_TOLERANCE, poses_of
 from lexis.types import Camera, Image, Intrinsics, Pose
 
 METADATA, CAMERA, ODOMETRY = "metadata.yaml", "cam0", "/odom"
@@ -73,10 +73,7 @@ def read_bag(directory: Path, config: DatasetConfig) -> Recorded:
     track, body = _read_odometry(bag, config.odometry or ODOMETRY)
     seen = joined([_read_images(bag, f"/{name}", body) for name in config.cameras(CAMERA)])
     covariances = _read_covariances(bag, f"{config.odometry or ODOMETRY}/increment_covariance", len(track.stamps))
-    # The covariances belong to the increments between odometry poses. Only if the odometry has the same stamps as the images
-    # are these the increments between images.
-    at_images = covariances is not None and np.array_equal(track.stamps, seen.stamps)
-    return Recorded(seen, track, covariances if at_images else None)
+    return Recorded.of(seen, track, covariances)
 
 
 def _read_images(bag: "_Bag", name: str, body: str) -> CameraTrack:
@@ -208,12 +205,8 @@ def _read_camera(bag: _Bag, topic: str, body: str) -> tuple[Camera, Float64[np.n
     k = np.asarray(info.k, float)
     intrinsics = Intrinsics(int(info.width), int(info.height), *(float(k[i]) for i in (0, 4, 2, 5)))
     camera = Camera(intrinsics, _static_transform(bag, body, str(info.header.frame_id)))
-    try:
-        check_camera(camera)
-    except LexisError as error:
-        raise DatasetError(f"{bag.path}: {topic}: {error}") from None
     distortion = np.asarray(info.d, float)
-    check_distortion(f"{bag.path}: {topic}", distortion)
+    check_calibration(f"{bag.path}: {topic}", camera, distortion)
     return camera, distortion
 
 
@@ -250,7 +243,8 @@ def _pose_row(position: Message, orientation: Message) -> list[float]:
 
 def _usable(rows: Float64[np.ndarray, "n 7"]) -> Bool[np.ndarray, "n"]:
     """Whether each row holds a finite position and a unit quaternion."""
-    return np.asarray(np.isfinite(rows).all(axis=1) & (np.abs(np.linalg.norm(rows[:, 3:], axis=1) - 1.0) <= 1e-3))
+    norms = np.linalg.norm(rows[:, 3:], axis=1)
+    return np.asarray(np.isfinite(rows).all(axis=1) & (np.abs(norms - 1.0) <= UNIT_TOLERANCE))
 
 
 def _stamp(message: Message) -> float:

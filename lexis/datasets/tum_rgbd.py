@@ -11,23 +11,23 @@ Images are 8-bit PNG or JPEG.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import cv2
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Float64
 
 from lexis.datasets.camera_tracks import CameraTrack, joined
-from lexis.datasets.recorded import DatasetConfig, OdometryTrack, Recorded, image_file, read_image, rectifier
-from lexis.errors import DatasetError, LexisError
+from lexis.datasets.recorded import DatasetConfig, OdometryTrack, Recorded, check_calibration, image_file, images_in
+from lexis.errors import DatasetError
 from lexis.files.camera import CameraData
 from lexis.files.reading import FileKind, numbered_lines, read_model
 from lexis.files.replace import replaced_folder
 from lexis.files.tum_trajectory import read_tum
-from lexis.inputs import check_camera, pixels, usable_covariances
+from lexis.inputs import pixels, usable_covariances
 from lexis.maths.quaternions import pose_rows
-from lexis.types import Camera, Covariance, Image, Observation
+from lexis.types import Camera, Covariance, Observation
 
 IMAGE_LIST, ODOMETRY, CAMERA, COVARIANCE = "rgb.txt", "odometry.tum", "camera.json", "odometry_covariance.txt"
 _CAMERA_FILE = FileKind("a camera as JSON", 1_000_000, DatasetError, unusable="no camera")
@@ -38,14 +38,9 @@ _COVARIANCE_FILE = FileKind("lines of a stamp and 36 numbers", 200_000_000, Data
 def read_tum_dataset(directory: Path, config: DatasetConfig) -> Recorded:
     """Read a dataset in TUM RGB-D format. Raises LexisError, with file and line, if it is incomplete or inconsistent."""
     camera, distortion = _read_camera(directory / (config.camera or CAMERA))
-    rectified = rectifier(camera, distortion)
     stamps, paths = _read_image_list(directory)
     odometry = directory / (config.odometry or ODOMETRY)
-
-    def images(wanted: Bool[np.ndarray, "n"]) -> Iterator[Image]:
-        return (rectified(read_image(paths[i], camera)) for i in np.flatnonzero(wanted).tolist())
-
-    seen = joined([CameraTrack(str(directory / IMAGE_LIST), camera, stamps, images)])
+    seen = joined([CameraTrack(str(directory / IMAGE_LIST), camera, stamps, images_in(paths, camera, distortion))])
     track = OdometryTrack(str(odometry), *read_tum(odometry))
     # The file of covariances belongs to the default odometry and describes no other odometry.
     covariances = _read_covariances(directory / COVARIANCE, stamps) if config.odometry in (None, ODOMETRY) else None
@@ -102,12 +97,9 @@ def covariance_line(stamp: str, observation: Observation) -> str:
 
 def _read_camera(path: Path) -> tuple[Camera, Float64[np.ndarray, "4"]]:
     data = read_model(path, _CAMERA_FILE, _LensCameraData)
-    camera = data.camera()
-    try:
-        check_camera(camera)
-    except LexisError as error:
-        raise DatasetError(f"{path}: {error}") from None
-    return camera, np.array(data.distortion)
+    camera, distortion = data.camera(), np.array(data.distortion)
+    check_calibration(str(path), camera, distortion)
+    return camera, distortion
 
 
 def _read_image_list(directory: Path) -> tuple[Float64[np.ndarray, "n"], tuple[Path, ...]]:

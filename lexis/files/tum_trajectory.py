@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from lexis.errors import LexisError
 from lexis.files.reading import FileKind, numbered_lines
 from lexis.files.replace import replaced_file
-from lexis.maths.quaternions import poses_of
+from lexis.maths.quaternions import UNIT_TOLERANCE, poses_of
 from lexis.types import Poses
 
 _FILE = FileKind("lines of 'stamp tx ty tz qx qy qz qw'", 200_000_000)
@@ -49,6 +49,6 @@ def _numbers(path: Path, number: int, line: str) -> list[float]:
         values = []
     if len(values) != 8 or not all(map(math.isfinite, values)):
         raise LexisError(f"{path}:{number}: {line[:80]!r}; valid: eight finite numbers 'stamp tx ty tz qx qy qz qw'")
-    if abs((norm := math.hypot(*values[4:])) - 1.0) >= 1e-3:
+    if abs((norm := math.hypot(*values[4:])) - 1.0) > UNIT_TOLERANCE:
         raise LexisError(f"{path}:{number}: the quaternion qx qy qz qw has the norm {norm:.4g}; valid: 1")
     return values

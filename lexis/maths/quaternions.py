@@ -13,6 +13,8 @@ from lexis.types import Poses
 
 Quaternions = Float64[np.ndarray, "n 4"]
 
+UNIT_TOLERANCE = 1e-3
+"""Largest deviation from 1 of the norm of a quaternion that is read from a recorded run or a trajectory."""
 _GRID = 2.0**40
 _LARGE = 0.49
 """Every unit quaternion has at least one component that is larger than this in magnitude."""

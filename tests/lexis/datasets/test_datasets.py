@@ -121,6 +121,7 @@ def gap(folder):
         (lambda f: shutil.rmtree(f), "no dataset there"),
         (lambda f: (f / "camera.json").unlink(), r"camera\.json"),
         (lambda f: edited(f, "camera.json", '"fx": 20.0', '"fx": -1'), "fx"),
+        (lambda f: edited(f, "camera.json", '"fx": 20.0', '"distortion": [1e5, 0, 0, 0], "fx": 20.0'), "distortion"),
         (lambda f: (f / "rgb.txt").write_text("# nothing\n"), "lists no image"),
         (shuffle_stamps, r"rgb\.txt:4: .*ascending"),
         (lambda f: edited(f, "rgb.txt", "rgb/000001.png", "../../etc/passwd"), r"rgb\.txt:3: .*inside the dataset"),
