@@ -20,6 +20,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from worlds.floor_plans.rectangles import overlap
 from worlds.labels import OUTDOOR_LABELS, STAIRS
 from worlds.spec import PASSABLE, HouseSpec, LeafSpec, OpeningKind, OpeningSpec, Point, RoomSpec, StoreySpec
 
@@ -341,14 +342,10 @@ def _leaf(contact: _Contact, start: int, stop: int, swings: list[Box]) -> LeafSp
     room = contact.rooms[0] if way.into_first else contact.rooms[1]
     near, far = (contact.at - width, contact.at) if way.into_first else (contact.at, contact.at + width)
     swing = (start, near, stop, far) if contact.along_x else (near, start, far, stop)
-    if not room.has_room_for(swing) or any(_overlap(swing, other) for other in swings):
+    if not room.has_room_for(swing) or any(overlap(swing, other) for other in swings):
         return None
     swings.append(swing)
     return LeafSpec(hinge=way.hinge, into=room.id, angle_rad=_ANGLES[way.leaf])
-
-
-def _overlap(a: Box, b: Box) -> bool:
-    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 
 def _opening(contact: _Contact, kind: OpeningKind, low: int, high: int, leaf: LeafSpec | None = None) -> OpeningSpec:

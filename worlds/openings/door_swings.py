@@ -8,8 +8,9 @@ possible ways to hang a leaf.
 import math
 from collections.abc import Mapping, Sequence
 
+from worlds.floor_plans.rectangles import Rectangle, overlap
 from worlds.labels import CIRCULATION_LABELS, OUTDOOR_LABELS, STAIRS
-from worlds.openings.opening_draft import LEAF_THICKNESS_M, LeafDraft, OpeningDraft, Rectangle
+from worlds.openings.opening_draft import LEAF_THICKNESS_M, LeafDraft, OpeningDraft
 from worlds.spec import RoomSpec
 
 _WALL_M = 0.051
@@ -133,8 +134,8 @@ def is_in_front(door: OpeningDraft, other: OpeningDraft, depth_m: float) -> bool
     if door.leaf is None or door.leaf.into not in other.rooms or other is door:
         return False
     if other.leaf is not None and other.leaf.into == door.leaf.into:
-        return _overlap(swing_box(door, door.leaf), swing_box(other, other.leaf))
-    return _overlap(resting_box(door, door.leaf), other.around(depth_m))
+        return overlap(swing_box(door, door.leaf), swing_box(other, other.leaf))
+    return overlap(resting_box(door, door.leaf), other.around(depth_m))
 
 
 def _swings_freely(
@@ -151,16 +152,16 @@ def _swings_freely(
     room, swing, standing = rooms[leaf.into], swing_box(door, leaf), resting_box(door, leaf)
     passing = _PASSING_M if room.label in CIRCULATION_LABELS else 0.0
     needed = _box(door, leaf, -LEAF_THICKNESS_M / 2, door.width, door.width + passing) if passing else swing
-    if any(_overlap(needed, wall) or _overlap(swing, wall) for wall in _walls(room)):
+    if any(overlap(needed, wall) or overlap(swing, wall) for wall in _walls(room)):
         return False
-    if any(_overlap(swing, obstacle) for obstacle in obstacles):
+    if any(overlap(swing, obstacle) for obstacle in obstacles):
         return False
     for other in gaps:
         if other is door or leaf.into not in other.rooms:
             continue
-        if other.leaf is not None and other.leaf.into == leaf.into and _overlap(swing, swing_box(other, other.leaf)):
+        if other.leaf is not None and other.leaf.into == leaf.into and overlap(swing, swing_box(other, other.leaf)):
             return False
-        if _overlap(standing, other.around(_FRONT_M)):
+        if overlap(standing, other.around(_FRONT_M)):
             return False
     return True
 
@@ -172,7 +173,3 @@ def _walls(room: RoomSpec) -> list[Rectangle]:
         (min(x0, x1) - half, min(y0, y1) - half, max(x0, x1) + half, max(y0, y1) + half)
         for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1], strict=True)
     ]
-
-
-def _overlap(a: Rectangle, b: Rectangle) -> bool:
-    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]

@@ -8,11 +8,10 @@ import itertools
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+from worlds.floor_plans.rectangles import Rectangle
 from worlds.spec import Leads, LeafSpec, OpeningKind, OpeningSpec, RoomSpec
 from worlds.walls import Boundary, opening_span, room_edges
 
-Rectangle = tuple[float, float, float, float]
-"""A rectangle of the plan, as x0, y0, x1, y1 [m]."""
 LEAF_THICKNESS_M = 0.04
 """Thickness of door leaves [m]."""
 _TOLERANCE_M = 1e-6

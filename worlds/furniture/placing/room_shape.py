@@ -4,10 +4,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
+from worlds.floor_plans.rectangles import Rectangle
 from worlds.spec import RoomSpec
 
-Rectangle = tuple[float, float, float, float]
-"""Bounds x0, y0, x1, y1 [m]."""
 Interval = tuple[float, float]
 Point = tuple[float, float]
 
@@ -109,11 +108,6 @@ class RoomShape:
     def _contains(self, x: float, y: float) -> bool:
         upright = [side for side in self.sides if side.turn % 2 and side.start[0] > x]
         return sum(0.0 < side.along((x, y)) < side.length for side in upright) % 2 == 1
-
-
-def grown(r: Rectangle, by: float) -> Rectangle:
-    """Return the rectangle, larger by `by` [m] on every side."""
-    return r[0] - by, r[1] - by, r[2] + by, r[3] + by
 
 
 def _less(point: Point, origin: Point) -> Point:
