@@ -1,7 +1,10 @@
-"""Valid names in error messages: a guess at the name that was meant, and lists of names that are short enough to read."""
+"""Names in messages: a guess at the valid name that was meant, and lists that are short enough to read."""
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import TypeVar
+
+_Thing = TypeVar("_Thing")
 
 
 def did_you_mean(word: str, valid: Iterable[str], likeness: float = 0.6) -> str:
@@ -14,6 +17,11 @@ def did_you_mean(word: str, valid: Iterable[str], likeness: float = 0.6) -> str:
     return f" (did you mean {guess[0]!r}?)" if guess else ""
 
 
-def listed(names: Sequence[str], most: int = 30) -> str:
-    """Return the first `most` names, separated by commas, followed by the number of the names that are left out, if any."""
-    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+def listed(things: Sequence[_Thing], most: int = 30, *, shown: Callable[[_Thing], str] = str, separator: str = ", ") -> str:
+    """Return the first `most` things, as text by `shown`, and how many things are left out: "kitchen, bath and 3 more".
+
+    With the separator "; ", for texts that contain commas themselves: "a, b; c, d; and 3 more".
+    """
+    last = " " if separator == ", " else separator
+    left_out = f"{last}and {len(things) - most} more" if len(things) > most else ""
+    return separator.join(map(shown, things[:most])) + left_out

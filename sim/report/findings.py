@@ -13,7 +13,10 @@ from lexis.graph.trusted_loops import TRUSTED_WEIGHT
 from sim.report.data import UNKNOWN, KeyframeTable, PlanPath, ReportData
 from sim.report.room_errors import SUBSTANTIAL, Groups, room_errors, surplus
 from sim.wording import counted
+from worlds.valid_names import listed
 
+_EXAMPLES = 3
+"""Largest number of rooms or plans that one finding names."""
 WELL_COVERED = 0.95
 """The map counts as complete if it covers at least this share of the walk. The report then mentions no missing share."""
 
@@ -141,9 +144,8 @@ def _rooms(data: ReportData) -> Iterator[Finding]:
         yield Finding(False, text, true.index(next(iter(errors.partial_losses))))
 
 
-def _listed(groups: Groups, joint: str, most: int = 3) -> str:
-    examples = [f"{room}{joint}{' + '.join(others)}" for room, others in list(groups.items())[:most]]
-    return ", ".join(examples) + (f" and {len(groups) - most} more" if len(groups) > most else "")
+def _listed(groups: Groups, joint: str) -> str:
+    return listed([f"{room}{joint}{' + '.join(others)}" for room, others in groups.items()], _EXAMPLES)
 
 
 def _floors(data: ReportData) -> Iterator[Finding]:
@@ -208,14 +210,13 @@ def _compared(what: str, before: float | None, after: float | None) -> Iterator[
         yield Finding(after <= before, f"{what} from {before:.3f} m to {after:.3f} m{worse}.")
 
 
-def _plans(data: ReportData, most: int = 3) -> Iterator[Finding]:
+def _plans(data: ReportData) -> Iterator[Finding]:
     driven = [path for path in data.paths if path.success is not None]
     failed = data.failed
     if failed:
-        examples = "; ".join(_failure(path) for path in failed[:most])
-        more = f"; and {len(failed) - most} more" if len(failed) > most else ""
+        examples = listed(failed, _EXAMPLES, shown=_failure, separator="; ")
         what = f"{counted(len(driven), 'plan')} did not reach {_suiting(len(failed), 'its', 'their')} room"
-        yield Finding(False, f"{len(failed)} of {what}: {examples}{more}.")
+        yield Finding(False, f"{len(failed)} of {what}: {examples}.")
     elif driven:
         count = len(driven)
         yield Finding(True, _suiting(count, "The only plan reached its room.", f"All {count} plans reached their room."))

@@ -1,7 +1,7 @@
 """A floor plan as drawn: the outlines of rooms and the strokes of openings, before they are straightened into a house."""
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import islice
@@ -16,11 +16,12 @@ from worlds.spec_errors import explain, mistakes_error
 from worlds.valid_names import did_you_mean
 
 MAX_STROKES = 3200
+MAX_LISTED = 8
+"""Largest number of ignored shapes that one note lists."""
 _SURE = 0.8
 """Least similarity, in [0, 1], of an unknown word and the known word that a note suggests instead. With a lower value, the
 notes would suggest `half wall` for `wall`."""
 _MAX_WORDS, _MAX_NOTES = 1000, 20
-_Thing = TypeVar("_Thing")
 _Model = TypeVar("_Model", bound=BaseModel)
 _LABELS = {label.replace("-", " "): label for label in ROOM_LABELS} | {
     "bath": "bathroom", "wc": "toilet", "restroom": "toilet", "hall": "corridor", "hallway": "corridor",
@@ -133,11 +134,6 @@ def spelling_notes(spoken: Iterable[tuple[str, str]], meaningful: Iterable[str])
     found = ((where, word[:60], did_you_mean(word[:60], valid, _SURE)) for word, where in islice(places.items(), _MAX_WORDS))
     notes = (f"{where}: {word!r} is unknown{guess}; ignored" for where, word, guess in found if guess)
     return tuple(islice(notes, _MAX_NOTES))
-
-
-def listed_some(things: Sequence[_Thing], shown: Callable[[_Thing], str] = str, most: int = 8) -> str:
-    """Return one line that lists the first `most` things, as text by `shown`, and says how many more things there are."""
-    return "; ".join(map(shown, things[:most])) + (f"; and {len(things) - most} more" if len(things) > most else "")
 
 
 def storey_of(where: str, value: object) -> int:

@@ -22,18 +22,19 @@ from typing import Any
 
 from worlds.errors import SpecError
 from worlds.plan_import.drawn_plan import (
+    MAX_LISTED,
     DrawnPlan,
     DrawnRoom,
     Stroke,
     checked,
     label_of,
-    listed_some,
     opening_kind_of,
     spelling_notes,
     storey_of,
 )
 from worlds.spec import HouseSpec, OpeningSpec, Point
 from worlds.spec_errors import fields_once
+from worlds.valid_names import listed
 
 _DETAILS = ("height_m", "sill_m", "leaf", "leads")
 _FARTHEST_M = 1e8
@@ -83,7 +84,8 @@ def _drawing(data: object, metres_per_unit: float) -> DrawnPlan:
     unknown = [("the FeatureCollection", key) for key in beside if key not in _BESIDE_FEATURES]
     notes = [*spelling_notes(unknown, _BESIDE_FEATURES), *spelling_notes(spoken, _PROPERTIES)]
     if ignored:
-        notes.append(f"ignored, because they have neither a label nor a kind: {listed_some(ignored)}")
+        places = listed(ignored, MAX_LISTED, separator="; ")
+        notes.append(f"ignored, because they have neither a label nor a kind: {places}")
     return checked(rooms, strokes, heights_m=_heights(beside), slab_m=beside.get("slab_m"), notes=tuple(notes))
 
 

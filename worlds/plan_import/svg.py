@@ -29,6 +29,7 @@ from worlds.errors import SpecError
 from worlds.labels import ROOM_LABELS
 from worlds.plan_import.drawn_plan import (
     KINDS,
+    MAX_LISTED,
     DrawnPlan,
     DrawnRoom,
     Stroke,
@@ -36,7 +37,6 @@ from worlds.plan_import.drawn_plan import (
     find_kind,
     find_label,
     label_of,
-    listed_some,
     normalised_name,
     opening_kind_of,
     spelling_notes,
@@ -45,6 +45,7 @@ from worlds.plan_import.drawn_plan import (
 from worlds.plan_import.svg_shapes import OPENING_TAGS, ROOM_TAGS, Outline, is_curved, length_px
 from worlds.plan_import.svg_tree import LABEL, Named, SvgShape, outline_of, read_tree, shown_shapes
 from worlds.spec import OpeningKind, Point
+from worlds.valid_names import listed
 
 _PX_M = 0.0254 / 96.0
 _SMALLEST_PLAN_M = 2.0
@@ -233,7 +234,7 @@ def _notes(ignored: Sequence[SvgShape]) -> Iterator[str]:
         by_reason[_why_ignored(shape)].append(shape)
     for reason, shapes in by_reason.items():
         if shapes:
-            yield f"ignored, because {reason}: {listed_some(shapes, _located)}"
+            yield f"ignored, because {reason}: {listed(shapes, MAX_LISTED, shown=_located, separator='; ')}"
 
 
 def _why_ignored(shape: SvgShape) -> str:
