@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from sim.bench.encoders.retrieval import share
 from sim.errors import SimError
 from sim.training.frames import Frames, frames_by_house
 from worlds.labels import ROOM_LABELS
@@ -88,10 +89,6 @@ def by_own_room(own: Float[np.ndarray, "n"], right: Mapping[str, Bool[np.ndarray
     edges: Sequence[float] = (0.0, *OWN_ROOM, 1.0)
     inside = [(low, high, np.digitize(own, OWN_ROOM) == i) for i, (low, high) in enumerate(pairwise(edges))]
     return [
-        Band(low, high, float(band.mean()), {name: _mean(answers[band]) for name, answers in right.items()})
+        Band(low, high, float(band.mean()), {name: share(answers[band]) for name, answers in right.items()})
         for low, high, band in (*inside, (0.0, 1.0, np.ones(len(own), bool)))
     ]
-
-
-def _mean(right: Bool[np.ndarray, "n"]) -> float | None:
-    return float(right.mean()) if len(right) else None
