@@ -28,20 +28,19 @@ _WALK_SHARE = 0.4
 
 
 def fit_features(
-    encoder: Encoder, houses: int = HOUSES, walks: int = len(WALKS), progress: Callable[[float], None] = lambda share: None
+    encoder: Encoder, houses: int = HOUSES, progress: Callable[[float], None] = lambda share: None
 ) -> FeatureModel:
-    """Fit a feature model to frames of `houses` houses, and to runs of LEXIS in the first `walks` houses of `WALKS`.
+    """Fit a feature model to frames of `houses` houses, and to runs of LEXIS in the houses of `WALKS`.
 
     The same arguments give the same model. `progress` is called with the share of the work that is done, in [0, 1].
 
-    Raises `SimError` for fewer than two houses, since each house is predicted from the others, and for no walk.
+    Raises `SimError` for fewer than two houses, since each house is predicted from the others.
     """
     check_count("fit: houses", houses, 2)
-    check_count("fit: walks", walks, 1)
     trials = []
-    for i, choice in enumerate(WALKS[:walks]):
+    for i, choice in enumerate(WALKS):
         trials.append(try_verification(choice, encoder, seed=0))
-        progress(_WALK_SHARE * (i + 1) / walks)
+        progress(_WALK_SHARE * (i + 1) / len(WALKS))
     samples = []
     for i, choice in enumerate(choices(houses, FIRST_SEED)):
         samples.append(sample(choice, encoder, FRAMES))

@@ -89,7 +89,7 @@ def read_estimate(folder: Path, times: RecordedTimes, room_names: Sequence[str])
     poses = _poses(folder / TRAJECTORY, times)
     entries = _entries(folder / ROOMS, times, poses) if (folder / ROOMS).exists() else None
     frames = sorted(poses if entries is None else entries)
-    columns = {} if entries is None else _columns(folder / ROOMS, [entries[frame] for frame in frames], room_names)
+    columns = {} if entries is None else _columns([entries[frame] for frame in frames], room_names)
     if (folder / LOOPS).exists():
         columns |= read_loops(folder / LOOPS, lambda stamps: _rows(np.array(stamps, float), times, frames))
     return Estimate(np.array(frames), T_W_B=np.array([poses[frame] for frame in frames]), **columns)
@@ -173,7 +173,7 @@ def _entries(path: Path, times: RecordedTimes, poses: dict[int, Pose]) -> dict[i
     return entries
 
 
-def _columns(path: Path, entries: Sequence[FrameClaim], room_names: Sequence[str]) -> dict[str, Any]:
+def _columns(entries: Sequence[FrameClaim], room_names: Sequence[str]) -> dict[str, Any]:
     """Convert what is listed about frames to fields of `Estimate`. Raises `SimError` if only some frames have a field."""
     columns = {}
     for name, field in (("label", "labels"), ("room", "rooms"), ("floor", "floors")):
