@@ -44,7 +44,7 @@ def write_run(
         fill_run_folder(run, result, trials, folder, failure)
 
 
-def write_crash(crash: Crash, out: Path, more: Mapping[str, bytes] = _NO_FILES) -> None:
+def write_crash(crash: Crash, out: Path, more: Mapping[str, bytes]) -> None:
     """Write failure-traceback.txt and scenario.json to `out`, and for a program also what it printed.
 
     If the program has written files that are not valid, these files are written, too. `more` contains further files: their
@@ -76,7 +76,7 @@ def fill_crash_folder(crash: Crash, folder: Path) -> None:
 
 
 def fill_run_folder(
-    run: Run, result: RunResult, trials: Sequence[Trial], folder: Path, failure: ShownFailure | None = None
+    run: Run, result: RunResult, trials: Sequence[Trial], folder: Path, failure: ShownFailure | None
 ) -> None:
     """Write the files of `write_run` into an existing folder."""
     (folder / RESULT).write_text(json.dumps(result.data(), indent=1, allow_nan=False) + "\n", encoding="utf-8")

@@ -214,7 +214,7 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
         yield
 
 
-def reason_of(item: pytest.Item, error: pytest.ExceptionInfo[BaseException], slam: object = None) -> Reason:
+def reason_of(item: pytest.Item, error: pytest.ExceptionInfo[BaseException], slam: object) -> Reason:
     """Describe a failure by its exception and by the last line of the user's own code in the traceback.
 
     If the harness refuses the estimate of `slam`, no such line is in the traceback; the line is then that of `finish`, which

@@ -109,7 +109,7 @@ def write_take(
         write_labels(folder / ROOMS, take.walk.house)
 
 
-def check_format(name: str, images: str = "png") -> Format:
+def check_format(name: str, images: str) -> Format:
     """Look up a format by name. Raises `SimError` for an unknown name, or a kind of images that the format lacks."""
     if name not in FORMATS:
         raise SimError(f"unknown format {name!r}; valid: {', '.join(FORMATS)}")

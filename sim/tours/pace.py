@@ -46,7 +46,7 @@ def paced(
     points: Float64[np.ndarray, "k 3"],
     view: Float64[np.ndarray, "k 2"],
     limits: Limits,
-    sway: Sway | None = None,
+    sway: Sway | None,
 ) -> Motion:
     """Return the motion along evenly spaced points in W [m], with the yaw and pitch [rad] that `view` gives at each point.
 

@@ -153,8 +153,8 @@ def _stairs(
         # Without stairs or a second wing in between, the two north bands would be one.
         if not depths.cross and "north 0" in lengths:
             lengths["north 2"] = lengths.get("north 2", 0) + lengths.pop("north 0")
-        return stairs_bay("U", rise, depths.spine / 100, flipped), True, depths
-    stairs = stairs_bay(kind, rise, flipped=flipped)
+        return stairs_bay("U", rise, flipped, depths.spine / 100), True, depths
+    stairs = stairs_bay(kind, rise, flipped)
     # U-shaped stairs that are almost as deep as the band fill it: the rest would be too shallow to use.
     if kind == "U" and 0 < depths.north - stairs.length <= 80:
         stairs = replace(stairs, length=depths.north)

@@ -71,7 +71,7 @@ class StairsBay:
     """Length of the cell, along the first flight [cm]."""
     width: int
     """Width of the cell, across the first flight [cm]."""
-    flipped: bool = False
+    flipped: bool
     """Whether the stairs are mirrored, left for right as seen from the corridor."""
 
     @property
@@ -131,7 +131,7 @@ class StairsBay:
         return self.front - r[2], r[1], self.front - r[0], r[3]
 
 
-def stairs_bay(kind: StairsKind, rise_m: float, width_m: float | None = None, flipped: bool = False) -> StairsBay:
+def stairs_bay(kind: StairsKind, rise_m: float, flipped: bool, width_m: float | None = None) -> StairsBay:
     """Compute the space that comfortable stairs of a kind take if they rise `rise_m` from floor to floor [m].
 
     `width_m` is the width of the cell (the room of the stairs) [m]; only U-shaped stairs use it. None: 2.2 m.
@@ -151,8 +151,8 @@ class Shell:
     depths: Depths
     lengths: dict[Band, int]
     """Greatest length that every band (row of rooms) has on any storey [cm]."""
-    stairs: StairsBay | None = None
-    at_end: bool = False
+    stairs: StairsBay | None
+    at_end: bool
     """Whether the stairs stand at the east end of the main spine (corridor), and not in the row of rooms to its north."""
 
     @property

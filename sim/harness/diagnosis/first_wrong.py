@@ -98,7 +98,7 @@ def _found(search: "Callable[[Run], Iterator[_Wrong]]", run: Run, reference: Run
     return next(search(run), None)
 
 
-def shown_failure(run: Run, what: str, figure: str | None = None, reference: Run | None = None) -> ShownFailure:
+def shown_failure(run: Run, what: str, figure: str | None, reference: Run | None) -> ShownFailure:
     """Return what the report shows of a failed run: `what` has failed, and the first frame that is wrong for the figure."""
     frame = first_wrong(run, figure, reference)
     if frame is None:

@@ -6,7 +6,7 @@ from pathlib import Path
 from lexis.files.replace import replaced_folder
 from sim.harness.crash import Crash
 from sim.harness.diagnosis.first_wrong import shown_failure
-from sim.harness.failures.search import NO_REFERENCE, Reference, Search
+from sim.harness.failures.search import Reference, Search
 from sim.harness.failures.why_page import Page, crash_page, failed_test_page
 from sim.harness.figures import EvaluatedRun
 from sim.harness.outputs import fill_crash_folder, fill_run_folder
@@ -33,7 +33,7 @@ class FailedPytest:
     """File and function as pytest names them, such as "tests/test_slam.py::test_rooms"."""
     replayed_name: str
     """The name by which pytest finds the test in a replay: also with the id of parameters other than the world."""
-    options: tuple[str, ...] = ()
+    options: tuple[str, ...]
     """Options of pytest that a replay needs besides the scenario."""
     figure: str | None = None
     """The figure that the failing assertion is about, such as "floors.accuracy"; None if it is not known."""
@@ -71,8 +71,8 @@ def write_failed_test(
     folder: Path,
     test: FailedPytest,
     outcome: EvaluatedRun | Crash,
-    search: Search | None = None,
-    reference: Reference = NO_REFERENCE,
+    search: Search | None,
+    reference: Reference,
 ) -> None:
     """Write scenario.json, why.md and test_replay.py, and either the files of `write_run` or the traceback of a crash.
 

@@ -68,7 +68,7 @@ def not_reproduced(reduction: Reduction) -> SimError:
     return SimError(f"the failure ({reduction.signature}) did not come back in the smallest scenario; {again}")
 
 
-def replay_test(claim: Claim | None, replay: Replay = LEXIS_REPLAY) -> str:
+def replay_test(claim: Claim | None, replay: Replay) -> str:
     """Return the text of a pytest file that runs the scenario of the same folder and fails until the SLAM is mended.
 
     `claim` describes the failure, such as "labels.accuracy < 0.7", and the test asserts that the claim is false. None stands

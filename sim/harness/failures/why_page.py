@@ -69,7 +69,7 @@ def why_page(
     test: FailureTest,
     blamed: BlameTable,
     smallest: Observed | Crash,
-    reference: Run | None = None,
+    reference: Run | None,
 ) -> Page:
     """Make the page about a failure of a SLAM.
 
@@ -175,7 +175,7 @@ def _first_place(place: str, found: str) -> list[str]:
     ]
 
 
-def wrong_frame_page(run: Run, figure: str | None = None, reference: Run | None = None) -> Page:
+def wrong_frame_page(run: Run, figure: str | None, reference: Run | None = None) -> Page:
     """Make the section about the first wrong frame, with its place on a plan and, if images can be rendered, its image.
 
     Frames that are wrong in the run of the `reference`, too, are passed over.

@@ -15,10 +15,10 @@ def pool(rng: Generator) -> tuple[float, ...]:
     return tuple(rng.random(_POOL).tolist())
 
 
-def stream_key(name: str, number: int, parent: int = 0) -> int:
+def stream_key(name: str, number: int, parent: int) -> int:
     """Return the key of the random stream of the `number`-th piece of the kind `name` in a room.
 
-    For a piece that stands at or on, or hangs above another piece, `parent` is the key of that other piece.
+    For a piece that stands at or on, or hangs above another piece, `parent` is the key of that other piece; otherwise 0.
     """
     return crc32(_text(name, number), parent)
 
