@@ -10,7 +10,7 @@ from shapely.geometry import LineString, Polygon
 
 from worlds.errors import WorldsError
 from worlds.house import Furniture, build_house
-from worlds.presets import sample_house
+from worlds.presets import PRESETS, sample_house
 from worlds.spec import HouseSpec, LeafSpec, OpeningSpec, RoomSpec, StoreySpec
 from worlds.truth import room_at
 from worlds.walkable import UnreachableError, Walkable, polyline_length
@@ -90,6 +90,19 @@ def test_turned_furniture_blocks_its_footprint_and_high_or_flat_pieces_do_not():
     assert distance.min() < RADIUS + 0.1
     for harmless in (replace(piece, position=(2.0, 1.5, 1.95)), replace(piece, size=(1.2, 0.6, 0.02))):
         np.testing.assert_array_equal(Walkable(replace(empty, furniture=(harmless,))).nodes, Walkable(empty).nodes)
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+@pytest.mark.parametrize("seed", [3, 6, 300])
+def test_nobody_stands_inside_what_hangs_on_a_wall(preset, seed):
+    """Pieces that hang at the height of a head are above others that block the way. Toys on the floor block nobody."""
+    house = furnished(preset, seed)
+    nodes = Walkable(house).nodes
+    for piece in house.furniture:
+        floor_m = house.storeys[piece.storey].floor_m
+        if piece.position[2] < floor_m + 1.9 and piece.position[2] + piece.size[2] > floor_m + 0.7:
+            here = nodes[np.abs(nodes[:, 2] - floor_m) < 0.3, :2]
+            assert not shapely.contains_xy(piece.footprint, *here.T).any(), piece.kind
 
 
 def test_nodes_are_in_the_room_they_name(house, walkable):

@@ -510,8 +510,8 @@ def paint_cans(s: Size, rng: Generator) -> Parts:
     width=(0.5, 0.6),
     depth=(0.36, 0.44),
     height=(0.8, 0.95),
-    rooms={"laundry room": 0.7, "storage room": 0.3, "garage": 0.3},
-    place=OnWall((1.2, 1.4)),
+    rooms={"laundry room": 0.4, "garage": 0.3, "storage room": 0.3},
+    place=OnWall((1.2, 1.4), above=("tumble dryer", "utility sink", "workbench")),
 )
 def boiler(s: Size, rng: Generator) -> Parts:
     """A boiler: a white case above its pipes."""
