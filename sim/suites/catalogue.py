@@ -18,6 +18,7 @@ from sim.suites.plans import plans_can_be_walked
 from sim.suites.suite import Suite, SuitePart, claims
 from sim.wording import class_of
 from worlds.presets import sample_house
+from worlds.spec import HouseSpec
 from worlds.valid_names import did_you_mean
 from worlds.variant import in_light, variant
 
@@ -33,11 +34,15 @@ def _seed(rng: np.random.Generator) -> int:
     return int(rng.integers(HOUSE_SEEDS))
 
 
-def _scenario(rng: np.random.Generator, rooms: int = 5, preset: str = "home", storeys: int | None = None) -> Scenario:
+def _on_features(house: HouseSpec, seed: int) -> Scenario:
+    """Return a walk on features through a house."""
+    return Scenario(house=house, seed=seed, length_m=_LENGTH_M, frame_rate_hz=FEATURES_FRAME_RATE_HZ, fidelity="features")
+
+
+def _scenario(rng: np.random.Generator, rooms: int, preset: str = "home", storeys: int | None = None) -> Scenario:
     """Draw a walk on features through a house of a preset."""
     seed = _seed(rng)
-    house = sample_house(preset, seed, rooms=rooms, storeys=storeys)
-    return Scenario(house=house, seed=seed, length_m=_LENGTH_M, frame_rate_hz=FEATURES_FRAME_RATE_HZ, fidelity="features")
+    return _on_features(sample_house(preset, seed, rooms=rooms, storeys=storeys), seed)
 
 
 def small_home(rng: np.random.Generator, number: int) -> Scenario:
@@ -49,8 +54,7 @@ def open_plan(rng: np.random.Generator, number: int) -> Scenario:
     """Draw a home with one of the values of `OPENNESS`; successive numbers give the same home with the next value."""
     seed = _seed(rng)
     spec = sample_house("home", seed, rooms=5, storeys=1, openness=0.0)
-    house = variant(spec, openness=OPENNESS[number % len(OPENNESS)])
-    return Scenario(house=house, seed=seed, length_m=_LENGTH_M, frame_rate_hz=FEATURES_FRAME_RATE_HZ, fidelity="features")
+    return _on_features(variant(spec, openness=OPENNESS[number % len(OPENNESS)]), seed)
 
 
 def twins(rng: np.random.Generator, number: int) -> Scenario:

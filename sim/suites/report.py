@@ -269,9 +269,8 @@ class SuiteReport:
 
     def _of_part(self, part: SuitePart) -> Iterator[CheckVerdict]:
         own = sorted((each for each in self.examined if each.part == part.name), key=lambda each: each.number)
-        first = (COMPLETES, "The SLAM raises no exception, and its estimates are valid.", None)
-        rows: list[tuple[str, str, float | None]] = [first]
-        for name, says, rate in rows + [(check.name, check.says, check.rate) for check in part.checks]:
+        completes = (COMPLETES, "The SLAM raises no exception, and its estimates are valid.", None)
+        for name, says, rate in (completes, *((check.name, check.says, check.rate) for check in part.checks)):
             yield CheckVerdict(part, name, says, rate, tuple(own))
 
     def _of_shared_laws(self) -> Iterator[CheckVerdict]:
