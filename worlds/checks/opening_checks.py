@@ -17,7 +17,7 @@ MIN_SILL_M = 0.3
 """Least sill of a half wall or counter [m]. A lower one could be stepped over."""
 _TOLERANCE_M = 1e-3
 
-Span = tuple[int, float, float, float]
+Segment = tuple[int, float, float, float]
 """A line segment along x or y: its axis (0: x, 1: y), its coordinate on the other axis [m], and the smaller and the larger
 coordinate of its ends on its own axis [m]."""
 
@@ -45,7 +45,7 @@ def opening_problems(house: House) -> Iterator[str]:
             yield from _bad_window(house, window)
 
 
-def _overlapping(level: int, spans: list[tuple[str, Span]]) -> Iterator[str]:
+def _overlapping(level: int, spans: list[tuple[str, Segment]]) -> Iterator[str]:
     lines: dict[tuple[int, float], list[tuple[float, float, str]]] = defaultdict(list)
     for name, (axis, at, low, high) in spans:
         lines[axis, at].append((low, high, name))

@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 
 from worlds.floor_plans.programmes import Bay, BayGroup
-from worlds.floor_plans.rectangles import Edge, Rect
+from worlds.floor_plans.rectangles import Edge, RectCm
 from worlds.floor_plans.room_sizes import SIZES
 
 DOOR_FRONT = 140
@@ -62,14 +62,14 @@ def _small_size(bay: Bay, i: int, depth: int) -> tuple[int, int]:
     return 5 * math.ceil(max(side, area / deep) / 5), deep
 
 
-def bay_rooms(bay: Bay, edge: Edge, start: int, width: int, depth: int) -> list[tuple[Rect, ...]]:
+def bay_rooms(bay: Bay, edge: Edge, start: int, width: int, depth: int) -> list[tuple[RectCm, ...]]:
     """Return the rectangles in the plan [cm] for every room of a bay, the main room first.
 
     The bay stands along `edge`, from `start` to `start + width`, and is `depth` deep. Inside this function, rectangles have
     coordinates of the bay: x runs along `edge`, and y away from it. `_placed` converts them to coordinates of the plan.
     """
     cut = [_small_size(bay, i, depth) for i in range(1, len(bay.labels))]
-    rooms: list[tuple[Rect, ...]]
+    rooms: list[tuple[RectCm, ...]]
     match bay.form:
         case "plain":
             rooms = [((0, 0, width, depth),)]
@@ -94,7 +94,7 @@ def bay_rooms(bay: Bay, edge: Edge, start: int, width: int, depth: int) -> list[
     return [tuple(_placed(r, bay, edge, start, width) for r in rects) for rects in rooms]
 
 
-def _placed(r: tuple[int, int, int, int], bay: Bay, edge: Edge, start: int, width: int) -> Rect:
+def _placed(r: tuple[int, int, int, int], bay: Bay, edge: Edge, start: int, width: int) -> RectCm:
     u0, v0, u1, v1 = r
     if bay.flipped:
         u0, u1 = width - u1, width - u0

@@ -45,7 +45,7 @@ _MARGIN_DM = 2
 _STAIRS_DM = 34
 """Length of the stairs' room on each storey [dm]."""
 _ANGLES: dict[DoorState, float] = {"open": math.pi / 2, "ajar": 0.5, "closed": 0.0}
-Box = tuple[int, int, int, int]
+RectDm = tuple[int, int, int, int]
 """A rectangle of the plan: x0, y0, x1, y1 [dm]."""
 
 
@@ -123,7 +123,7 @@ class _Placed:
 
     id: str
     request: RoomRequest
-    box: Box
+    box: RectDm
     notch_east: bool
     notch_west: bool
 
@@ -155,7 +155,7 @@ class _Placed:
         corners += [(left, y1), (left, west), (x0, west)] if self.notch_west else [(x0, y1)]
         return tuple(_metres(corner) for corner in corners)
 
-    def has_room_for(self, box: Box) -> bool:
+    def has_room_for(self, box: RectDm) -> bool:
         """Return whether a box [dm] lies in the room, at least 1 dm away from the notches."""
         x0, y0, x1, y1 = box
         (left, right), (west, east) = self.top, self.sides
@@ -235,7 +235,7 @@ class _Plan:
         """
         rooms = [RoomSpec(id=room.id, label=room.request.label, polygon_m=room.polygon) for room in self.rooms]
         openings: list[OpeningSpec] = []
-        swings: list[Box] = []
+        swings: list[RectDm] = []
         if levels > 1:
             cell, ways = _stairs(level, levels, self.rooms[0].id)
             rooms.append(cell)
@@ -279,7 +279,7 @@ def _east(x1: int, below: Sequence["_Placed"]) -> int:
     return x1
 
 
-def _placed(name: str, request: RoomRequest, box: Box, *, solid: bool, first: bool) -> _Placed:
+def _placed(name: str, request: RoomRequest, box: RectDm, *, solid: bool, first: bool) -> _Placed:
     """Return a room with its position and notches, for a place `box` [dm] in a row.
 
     The first room of a row is as deep as the row, because the next row begins on top of it. On a storey below another storey
@@ -315,7 +315,7 @@ def _contacts(room: _Placed, west: _Placed | None, below: Sequence[_Placed]) -> 
     return contacts
 
 
-def _openings(contact: _Contact, swings: list[Box]) -> list[OpeningSpec]:
+def _openings(contact: _Contact, swings: list[RectDm]) -> list[OpeningSpec]:
     """Return the openings in a stretch of wall; the swing areas of their leaves are added to `swings`."""
     way, low, high = contact.way, contact.low, contact.high
     if way.kind == "open":
@@ -334,7 +334,7 @@ def _openings(contact: _Contact, swings: list[Box]) -> list[OpeningSpec]:
     return [*openings, _opening(contact, way.kind, start, start + width, leaf)]
 
 
-def _leaf(contact: _Contact, start: int, stop: int, swings: list[Box]) -> LeafSpec | None:
+def _leaf(contact: _Contact, start: int, stop: int, swings: list[RectDm]) -> LeafSpec | None:
     """Return the leaf requested for a door; None if no leaf was requested or its swing area is not free."""
     way, width = contact.way, stop - start
     if way.leaf == "no leaf":

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 Rectangle = tuple[float, float, float, float]
 """A rectangle of the plan, as x0, y0, x1, y1 [m]."""
-Rect = tuple[int, int, int, int]
+RectCm = tuple[int, int, int, int]
 """A rectangle of the plan, as x0, y0, x1, y1 [cm]."""
 Corner = tuple[int, int]
 
@@ -28,7 +28,7 @@ class Edge:
     out: Corner
     """Unit vector of v in the plan."""
 
-    def rect(self, u0: int, v0: int, u1: int, v1: int) -> Rect:
+    def rect(self, u0: int, v0: int, u1: int, v1: int) -> RectCm:
         """Convert the rectangle with opposite corners (u0, v0) and (u1, v1) [cm] to the plan's coordinates."""
         (ax, ay), (bx, by) = self.point(u0, v0), self.point(u1, v1)
         return min(ax, bx), min(ay, by), max(ax, bx), max(ay, by)
@@ -51,13 +51,13 @@ class SquareSymmetry:
         x, y = (p[1], p[0]) if self.swap else p
         return (-x if self.flip_x else x), (-y if self.flip_y else y)
 
-    def rect(self, r: Rect) -> Rect:
+    def rect(self, r: RectCm) -> RectCm:
         """Apply the symmetry to a rectangle."""
         (xa, ya), (xb, yb) = self.point(r[:2]), self.point(r[2:])
         return min(xa, xb), min(ya, yb), max(xa, xb), max(ya, yb)
 
 
-def overlap(a: Rectangle | Rect, b: Rectangle | Rect) -> bool:
+def overlap(a: Rectangle | RectCm, b: Rectangle | RectCm) -> bool:
     """Whether two rectangles in the same unit have an area in common; rectangles that only touch do not overlap."""
     return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
@@ -72,22 +72,22 @@ def metres(p: Corner) -> tuple[float, float]:
     return p[0] / 100, p[1] / 100
 
 
-def area_m2(rects: Sequence[Rect]) -> float:
+def area_m2(rects: Sequence[RectCm]) -> float:
     """Return the total area of rectangles that do not overlap [m²]."""
     return sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in rects) / 1e4
 
 
-def contact(a: Sequence[Rect], b: Sequence[Rect]) -> int:
+def contact(a: Sequence[RectCm], b: Sequence[RectCm]) -> int:
     """Return the length of the longest stretch along which a rectangle of `a` touches one of `b`; 0 if none touch [cm]."""
     return max((_side(p, q) for p in a for q in b), default=0)
 
 
-def _side(p: Rect, q: Rect) -> int:
+def _side(p: RectCm, q: RectCm) -> int:
     x, y = min(p[2], q[2]) - max(p[0], q[0]), min(p[3], q[3]) - max(p[1], q[1])
     return max(x, y) if min(x, y) == 0 else 0
 
 
-def outline(rects: Sequence[Rect]) -> tuple[Corner, ...]:
+def outline(rects: Sequence[RectCm]) -> tuple[Corner, ...]:
     """Return the corners of the union of rectangles, counter-clockwise [cm].
 
     The rectangles must not overlap, and their union must be one piece without holes. The sides of every rectangle, directed

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from worlds.errors import WorldsError
 from worlds.floor_plans.bays import bay_rooms
 from worlds.floor_plans.programmes import Bay, BayGroup, StoreyProgramme
-from worlds.floor_plans.rectangles import Corner, Rect, SquareSymmetry, contact, metres, outline
+from worlds.floor_plans.rectangles import Corner, RectCm, SquareSymmetry, contact, metres, outline
 from worlds.floor_plans.wings import Band, Shell
 from worlds.labels import STAIRS
 from worlds.layout import Link, StoreyLayout
@@ -48,7 +48,7 @@ class DraftRoom:
     """A room of the draft, without an id: its label and its rectangles [cm]."""
 
     label: str
-    rects: tuple[Rect, ...]
+    rects: tuple[RectCm, ...]
     seed: int | None = None
 
 
@@ -62,7 +62,7 @@ class StoreyDraft:
     gaps: list[tuple[int, int, str, tuple[Corner, Corner]]] = field(default_factory=list)
     """Openings to stairs, with positions: numbers of the two rooms (the stairs second), "up" or "down", both ends [cm]."""
 
-    def add(self, label: str, rects: Sequence[Rect], seed: int | None = None) -> int:
+    def add(self, label: str, rects: Sequence[RectCm], seed: int | None = None) -> int:
         """Add a room and return its number."""
         self.rooms.append(DraftRoom(label, tuple(rects), seed))
         return len(self.rooms) - 1

@@ -22,7 +22,7 @@ from typing import Literal
 
 from worlds.floor_plans.bays import group_width
 from worlds.floor_plans.programmes import BayGroup
-from worlds.floor_plans.rectangles import Edge, Rect
+from worlds.floor_plans.rectangles import Edge, RectCm
 from worlds.stairs.flights import StairsKind, cell_needed
 
 Band = Literal["south", "north 0", "north 1", "north 2", "west", "east"]
@@ -226,7 +226,7 @@ class Shell:
             return Edge(self.length, 0, (0, 1), (1, 0))
         return Edge(self.stairs_start, self.depths.spine, (1, 0), (0, 1))
 
-    def slot(self) -> Rect | None:
+    def slot(self) -> RectCm | None:
         """Return the space behind the stairs in the north band (row of rooms); None if no room can be there.
 
         A room there is entered from the arms, the pieces of corridor beside the stairs. The result is None without stairs,

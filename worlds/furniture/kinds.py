@@ -86,7 +86,7 @@ class Size(NamedTuple):
 
 
 Spot = Literal["centre", "anywhere"]
-Side = Literal["all", "front"]
+HostSides = Literal["all", "front"]
 TopPosition = Literal["back", "middle", "front", "anywhere"]
 
 
@@ -112,7 +112,7 @@ class Around:
     """Placement on the floor, facing another piece (the host) of a kind in `hosts`. `Kind.rooms` counts pieces per host."""
 
     hosts: tuple[str, ...]
-    side: Side = "all"
+    side: HostSides = "all"
     """The sides of the host at which the piece can stand."""
     gap_m: float = 0.03
     """Distance from the host [m]."""
@@ -253,7 +253,7 @@ _RULES: Mapping[str, _Rule] = {
     "gap_m": _LENGTH,
     "height_m": (_is_range, f"a range (low, high) with 0 <= low <= high <= {MAX_LENGTH_M:g} m"),
     "spot": _choice(Spot),
-    "side": _choice(Side),
+    "side": _choice(HostSides),
     "at": _choice(TopPosition),
 }
 """For the fields of `Kind` and of its places: a check of the value, and what would be valid."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from worlds.arches import spandrel_area
 from worlds.openings.opening_draft import OpeningDraft
 from worlds.openings.partitions import Partition, gap_area
-from worlds.openings.placement import CORNER_M, MIN_DOOR_M, MIN_OPEN_M, Span, free_spans, make_opening
+from worlds.openings.placement import CORNER_M, MIN_DOOR_M, MIN_OPEN_M, FreeSpan, free_spans, make_opening
 from worlds.spec import PASSABLE, OpeningKind
 from worlds.walls import Boundary
 
@@ -191,7 +191,7 @@ def _height(kind: OpeningKind, task: Task) -> float:
     return make_opening(kind, (task.main, 0.0, 0.0), 0.0, 0.0, task.part.height_m).height
 
 
-def _in_span(kind: OpeningKind, task: Task, span: Span, width: float) -> OpeningDraft:
+def _in_span(kind: OpeningKind, task: Task, span: FreeSpan, width: float) -> OpeningDraft:
     """Return an opening of this width [m] in a free span of wall, at the position that `task.draw` gives.
 
     Width and position are rounded to 1 cm where possible. The opening must not reach past the ends of the span, which are

@@ -33,7 +33,7 @@ _DOORLESS = 0.06
 _DRAWS = 7
 """Number of random numbers that each link uses."""
 
-Span = tuple[Boundary, float, float]
+FreeSpan = tuple[Boundary, float, float]
 """A stretch of a wall between two rooms without an opening: the wall, and the coordinates of both ends along it [m]."""
 
 
@@ -104,7 +104,7 @@ def _place(
 
 
 def _place_passable(
-    link: Link, walls: Sequence[Boundary], spans: Sequence[Span], storey_m: float, draws: Sequence[float]
+    link: Link, walls: Sequence[Boundary], spans: Sequence[FreeSpan], storey_m: float, draws: Sequence[float]
 ) -> OpeningDraft:
     """Return an opening of the link's kind if it fits into one of `spans`, otherwise a door.
 
@@ -117,7 +117,9 @@ def _place_passable(
     return _fit(kind, spans, longest, storey_m, draws)
 
 
-def _fit(kind: OpeningKind, spans: Sequence[Span], longest: float, storey_m: float, draws: Sequence[float]) -> OpeningDraft:
+def _fit(
+    kind: OpeningKind, spans: Sequence[FreeSpan], longest: float, storey_m: float, draws: Sequence[float]
+) -> OpeningDraft:
     """Return an opening in one of `spans`, at a random position and with a width drawn for its kind.
 
     The opening is narrower if even the longest span, whose length is `longest` [m], is too short for the drawn width. A door
@@ -137,7 +139,7 @@ def _fit(kind: OpeningKind, spans: Sequence[Span], longest: float, storey_m: flo
     return make_opening(kind, span, low, round(low + width, 6), storey_m)
 
 
-def _by_length(spans: Sequence[Span], share: float) -> Span:
+def _by_length(spans: Sequence[FreeSpan], share: float) -> FreeSpan:
     """Return the span that contains a given point of all spans, if the spans are laid end to end.
 
     `share` in [0, 1) is the position of the point as a share of the total length. With a random share, each span is chosen
@@ -151,7 +153,7 @@ def _by_length(spans: Sequence[Span], share: float) -> Span:
     return spans[-1]
 
 
-def make_opening(kind: OpeningKind, span: Span, low: float, high: float, storey_m: float) -> OpeningDraft:
+def make_opening(kind: OpeningKind, span: FreeSpan, low: float, high: float, storey_m: float) -> OpeningDraft:
     """Return an opening in the wall of `span`, with the usual height of its kind.
 
     `low` and `high` are the coordinates of the opening's ends along the wall [m]. The ceiling is `storey_m` above the floor
@@ -165,9 +167,9 @@ def make_opening(kind: OpeningKind, span: Span, low: float, high: float, storey_
 
 def free_spans(
     walls: Iterable[Boundary], gaps: Sequence[OpeningDraft], corner_m: float = CORNER_M, apart_m: float = APART_M
-) -> list[Span]:
+) -> list[FreeSpan]:
     """Return the free parts of walls, at least `corner_m` from the walls' ends and `apart_m` from all `gaps` [m]."""
-    spans: list[Span] = []
+    spans: list[FreeSpan] = []
     for wall in walls:
         start, stop = wall.low + corner_m, wall.high - corner_m
         taken = sorted((g.low, g.high) for g in gaps if (g.axis, g.at) == (wall.axis, wall.at))

@@ -25,10 +25,10 @@ from worlds.walls import Boundary, boundaries
 _HUBS = ("corridor", "entrance hall", "lobby", "open-plan office", "living room")
 _SIDE_M = 0.05
 _FLIGHT_M = 0.9
-Side = tuple[int, bool]
+CellSide = tuple[int, bool]
 """A side of a rectangle: the axis along which the side runs (0: x, 1: y), and whether its coordinate on the other axis is
 larger than the coordinate of the opposite side."""
-_SIDES: tuple[Side, ...] = ((0, False), (0, True), (1, False), (1, True))
+_SIDES: tuple[CellSide, ...] = ((0, False), (0, True), (1, False), (1, True))
 
 
 def added_openings(spec: HouseSpec) -> list[tuple[OpeningSpec, ...]]:
@@ -187,7 +187,7 @@ def _shaft_openings(stack: Sequence[StoreySpec], cell: RoomSpec) -> Iterator[lis
         yield [[*_stair_opening(storey, cell, side, (low + _SIDE_M, high - _SIDE_M), None)] for storey in stack]
 
 
-def _foot_span(cell: RoomSpec, foot: Side, head: Side) -> tuple[float, float]:
+def _foot_span(cell: RoomSpec, foot: CellSide, head: CellSide) -> tuple[float, float]:
     """Return both ends of the opening at a flight's foot, as coordinates along the side `foot` of the stairs' room [m]."""
     low, high = _extent(cell, foot)
     if foot == head:
@@ -195,7 +195,7 @@ def _foot_span(cell: RoomSpec, foot: Side, head: Side) -> tuple[float, float]:
     return (low + _SIDE_M, high - _SIDE_M) if foot[0] == head[0] else _away_from(head[1], low, high)
 
 
-def _head_span(cell: RoomSpec, foot: Side, head: Side) -> tuple[float, float]:
+def _head_span(cell: RoomSpec, foot: CellSide, head: CellSide) -> tuple[float, float]:
     """Return both ends of the opening at a flight's head, as coordinates along the side `head` of the stairs' room [m]."""
     low, high = _extent(cell, head)
     if foot == head:
@@ -212,13 +212,13 @@ def _away_from(larger: bool, low: float, high: float) -> tuple[float, float]:
     return (low + _SIDE_M, low + _SIDE_M + _FLIGHT_M) if larger else (high - _SIDE_M - _FLIGHT_M, high - _SIDE_M)
 
 
-def _extent(cell: RoomSpec, side: Side) -> tuple[float, float]:
+def _extent(cell: RoomSpec, side: CellSide) -> tuple[float, float]:
     box: Bounds = bounds(cell)
     return box[side[0]], box[side[0] + 2]
 
 
 def _stair_opening(
-    storey: StoreySpec, cell: RoomSpec, side: Side, span: tuple[float, float], leads: Leads | None
+    storey: StoreySpec, cell: RoomSpec, side: CellSide, span: tuple[float, float], leads: Leads | None
 ) -> Iterator[OpeningSpec]:
     """Yield an opening in one side of the stairs' room, to the room behind this side, from `span[0]` to `span[1]` [m].
 

@@ -136,7 +136,7 @@ def spelling_notes(spoken: Iterable[tuple[str, str]], meaningful: Iterable[str])
     return tuple(islice(notes, _MAX_NOTES))
 
 
-def storey_of(where: str, value: object) -> int:
+def storey_number(where: str, value: object) -> int:
     """Return `value` as the number of a storey, 0 for the ground floor. Raises `SpecError` if it is no valid number."""
     text = str(value)
     if isinstance(value, bool) or not re.fullmatch(r"\d(\.0)?", text) or int(text[0]) >= MAX_STOREYS:

@@ -30,7 +30,7 @@ from worlds.plan_import.drawn_plan import (
     label_of,
     opening_kind_of,
     spelling_notes,
-    storey_of,
+    storey_number,
 )
 from worlds.spec import HouseSpec, OpeningSpec, Point
 from worlds.spec_errors import fields_once
@@ -66,7 +66,7 @@ def _drawing(data: object, metres_per_unit: float) -> DrawnPlan:
         properties, geometry = _parts(feature)
         where = f"features[{i}]" + (f" ({name[:60]!r})" if (name := _name(properties.get("name"))) else "")
         spoken += [(where, key) for key in properties if key not in _PROPERTIES]
-        storey = storey_of(where, properties.get("storey", 0))
+        storey = storey_number(where, properties.get("storey", 0))
         if "label" in properties:
             corners = _ring(where, geometry, metres_per_unit)
             label, climb = label_of(where, str(properties["label"])), properties.get("climb", "flights")

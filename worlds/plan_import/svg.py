@@ -40,7 +40,7 @@ from worlds.plan_import.drawn_plan import (
     normalised_name,
     opening_kind_of,
     spelling_notes,
-    storey_of,
+    storey_number,
 )
 from worlds.plan_import.svg_shapes import OPENING_TAGS, ROOM_TAGS, Outline, is_curved, length_px
 from worlds.plan_import.svg_tree import LABEL, Named, SvgShape, outline_of, read_tree, shown_shapes
@@ -90,14 +90,14 @@ def _room(shape: SvgShape, label: str, scale: float) -> DrawnRoom:
         raise SpecError(f"{shape.where}: a room's path is closed; end it with Z")
     name = shape.attributes.get("data-name") or shape.attributes.get(LABEL, "")
     corners = _points(shape.where, drawn, scale)
-    return DrawnRoom(shape.where, name, label, storey_of(shape.where, shape.storey), corners)
+    return DrawnRoom(shape.where, name, label, storey_number(shape.where, shape.storey), corners)
 
 
 def _stroke(shape: SvgShape, kind: OpeningKind, scale: float) -> Stroke:
     drawn = outline_of(shape)
     points = _points(shape.where, drawn, scale)
     ends = _middle_line(shape.where, points) if drawn.closed and len(points) > 2 else (points[0], points[-1])
-    return Stroke(shape.where, kind, storey_of(shape.where, shape.storey), ends)
+    return Stroke(shape.where, kind, storey_number(shape.where, shape.storey), ends)
 
 
 def _middle_line(where: str, corners: Sequence[Point]) -> tuple[Point, Point]:

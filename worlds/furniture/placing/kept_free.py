@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from worlds.floor_plans.rectangles import Rectangle, grown
 from worlds.furniture.placing.free_floor import HALF_WALL_M
-from worlds.furniture.placing.room_shape import EPS_M, Interval, Point, RoomShape, Side
+from worlds.furniture.placing.room_shape import EPS_M, Interval, Point, RoomShape, RoomSide
 from worlds.spec import PASSABLE, LeafSpec, OpeningSpec, RoomSpec, StoreySpec, WindowSpec
 
 OPENING_DEPTH_M = 0.9
@@ -40,7 +40,7 @@ class Space(NamedTuple):
 class WallRun:
     """A side of the room, with the stretches of wall along it."""
 
-    side: Side
+    side: RoomSide
     free: tuple[Interval, ...]
     """Stretches of wall between the passages, as distances from the start of the side [m]."""
 
@@ -62,7 +62,7 @@ class KeptFree:
 
 def kept_free_of(shape: RoomShape, room: RoomSpec, storey: StoreySpec, windows: Sequence[WindowSpec]) -> KeptFree:
     """Return the space that the openings and windows of a room need; `room` and `windows` belong to `storey`."""
-    gaps: dict[Side, list[Interval]] = {side: [] for side in shape.sides}
+    gaps: dict[RoomSide, list[Interval]] = {side: [] for side in shape.sides}
     zones, spaces, entries, leaves = [], [], [], []
     for opening in storey.openings:
         if room.id not in opening.rooms:
@@ -87,7 +87,7 @@ def kept_free_of(shape: RoomShape, room: RoomSpec, storey: StoreySpec, windows: 
     return KeptFree(runs, tuple(zones), tuple(spaces), tuple(entries), tuple(leaves))
 
 
-def _on_sides(shape: RoomShape, start: Point, end: Point) -> Iterator[tuple[Side, Interval]]:
+def _on_sides(shape: RoomShape, start: Point, end: Point) -> Iterator[tuple[RoomSide, Interval]]:
     a, b = shape.local(start), shape.local(end)
     return ((side, span) for side in shape.sides if (span := side.interval(a, b)) is not None)
 

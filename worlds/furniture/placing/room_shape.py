@@ -18,7 +18,7 @@ _DIGITS = 6
 
 
 @dataclass(frozen=True)
-class Side:
+class RoomSide:
     """A side of a room: a directed line with the room on its left."""
 
     start: Point
@@ -88,12 +88,12 @@ class RoomShape:
         return 0.5 * abs(sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in pairwise((*corners, corners[0]))))
 
     @cached_property
-    def sides(self) -> tuple[Side, ...]:
+    def sides(self) -> tuple[RoomSide, ...]:
         """The sides, in the order of the polygon."""
         sides = []
         for (x0, y0), (x1, y1) in pairwise((*self.corners, self.corners[0])):
             turn = (0 if x1 > x0 else 2) if y0 == y1 else (1 if y1 > y0 else 3)
-            sides.append(Side((x0, y0), turn, abs(x1 - x0) + abs(y1 - y0)))
+            sides.append(RoomSide((x0, y0), turn, abs(x1 - x0) + abs(y1 - y0)))
         return tuple(sides)
 
     @cached_property
