@@ -22,7 +22,7 @@ Glossary:
 - openness: the share of the inner walls' area that is permanently open, in [0, 1].
 - spec: the plain data that describes a house or a part of it.
 - W: the world frame of a house; x points east, y north, z up.
-- bay: a slice of a storey with one main room and up to two small ones. A run is a group of bays that stay side by side, a
+- bay: a slice of a storey with one main room and up to two small ones. A group consists of bays that stay side by side, a
   band is a row of bays along a corridor, and a wing is a corridor with its bands.
 - clutter: factor for the amount of furniture that is filled in; 0: none, 1: as in a usual home.
 - piece: one piece of furniture in its place. The host of a piece is the other piece that it stands at or on, or hangs above.

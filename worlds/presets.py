@@ -11,13 +11,13 @@ import numpy as np
 from worlds.errors import WorldsError, check_whole
 from worlds.floor_plans.building_kinds import BUILDING_KINDS, BuildingKind
 from worlds.floor_plans.floor_plan import SLAB_M, PlanStyle, lay_out
+from worlds.floor_plans.preset_names import MAX_ROOMS_ASKED, MAX_STOREYS_ASKED, MIN_ROOMS_ASKED
+from worlds.floor_plans.preset_names import PRESETS as PRESETS
 from worlds.floor_plans.programmes import LayoutShares, StoreyProgramme
 from worlds.floor_plans.room_lists import by_storey, draw_programmes, programmes_of
 from worlds.labels import CIRCULATION_LABELS, OUTDOOR_LABELS, ROOM_LABELS, STAIRS
 from worlds.openings.openness import with_openness
 from worlds.openings.placement import place_openings
-from worlds.preset_names import MAX_ROOMS_ASKED, MAX_STOREYS_ASKED, MIN_ROOMS_ASKED
-from worlds.preset_names import PRESETS as PRESETS
 from worlds.spec import HouseSpec, StoreySpec
 from worlds.valid_names import did_you_mean
 

@@ -18,7 +18,7 @@ from sim.errors import SimError
 from sim.fidelity import ORACLE
 from sim.number_checks import check_count
 from sim.odometry.config import ODOMETRY_PRESETS
-from worlds.preset_names import MAX_ROOMS_ASKED, MAX_STOREYS_ASKED, MIN_ROOMS_ASKED, PRESETS
+from worlds.floor_plans.preset_names import MAX_ROOMS_ASKED, MAX_STOREYS_ASKED, MIN_ROOMS_ASKED, PRESETS
 from worlds.valid_names import did_you_mean
 
 if TYPE_CHECKING:

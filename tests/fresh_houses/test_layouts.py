@@ -4,9 +4,9 @@ import numpy as np
 import shapely
 
 from sim.harness import worlds
+from worlds.floor_plans.preset_names import PRESETS
 from worlds.house import build_house
 from worlds.labels import ROOM_LABELS
-from worlds.preset_names import PRESETS
 from worlds.spec import HouseSpec
 from worlds.truth import room_at
 

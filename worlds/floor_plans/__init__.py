@@ -1,7 +1,8 @@
 """Floor plans: from a list of rooms to rooms with outlines and links (requests for openings between rooms), by storey.
 
-For presets, `building_kinds` and `room_lists` choose the rooms. `programmes` draws areas from `room_sizes`, and groups the
-rooms: a bay is a main room with the small rooms carved from it, and the bays of a group stay side by side.
+For presets, which `preset_names` lists, `building_kinds` and `room_lists` choose the rooms. `programmes` draws areas
+from `room_sizes`, and groups the rooms: a bay is a main room with the small rooms carved from it, and the bays of a
+group stay side by side.
 
 `floor_plan` then lays out all storeys. `wings` places corridors, stairs and bands (rows of rooms along a corridor), `bands`
 chooses a band for every group of bays, `bays` cuts bays into rooms, and `outdoors` adds gardens and balconies.

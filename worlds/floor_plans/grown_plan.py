@@ -20,8 +20,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from worlds.floor_plans.rectangles import overlap
 from worlds.labels import OUTDOOR_LABELS, STAIRS
+from worlds.rectangles import overlap
 from worlds.spec import PASSABLE, HouseSpec, LeafSpec, OpeningKind, OpeningSpec, Point, RoomSpec, StoreySpec
 
 Start = Literal["beside", "row", "storey"]

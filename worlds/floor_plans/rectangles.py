@@ -1,4 +1,4 @@
-"""Rectangles of a floor plan, with sides along x and y, and rooms as sets of rectangles in whole centimetres.
+"""Rooms as sets of rectangles in whole centimetres.
 
 Floor plans are computed in integers, so that the walls of neighbouring rooms coincide exactly.
 """
@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-Rectangle = tuple[float, float, float, float]
-"""A rectangle of the plan, as x0, y0, x1, y1 [m]."""
 RectCm = tuple[int, int, int, int]
 """A rectangle of the plan, as x0, y0, x1, y1 [cm]."""
 Corner = tuple[int, int]
@@ -55,16 +53,6 @@ class SquareSymmetry:
         """Apply the symmetry to a rectangle."""
         (xa, ya), (xb, yb) = self.point(r[:2]), self.point(r[2:])
         return min(xa, xb), min(ya, yb), max(xa, xb), max(ya, yb)
-
-
-def overlap(a: Rectangle | RectCm, b: Rectangle | RectCm) -> bool:
-    """Whether two rectangles in the same unit have an area in common; rectangles that only touch do not overlap."""
-    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
-
-
-def grown(r: Rectangle, by: float) -> Rectangle:
-    """Return the rectangle, larger by `by` [m] on every side."""
-    return r[0] - by, r[1] - by, r[2] + by, r[3] + by
 
 
 def metres(p: Corner) -> tuple[float, float]:

@@ -8,9 +8,9 @@ possible ways to hang a leaf.
 import math
 from collections.abc import Mapping, Sequence
 
-from worlds.floor_plans.rectangles import Rectangle, overlap
 from worlds.labels import CIRCULATION_LABELS, OUTDOOR_LABELS, STAIRS
 from worlds.openings.opening_draft import LEAF_THICKNESS_M, LeafDraft, OpeningDraft
+from worlds.rectangles import Rectangle, overlap
 from worlds.spec import RoomSpec
 
 _WALL_M = 0.051

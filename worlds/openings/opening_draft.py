@@ -8,7 +8,7 @@ import itertools
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from worlds.floor_plans.rectangles import Rectangle
+from worlds.rectangles import Rectangle
 from worlds.spec import Leads, LeafSpec, OpeningKind, OpeningSpec, RoomSpec
 from worlds.walls import Boundary, opening_span, room_edges
 

@@ -12,12 +12,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from worlds.errors import WorldsError
-from worlds.floor_plans.rectangles import Rectangle
 from worlds.furniture.catalogue import kind_of
 from worlds.openings.door_swings import hang_leaf, is_in_front
 from worlds.openings.opening_draft import OpeningDraft
 from worlds.openings.opening_forms import STYLES, Gaps, Task, area_of, closed, fully_open, open_by
 from worlds.openings.partitions import Partition, gap_area, partitions
+from worlds.rectangles import Rectangle
 from worlds.spec import FurnitureSpec, HouseSpec, StoreySpec
 
 _TIERS = {

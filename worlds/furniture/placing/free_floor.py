@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 from jaxtyping import UInt8
 
-from worlds.floor_plans.rectangles import Rectangle, grown
 from worlds.furniture.placing.room_shape import Point, RoomShape
+from worlds.rectangles import Rectangle, grown
 
 PLACING_RADIUS_M = 0.32
 """Radius of the body that has to pass [m].

@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from worlds.floor_plans.rectangles import Rectangle, grown
 from worlds.furniture.placing.free_floor import HALF_WALL_M
 from worlds.furniture.placing.room_shape import EPS_M, Interval, Point, RoomShape, RoomSide
+from worlds.rectangles import Rectangle, grown
 from worlds.spec import PASSABLE, LeafSpec, OpeningSpec, RoomSpec, StoreySpec, WindowSpec
 
 OPENING_DEPTH_M = 0.9

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from worlds.floor_plans.rectangles import Rectangle
 from worlds.furniture.kinds import Kind, Size
 from worlds.furniture.placing.room_shape import AXES, Point
+from worlds.rectangles import Rectangle
 
 
 class Pose(NamedTuple):

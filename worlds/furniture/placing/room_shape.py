@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
-from worlds.floor_plans.rectangles import Rectangle
+from worlds.rectangles import Rectangle
 from worlds.spec import RoomSpec
 
 Interval = tuple[float, float]
