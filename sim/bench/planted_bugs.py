@@ -38,7 +38,7 @@ _TILT_RAD = 0.01
 _OFF_M = 0.005
 
 
-class _NoClaims:
+class _NoEstimates:
     """A SLAM that returns nothing about the frames that it was given."""
 
     def __init__(self) -> None:
@@ -60,7 +60,7 @@ def planted(bug: Bug) -> Runner:
     """Return a function for `FailureTest` that runs a scenario with the planted bug as the SLAM."""
 
     def runner(scenario: Scenario, progress: Progress | None = None) -> Run:
-        finished = run(scenario, _NoClaims(), progress)
+        finished = run(scenario, _NoEstimates(), progress)
         with last_run().calling_slam():  # the bug counts as the SLAM
             return replace(finished, estimate=bug(finished))
 

@@ -29,7 +29,7 @@ class _Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
 
-class LoopClaim(_Strict):
+class LoopEntry(_Strict):
     """One loop closure between two frames."""
 
     query: float
@@ -42,7 +42,7 @@ class LoopClaim(_Strict):
     """Final confidence of the program in the loop; 1 if only other loops of the file have a weight."""
 
 
-class RevisitClaim(_Strict):
+class CandidateEntry(_Strict):
     """Earlier frames that may show the same place as one later frame. The program proposed them before verification."""
 
     query: float
@@ -55,9 +55,9 @@ class LoopFile(_Strict):
     """The content of loops.json."""
 
     version: Literal[1]
-    loops: list[LoopClaim]
+    loops: list[LoopEntry]
     """Loop closures; an empty list means that there are none."""
-    candidates: list[RevisitClaim] | None = None
+    candidates: list[CandidateEntry] | None = None
     """Revisits that the program has proposed; None if the file does not list them."""
 
 
@@ -96,14 +96,14 @@ def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
     return fields
 
 
-def _weights(loops: Sequence[LoopClaim]) -> Float64[np.ndarray, "m"] | None:
+def _weights(loops: Sequence[LoopEntry]) -> Float64[np.ndarray, "m"] | None:
     """Return the weights of all loops, or None if no loop has a weight."""
     if all(loop.weight is None for loop in loops):
         return None
     return np.array([1.0 if loop.weight is None else loop.weight for loop in loops])
 
 
-def _check(loops: Sequence[LoopClaim], forward: Bool[np.ndarray, "m"], norms: Float64[np.ndarray, "m"]) -> None:
+def _check(loops: Sequence[LoopEntry], forward: Bool[np.ndarray, "m"], norms: Float64[np.ndarray, "m"]) -> None:
     for loop, is_forward, norm in zip(loops, forward.tolist(), norms.tolist(), strict=True):
         place = f"{LOOPS}: the loop from {loop.query:.6f} to {loop.match:.6f} s"
         if is_forward:

@@ -22,7 +22,7 @@ TRAJECTORY = "trajectory.tum"
 """File with the poses of the body. Each line is "stamp tx ty tz qx qy qz qw" in seconds and metres, with a stamp of the
 recording."""
 ROOMS = "rooms.json"
-"""File with labels, room instances and floors; see `RoomClaims`."""
+"""File with labels, room instances and floors; see `RoomFile`."""
 AT_REST = -1
 """Value in place of `Observation.index` for frames before the walk, while the body is at rest."""
 _KEPT_FILE = FileKind("a file of estimates", 20_000_000, SimError)
@@ -30,7 +30,7 @@ _KEPT_FILE = FileKind("a file of estimates", 20_000_000, SimError)
 _ROOMS_FILE = FileKind("rooms.json as in sim/pages/your-slam.md", 100_000_000, SimError)
 
 
-class FrameClaim(BaseModel):
+class FrameEntry(BaseModel):
     """What a program estimates for one frame."""
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
@@ -45,13 +45,13 @@ class FrameClaim(BaseModel):
     """Floor number: 0 for the lowest floor, -1 for a frame on stairs."""
 
 
-class RoomClaims(BaseModel):
+class RoomFile(BaseModel):
     """The content of a program's rooms.json. Labels, rooms and floors each have to be given for all frames or for none."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
 
     version: Literal[1]
-    frames: Annotated[list[FrameClaim], Field(min_length=1)]
+    frames: Annotated[list[FrameEntry], Field(min_length=1)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,14 +150,14 @@ def _poses(path: Path, times: RecordedTimes) -> dict[int, Pose]:
     return found
 
 
-def _entries(path: Path, times: RecordedTimes, poses: dict[int, Pose]) -> dict[int, FrameClaim]:
+def _entries(path: Path, times: RecordedTimes, poses: dict[int, Pose]) -> dict[int, FrameEntry]:
     """Return the entries of rooms.json, by the index of the frame. Entries from before the walk are left out.
 
     Raises `SimError` if a stamp matches no frame, or if a frame has two entries or no pose.
     """
-    listed_frames = read_model(path, _ROOMS_FILE, RoomClaims).frames
+    listed_frames = read_model(path, _ROOMS_FILE, RoomFile).frames
     frames, away_s = times.nearest(np.array([entry.stamp for entry in listed_frames], float))
-    entries: dict[int, FrameClaim] = {}
+    entries: dict[int, FrameEntry] = {}
     for entry, frame, away in zip(listed_frames, frames.tolist(), away_s.tolist(), strict=True):
         if away > times.period_s / 2:
             raise SimError(f"{ROOMS}: stamp {entry.stamp:.6f} matches no frame; valid: {times.span()}")
@@ -173,7 +173,7 @@ def _entries(path: Path, times: RecordedTimes, poses: dict[int, Pose]) -> dict[i
     return entries
 
 
-def _columns(entries: Sequence[FrameClaim], room_names: Sequence[str]) -> dict[str, Any]:
+def _columns(entries: Sequence[FrameEntry], room_names: Sequence[str]) -> dict[str, Any]:
     """Convert what is listed about frames to fields of `Estimate`. Raises `SimError` if only some frames have a field."""
     columns = {}
     for name, field in (("label", "labels"), ("room", "rooms"), ("floor", "floors")):

@@ -120,14 +120,16 @@ def assert_rate(
     if undecided not in ("fail", "pass", "skip"):
         raise SimError(f"assert_rate: undecided is {undecided!r:.40}; valid: 'fail', 'pass' or 'skip'")
     wanted = Claim.of_argument("assert_rate: claim", claim)
-    verdict, unclaimed = RateVerdict(p, confidence, 0, 0), 0
+    verdict, not_estimated = RateVerdict(p, confidence, 0, 0), 0
     for result in items("assert_rate: results", RunResult, results):
         outcome = wanted.outcome(result)
-        unclaimed += outcome == "unknown"
+        not_estimated += outcome == "unknown"
         verdict = RateVerdict(p, confidence, verdict.held + (outcome == "holds"), verdict.houses + 1)
         if verdict.outcome != "undecided":
             break
-    lacking = f"; not estimated in {unclaimed} of {verdict.houses} results, which count as failures" if unclaimed else ""
+    lacking = (
+        f"; not estimated in {not_estimated} of {verdict.houses} results, which count as failures" if not_estimated else ""
+    )
     if verdict.outcome == "fails" or (verdict.outcome == "undecided" and undecided == "fail"):
         raise AssertionError(f"{wanted}: {verdict}{lacking}")
     if verdict.outcome == "undecided" and undecided == "skip":

@@ -33,8 +33,8 @@ def test_a_failure_that_was_certain_once_stays_one():
 
 def test_a_part_that_was_not_begun_is_not_examined_rather_than_not_estimated():
     other = replace(PART, name="other")
-    unclaimed = {check.name: CheckFinding(None, "") for check in PART.checks} | {COMPLETES: CheckFinding(True, "")}
-    report = SuiteReport(replace(FLAT, parts=(PART, other)), 0, (Examination("flat", 0, OPEN_FLAT, None, unclaimed),))
+    not_estimated = {check.name: CheckFinding(None, "") for check in PART.checks} | {COMPLETES: CheckFinding(True, "")}
+    report = SuiteReport(replace(FLAT, parts=(PART, other)), 0, (Examination("flat", 0, OPEN_FLAT, None, not_estimated),))
     outcomes = {(verdict.part.name, verdict.outcome) for verdict in report.verdicts}
     assert outcomes == {("flat", "holds"), ("flat", "not applicable"), ("other", "not examined")} and report.ok
 
