@@ -1,10 +1,11 @@
 """`FeatureModel`: all fitted parameters of the feature sensor, and their file format, which contains no pickled objects."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float32, Float64
+from jaxtyping import Float16, Float32, Float64
 
 from lexis.files.arrays import Layout, read_arrays
 from lexis.files.reading import FileKind
@@ -14,7 +15,9 @@ from lexis.perception import Encoder
 from sim.errors import SimError
 from sim.feature_sensor.covisibility_verifier import PREDICTORS, LoopModel, MeasuredEdges
 from sim.feature_sensor.embedding import KERNELS, EmbeddingModel
+from sim.feature_sensor.surroundings import KINDS
 from sim.feature_sensor.visible_shares import SIZE
+from worlds.truth import NOWHERE
 
 MINI_FEATURES = Path(__file__).parent / "mini.npz"
 """File of the feature model for the encoder that is included in the package."""
@@ -37,6 +40,7 @@ def _edges(name: str) -> Layout:
 
 
 _LAYOUT: Layout = {
+    "kinds": ("u1", ("bytes",)),
     "fingerprint": ("f4", ("probes", "d")),
     "embedding.weights": ("f2", ("size", "d")),
     "embedding.offset": ("f4", ("d",)),
@@ -106,6 +110,7 @@ def save_features(model: FeatureModel, path: Path) -> None:
     """
     arrays = _flat(model)
     arrays["embedding.weights"] = arrays["embedding.weights"].astype(np.float16)
+    arrays["kinds"] = np.frombuffer("\n".join(KINDS).encode(), np.uint8)
     with replaced_file(path) as file, file.open("wb") as stream:
         np.savez_compressed(stream, allow_pickle=False, **arrays)
 
@@ -113,15 +118,31 @@ def save_features(model: FeatureModel, path: Path) -> None:
 def load_features(path: Path) -> FeatureModel:
     """Read a model that `save_features` wrote. Its arrays cannot be written to.
 
-    Raises `SimError` if the file is missing or holds no valid model.
+    Things of a kind that the file does not know, because the kind is newer than the model, do not show in embeddings; they
+    only hide what is behind them. Raises `SimError` if the file is missing or holds no valid model.
     """
     arrays = read_arrays(path, _FILE, _LAYOUT, packed=True)
     if not all(np.isfinite(array).all() for array in arrays.values()):
         raise _FILE.refusal(path, "it has values that are not finite")
-    model = _built(arrays)
+    fitted = arrays.pop("kinds").tobytes().decode(errors="replace").split("\n")
+    weights, wanted = arrays["embedding.weights"], SIZE + 2 * (len(fitted) - len(KINDS))
+    if len(weights) != wanted:
+        raise _FILE.refusal(path, f"it has {len(weights)} weights, those of this version are {wanted}; fit the model again")
+    model = _built(arrays | {"embedding.weights": _of_present_kinds(weights, fitted)})
     if problem := _problem(model):
         raise _FILE.refusal(path, problem)
     return model
+
+
+def _of_present_kinds(weights: Float16[np.ndarray, "_ d"], fitted: Sequence[str]) -> Float16[np.ndarray, "size d"]:
+    """Return the weights in the order of `KINDS`, from those for the kinds to which a model was fitted; 0 for other kinds.
+
+    A description of a view begins with two entries for each kind; see `VisibleShares.described`.
+    """
+    n, row_of = len(fitted), {kind: row for row, kind in enumerate(fitted)}
+    rows = np.array([row_of.get(kind, NOWHERE) for kind in KINDS])
+    present = [np.where(rows[:, None] == NOWHERE, np.float16(0.0), part[rows]) for part in (weights[:n], weights[n : 2 * n])]
+    return np.concatenate([*present, weights[2 * n :]])
 
 
 def _flat(model: FeatureModel) -> dict[str, np.ndarray]:

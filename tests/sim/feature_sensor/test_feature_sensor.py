@@ -22,7 +22,7 @@ from sim.feature_sensor.embedding import KERNELS, EmbeddingModel
 from sim.feature_sensor.model import MINI_FEATURES, FeatureModel, fingerprint, load_features, save_features
 from sim.feature_sensor.oracle import Oracle
 from sim.feature_sensor.sensor import FeatureSensor
-from sim.feature_sensor.surroundings import survey
+from sim.feature_sensor.surroundings import KINDS, survey
 from sim.feature_sensor.true_view import true_views
 from sim.feature_sensor.visible_shares import LABEL_WEIGHT, LABELS, SIZE, look
 from sim.harness import Scenario, evaluate, run
@@ -185,6 +185,20 @@ def test_models_keep_what_they_are_in_files(fitted, file):
                 getattr(getattr(read.loops, part), field.name), getattr(getattr(fitted.loops, part), field.name), atol=1e-6
             )
     assert read.loops.query_share == 0.5 and read.loops.false_rate == 0.0
+
+
+def test_a_kind_of_furniture_that_is_newer_than_the_model_does_not_show_in_embeddings(tmp_path):
+    """All other kinds keep their weights, wherever the new kind is in the order of kinds."""
+    with np.load(MINI_FEATURES) as whole:
+        arrays = dict(whole)
+    new, n = KINDS.index("piano"), len(KINDS)
+    older = [kind for kind in KINDS if kind != "piano"]
+    arrays["kinds"] = np.frombuffer("\n".join(older).encode(), np.uint8)
+    arrays["embedding.weights"] = np.delete(arrays["embedding.weights"], (new, n + new), axis=0)
+    np.savez_compressed(tmp_path / "older.npz", **arrays)
+    expected = load_features(MINI_FEATURES).embedding.weights.copy()
+    expected[[new, n + new]] = 0.0
+    np.testing.assert_array_equal(load_features(tmp_path / "older.npz").embedding.weights, expected)
 
 
 def test_what_is_no_model_is_refused(fitted, tmp_path):

@@ -84,7 +84,7 @@ def test_an_unknown_kind_is_refused():
 
 def test_the_refusal_of_an_unknown_kind_is_short_and_names_the_nearest_kinds_and_the_way_to_all():
     with pytest.raises(WorldsError) as error:
-        kind_of("grand piano")
+        kind_of("pianoo")
     message = str(error.value)
     for said in (" piano, ", f"{len(CATALOGUE)} kinds", "sorted(worlds.furniture.CATALOGUE)", "declared first"):
         assert said in message
