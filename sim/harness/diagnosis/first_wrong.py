@@ -18,6 +18,8 @@ from sim.session import Session
 
 _SEEN_M = 0.005
 """Least position error that is reported [m]; a smaller one would be printed as 0.00 m."""
+_UPRIGHT = 0.9
+"""A position is too high or too low, and not just off, if at least this share of its error is in height."""
 _TOP = 3
 """Number of room names that are reported for a wrong frame: those most similar to its image."""
 
@@ -128,7 +130,12 @@ def position_errors(estimated: Poses, truth: Poses) -> Float64[np.ndarray, "n"]:
 
     The estimated poses are first aligned as for the absolute trajectory error.
     """
-    return np.asarray(np.linalg.norm((aligned(estimated, truth) - truth)[:, :3, 3], axis=1))
+    return np.asarray(np.linalg.norm(_position_errors(estimated, truth), axis=1))
+
+
+def _position_errors(estimated: Poses, truth: Poses) -> Float64[np.ndarray, "n 3"]:
+    """Return the errors of the estimated positions in W [m], after the alignment for the absolute trajectory error."""
+    return np.asarray((aligned(estimated, truth) - truth)[:, :3, 3])
 
 
 def _room_id(run: Run, row: int) -> str:
@@ -167,10 +174,13 @@ def _position(run: Run) -> Iterator[_Wrong]:
     if run.estimate.T_W_B is not None:
         if (motion := first_wrong_motion(run)) is not None:
             yield _Wrong(motion.end, motion.what, motion.start)
-        errors_m = position_errors(run.estimate.T_W_B, run.true_poses)
+        errors = _position_errors(run.estimate.T_W_B, run.true_poses)
+        errors_m = np.linalg.norm(errors, axis=1)
         row = int(np.argmax(errors_m))
         if errors_m[row] >= _SEEN_M:
-            off = f"the position is {errors_m[row]:.2f} m off after alignment of the whole path"
+            up_m = float(errors[row, 2])
+            how = "off" if abs(up_m) < _UPRIGHT * errors_m[row] else "too high" if up_m > 0.0 else "too low"
+            off = f"the position is {errors_m[row]:.2f} m {how} after alignment of the whole path"
             yield _Wrong(row, f"{off}, more than anywhere else")
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sim.harness import Estimate, EstimatedLoops, Scenario, run
-from sim.harness.diagnosis.first_wrong import first_wrong
+from sim.harness.diagnosis.first_wrong import _position, first_wrong
 from worlds.presets import sample_from_rooms
 
 SCENARIO = Scenario(
@@ -187,6 +187,14 @@ def test_a_slow_drift_is_reported_where_the_error_is_largest(true):
     assert found.since is None and re.fullmatch(
         r"the position is 0\.\d\d m off after alignment of the whole path, .*", found.what
     )
+
+
+@pytest.mark.parametrize(("axis", "scale", "how"), [(0, 1.0, "off"), (2, 1.0, "too high"), (2, -1.0, "too low")])
+def test_an_error_in_height_is_called_too_high_or_too_low(true, axis, scale, how):
+    poses = true.true_poses.copy()
+    poses[WRONG, axis, 3] += scale
+    *_, found = _position(estimating(true, poses))  # after the wrong motion
+    assert found.row == WRONG and f" m {how} after alignment" in found.what
 
 
 def test_an_error_too_small_to_see_from_frame_to_frame_is_seen_over_half_a_second(true):
