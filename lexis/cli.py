@@ -372,12 +372,12 @@ def _query(arguments: argparse.Namespace) -> int:
     names = instance_names(lexis_map.rooms)
     best = answer.rooms[0]
     if answer.unknown:
-        print(f"nothing in this map fits (best: {names[best.room.id]}, {best.probability:.2f})")
+        print(f"nothing in this map fits (best: {names[best.room.id]}, probability {best.probability:.2f})")
         return 0
     if best.probability is None:
         print("no calibration for this encoder: similarities alone, see lexis query --help", file=sys.stderr)
     for fit in answer.rooms[: arguments.top]:
-        likely = "" if fit.probability is None else f"{fit.probability:.2f}  "
+        likely = "" if fit.probability is None else f"probability {fit.probability:.2f}  "
         print(f"{names[fit.room.id]:24s} {likely}similarity {fit.similarity:.3f}  keyframe {fit.keyframe}")
     room_of = lexis_map.room_of
     for i, similarity in answer.keyframes[: arguments.keyframes]:
@@ -416,6 +416,8 @@ def _report(lexis_map: LexisMap, folder: Path) -> None:
             f"not recognised in the rest of the map: {', '.join(f'session {number}' for number in apart)}; the map holds it "
             "as a separate part, which no plan connects with the rest"
         )
+    elif (sessions := lexis_map.keyframes[-1].session + 1) > 1:
+        print(f"all {sessions} sessions are joined in one map")
     print(folder)
 
 
