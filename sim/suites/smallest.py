@@ -181,6 +181,6 @@ def _why(verdict: CheckVerdict, measured: str, reduction: Reduction) -> str:
         verdict.says,
         f"In the smallest scenario ({new}): {measured}",
         f"In the original scenario ({old}): {verdict.failures[0].findings[verdict.check].measured}",
-        "`pytest test_replay.py` in this folder checks this again.",
+        "Run `pytest PATH/test_replay.py`, with the path of this folder, where the suite was started. It checks this again.",
     )
     return "\n\n".join(lines) + "\n"

@@ -365,7 +365,7 @@ def test_a_scenario_that_cannot_run_is_not_one_that_passes(pytester, inner, monk
     inner().assert_outcomes(failed=1)
     (why,) = (page.read_text() for page in pytester.path.glob(".lexis-failures/*/why.md"))
     assert "None of the smaller scenarios that were run passes." in why
-    assert "1 candidates, 0 steps" in why
+    assert "1 candidate, 0 steps" in why
 
 
 def test_a_failure_is_stored_in_the_smallest_scenario_with_what_mends_it(pytester, inner, monkeypatch):

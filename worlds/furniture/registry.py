@@ -30,10 +30,13 @@ def furniture(
 
     def declare(build: Build) -> Build:
         if name in KINDS and _origin(build) != _origin(KINDS[name].build):
-            raise WorldsError(
-                f"furniture kind {name!r} is declared in {KINDS[name].build.__module__} and again in {build.__module__}; "
-                "valid: a name that is not in worlds.furniture.CATALOGUE"
+            modules = dict.fromkeys((KINDS[name].build.__module__, build.__module__))
+            where = (
+                f"declared in {' and again in '.join(modules)}"
+                if len(modules) > 1
+                else f"declared twice in {next(iter(modules))}"
             )
+            raise WorldsError(f"furniture kind {name!r} is {where}; valid: a name that is not in worlds.furniture.CATALOGUE")
         on_floor = isinstance(place, AgainstWall | OnFloor | Around)
         KINDS[name] = Kind(name, width, depth, height, rooms, build, place, on_floor if solid is None else solid, clearance)
         return build

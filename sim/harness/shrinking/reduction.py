@@ -75,7 +75,7 @@ class Reduction:
             "deadline": "time was up, so a smaller one may exist",
             "interrupted": "the search was interrupted, so a smaller one may exist",
         }[self.ended]
-        how = f"{self.tried} candidates, {len(self.accepted)} steps; {why}."
+        how = f"{counted(self.tried, 'candidate')}, {counted(len(self.accepted), 'step')}; {why}."
         if self.unavoidable:
             how += f" {counted(self.unavoidable, 'candidate')} did not count, because a good SLAM fails there, too."
         if self.of_reference:

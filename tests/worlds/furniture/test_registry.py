@@ -48,5 +48,5 @@ def test_the_same_function_replaces_its_kind(kinds):
             return ()
 
         assert kinds["gong"].width == (width, width)
-    with pytest.raises(WorldsError, match=f"kind 'gong' is declared in {__name__} and again in {__name__}"):
+    with pytest.raises(WorldsError, match=f"kind 'gong' is declared twice in {__name__}"):
         furniture("gong", width=(1.0, 1.0), depth=(1.0, 1.0), height=(1.0, 1.0), rooms={"office": 1.0})(lambda size, rng: ())
