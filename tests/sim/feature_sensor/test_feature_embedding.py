@@ -107,7 +107,7 @@ def drawn_samples(model, seeds, frames):
 @pytest.fixture(scope="module")
 def fitted(truth):
     """A model fitted to frames that are closer together than the narrowest kernel is wide, so that it is identifiable."""
-    return fit_embedding(list(drawn_samples(truth, range(14), 80)), Labels())
+    return fit_embedding(list(drawn_samples(truth, range(28), 80)), Labels())
 
 
 def test_fitting_finds_what_was_drawn_from(truth, fitted):
@@ -120,7 +120,7 @@ def test_fitting_finds_what_was_drawn_from(truth, fitted):
 
 def test_labels_are_right_as_often_as_those_that_were_fitted_to(truth, fitted):
     def accuracy(model):
-        samples = list(drawn_samples(model, range(50, 54), 40))
+        samples = list(drawn_samples(model, range(50, 66), 40))
         texts = [Labels().encode_rooms(sample.around.house.spec.room_labels) for sample in samples]
         said = [(sample.embeddings @ text.T).argmax(axis=1) for sample, text in zip(samples, texts, strict=True)]
         return np.mean(np.concatenate(said) == np.concatenate([sample.true_labels for sample in samples]))
