@@ -13,9 +13,9 @@ from shapely.geometry import MultiPoint, Polygon
 from sim.faults.closing_doors import built_leaves
 from worlds.checks.collisions import overlaps
 from worlds.checks.furniture_checks import boxes_around
+from worlds.free_space import Obstacles
 from worlds.furniture.placing.room_plan import FLAT_M
 from worlds.house import Furniture, House
-from worlds.placed import Placed
 
 _TRIES = 30
 """Number of places that are tried for each piece of furniture."""
@@ -62,7 +62,7 @@ def with_furniture_moved(
         piece = pieces[i]
         riders = [k for k, other in enumerate(pieces) if k != i and _rides(house, other, piece)]
         still = [other for k, other in enumerate(pieces) if k not in (i, *riders) and other.size[2] > FLAT_M]
-        obstacles = [thing for thing in (*still, *leaves, *house.windows) if thing.storey == piece.storey]
+        obstacles = boxes_around([thing for thing in (*still, *leaves, *house.windows) if thing.storey == piece.storey])
         free = _free_of(house, piece, [leaf.swing for leaf in leaves if leaf.storey == piece.storey], path)
         for _ in range(_TRIES):
             angle, distance, turn = rng.uniform(-math.pi, math.pi), within_m * math.sqrt(rng.random()), rng.uniform(-1, 1)
@@ -85,9 +85,9 @@ def _rides(house: House, other: Furniture, piece: Furniture) -> bool:
     return above and bool(piece.footprint.covers(shapely.Point(other.position[:2])))
 
 
-def _overlap(moved: Sequence[Furniture], obstacles: Sequence[Placed]) -> bool:
+def _overlap(moved: Sequence[Furniture], obstacles: Obstacles) -> bool:
     """Return whether a moved piece or an object on it overlaps an obstacle."""
-    return len(overlaps(boxes_around(moved), boxes_around(obstacles), 0.0)) > 0
+    return len(overlaps(boxes_around(moved), obstacles, 0.0)) > 0
 
 
 def _free_of(house: House, piece: Furniture, swings: Sequence[Polygon], path: Float64[np.ndarray, "n 3"]) -> Geometry:
