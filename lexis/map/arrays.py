@@ -108,10 +108,10 @@ def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
         "candidate_query": [query for query, _ in map.candidates],
         "candidate_count": [len(matches) for _, matches in map.candidates],
         "candidate_match": [match for _, matches in map.candidates for match in matches],
-        "decision_pair": [(v.query, v.match) for v in map.decisions],
-        "decision_outcome": [LOOP_OUTCOMES.index(v.outcome) for v in map.decisions],
-        "decision_counts": [_known((v.matches, v.inliers, v.cells)) for v in map.decisions],
-        "decision_misfit": [_known((v.misfit_m, v.misfit_rad)) for v in map.decisions],
+        "decision_pair": [(d.query, d.match) for d in map.decisions],
+        "decision_outcome": [LOOP_OUTCOMES.index(d.outcome) for d in map.decisions],
+        "decision_counts": [_known((d.matches, d.inliers, d.cells)) for d in map.decisions],
+        "decision_misfit": [_known((d.misfit_m, d.misfit_rad)) for d in map.decisions],
     }
     return {name: _as_laid_out(name, column) for name, column in columns.items()} | pack_others(keyframes, features)
 
