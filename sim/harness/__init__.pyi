@@ -22,4 +22,5 @@ from .shrinking.reduction import Reduction as Reduction
 from .slam_under_test import CommandSlam as CommandSlam
 from .slam_under_test import SlamUnderTest as SlamUnderTest
 from .walk import Walk as Walk
+from .walk import with_walk_m as with_walk_m
 from .world_tests import worlds as worlds

@@ -167,7 +167,7 @@ class Planner:
         home, here, nodes = plan.first[0], plan.first[-1], list(plan.first)
         to_home = self.walkable.distances_from(home)
         left = length_m - sum(plan.distance(a, b) for a, b in pairwise(plan.first))
-        lap = sum(plan.distance(a, b) for a, b in pairwise(plan.again))
+        lap = sum(plan.distance(a, b) for a, b in pairwise([*plan.again, plan.again[0]]))
         following = iter(cycle(plan.again)) if lap > _SHORTEST_LAP_M else iter(())
         towards = here
         for towards in following:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
 
 from sim.faults import parse_fault
 from sim.harness.scenario import Scenario
@@ -12,6 +13,7 @@ from sim.harness.walk import shortest_walk_m, walk, with_walk_m
 from sim.render.rig import RigConfig
 from worlds.furniture import registry
 from worlds.presets import sample_from_rooms
+from worlds.strategies import houses
 from worlds.truth import room_at
 
 PLAIN = Scenario(
@@ -69,3 +71,9 @@ def test_a_walk_gets_the_length_that_is_asked_for_but_visits_all_rooms():
     assert least <= short.length_m < least + 1.0
     walked = walk(short)
     assert set(room_at(walked.house, walked.tour.T_W_B[:, :3, 3])) >= set(range(len(walked.house.rooms)))
+
+
+@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(house=houses(max_rooms=2, max_storeys=1, furnished=True))
+def test_the_smallest_furnished_houses_that_are_drawn_admit_a_walk_of_40_m(house):
+    assert walk(replace(PLAIN, house=house, length_m=40.0)).tour.length_m == pytest.approx(40.0, abs=3.0)
