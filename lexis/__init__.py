@@ -18,6 +18,7 @@ support the stages:
 - `evaluation`: figures that compare a run with the truth.
 - `files`: safe reading of untrusted files, and writing that never leaves a file half written.
 - `maths`: rigid motions and other small mathematics.
+- `commands`: the console script `lexis`, with `cli` and `command_line`.
 
 Glossary:
 

@@ -194,7 +194,8 @@ def test_bad_command_lines(cases, inputs, tmp_path, monkeypatch):
         raise SimError("the work would begin here")
 
     monkeypatch.chdir(tmp_path)  # damaged lines may name an output folder without a path
-    monkeypatch.setattr(cli, "_encoder", lambda model, options=None: TinyEncoder())
+    for user in ("lexis.commands.arguments", "lexis.commands.run"):
+        monkeypatch.setattr(f"{user}.encoder_named", lambda model, options=None: TinyEncoder())
     for heavy in (
         "sim.harness.run",
         "sim.record.record",

@@ -13,6 +13,7 @@ import pytest
 from helpers.map_builder import build_map, corridor_with_offices
 
 from lexis import cli
+from lexis.commands import run
 from lexis.config import Config, read_config
 from lexis.datasets.dataset import DatasetConfig, open_dataset, write_dataset
 from lexis.encoder.options import EncoderOptions
@@ -118,13 +119,25 @@ def test_a_query_asks_the_encoder_of_the_map_and_lists_rooms_and_keyframes(mappe
     printed = capsys.readouterr()
     assert encoders[-1] == "colour" and printed.err == ""
     room, *keyframes = printed.out.splitlines()
-    assert re.match(r"office +probability 0\.[5-9]\d  similarity 0\.\d+  keyframe \d+$", room)
-    assert len(keyframes) == 2 and all(line.startswith("keyframe ") and line.endswith("office") for line in keyframes)
+    assert re.match(r"office \(floor 0\) +probability 0\.[5-9]\d  similarity 0\.\d+  keyframe \d+$", room)
+    assert len(keyframes) == 2 and all(line.startswith("keyframe ") and line.endswith("(floor 0)") for line in keyframes)
 
 
 def test_a_query_says_when_nothing_fits(mapped, calibration, capsys):
     assert cli.main(["query", str(mapped), "an elephant", "--calibration", str(calibration)]) == 0
-    assert capsys.readouterr().out == "nothing in this map fits (best: kitchen, probability 0.00)\n"
+    assert capsys.readouterr().out == "nothing in this map fits (best: kitchen (floor 0), probability 0.00)\n"
+
+
+def test_several_questions_are_answered_one_after_the_other(mapped, encoders, calibration, capsys):
+    texts = ["something green", "an elephant"]
+    options = ["--top", "1", "--calibration", str(calibration)]
+    alone = []
+    for text in texts:
+        assert cli.main(["query", str(mapped), text, *options]) == 0
+        alone.append(f"{text}:\n{capsys.readouterr().out}")
+    loaded = len(encoders)
+    assert cli.main(["query", str(mapped), *texts, *options]) == 0
+    assert capsys.readouterr().out == "".join(alone) and len(encoders) == loaded + 1
 
 
 def test_without_a_calibration_there_are_similarities_and_a_word_about_it(mapped, capsys):
@@ -478,7 +491,7 @@ def test_ctrl_c_ends_a_run_after_the_present_image_and_leaves_the_map_until_then
 def test_one_ctrl_c_while_the_map_is_finished_or_saved_does_not_lose_it(
     dataset, tmp_path, capsys, monkeypatch, step, presses
 ):
-    owner, name = (Slam, "finish") if step == "finish" else (cli, "save_map")
+    owner, name = (Slam, "finish") if step == "finish" else (run, "save_map")
     usual = getattr(owner, name)
 
     def interrupted(*arguments):

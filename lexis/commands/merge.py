@@ -1,0 +1,36 @@
+"""`lexis merge`: makes one map from two maps of a building."""
+
+import argparse
+from pathlib import Path
+
+from lexis.command_line import Commands, add_command, note_replacement
+from lexis.commands.arguments import MAP_ENCODER_HELP, add_settings, map_encoder, print_summary, recognisable_map, settings
+from lexis.files.replace import check_replaceable
+from lexis.map.folder import JSON_FILE, save_map
+
+
+def add_to(commands: Commands) -> None:
+    """Add the command `merge`."""
+    merge = add_command(
+        commands, "merge", _merge, "one map from two maps of a building", "lexis merge monday tuesday -o both"
+    )
+    merge.add_argument("first", type=Path, metavar="A", help="map whose coordinates the new map has")
+    merge.add_argument("second", type=Path, metavar="B", help="map that is added")
+    merge.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the new map")
+    add_settings(merge)
+    merge.add_argument("--encoder", help=MAP_ENCODER_HELP)
+
+
+def _merge(arguments: argparse.Namespace) -> int:
+    from lexis.merging import check_apart, merge
+
+    check_replaceable(arguments.out, JSON_FILE)
+    first, second = recognisable_map(arguments.first), recognisable_map(arguments.second)
+    check_apart(first, second)
+    config = settings(arguments)
+    encoder = map_encoder(first, arguments.encoder)
+    note_replacement(arguments.out, JSON_FILE)
+    lexis_map = merge(first, second, encoder, config)
+    save_map(lexis_map, arguments.out)
+    print_summary(lexis_map, arguments.out)
+    return 0
