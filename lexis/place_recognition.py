@@ -183,23 +183,28 @@ def _cosines(query: Keyframe, embeddings: Float[np.ndarray, "k cameras d"]) -> F
 
 
 def old_enough(
-    query: int | Int[np.ndarray, "*k 1"],
-    stamps: Float64[np.ndarray, "n"],
-    path_m: Float64[np.ndarray, "n"],
-    config: PlaceRecognitionConfig,
-) -> Bool[np.ndarray, "*k n"]:
-    """Whether each keyframe is old enough to be a loop candidate for the keyframe `query`.
+    query: int, stamps: Float64[np.ndarray, "n"], path_m: Float64[np.ndarray, "n"], config: PlaceRecognitionConfig
+) -> Bool[np.ndarray, "n"]:
+    """Whether each keyframe is old enough to be a loop candidate for the keyframe `query`; see `is_old_enough`.
 
-    A keyframe that is old enough lies at least `min_gap_s` of time and `min_gap_m` of odometry path before the query. More
-    recent keyframes are not proposed, because odometry already constrains them well. The result is True for the first
-    keyframes up to some keyframe, and False for all later ones.
+    The result is True for the first keyframes up to some keyframe, and False for all later ones.
 
     Args:
-        query: id of a keyframe, or a column of ids, for which the result has a row each.
+        query: id of a keyframe.
         stamps: stamps of all keyframes [s].
         path_m: odometry path from the first keyframe to each keyframe [m].
         config: its `min_gap_s` and `min_gap_m` are used.
     """
-    seconds, metres = stamps[query] - stamps, path_m[query] - path_m
+    return is_old_enough(stamps[query] - stamps, path_m[query] - path_m, config)
+
+
+def is_old_enough(
+    seconds: Float64[np.ndarray, "m"], metres: Float64[np.ndarray, "m"], config: PlaceRecognitionConfig
+) -> Bool[np.ndarray, "m"]:
+    """Whether keyframes that lie so much time [s] and odometry path [m] before a query are old enough to be candidates.
+
+    A keyframe that is old enough lies at least `min_gap_s` of time and `min_gap_m` of odometry path before the query. More
+    recent keyframes are not proposed, because odometry already constrains them well.
+    """
     # Recorded stamps are rounded, and the decision on a gap at the limit must not depend on that.
     return np.asarray(reaches(seconds, config.min_gap_s) & reaches(metres, config.min_gap_m) & (seconds > 0))

@@ -22,7 +22,7 @@ def numbered(labels: Sequence[str]) -> tuple[str, ...]:
     """
     total = Counter(labels)
     taken = {label.lower() for label in labels}
-    free = {label: filter(lambda name: name.lower() not in taken, map(f"{label} {{}}".format, count(1))) for label in total}
+    free = {label: filter(lambda name: name.lower() not in taken, (f"{label} {k}" for k in count(1))) for label in total}
     return tuple(label if total[label] == 1 else next(free[label]) for label in labels)
 
 

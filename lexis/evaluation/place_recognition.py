@@ -4,9 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float64, Int
+from scipy.sparse import csr_array
 
+from lexis.config import PlaceRecognitionConfig
 from lexis.evaluation.relative import pairs_within, separation
+from lexis.place_recognition import is_old_enough
 from lexis.types import Poses
 
 PLACE_M, PLACE_RAD = 1.0, 0.5
@@ -43,12 +46,23 @@ def at_one_place(T_W_B: Poses) -> Bool[np.ndarray, "n n"]:
     return near
 
 
-def count_matches(
-    candidates: Sequence[tuple[int, Sequence[int]]],
-    eligible: Bool[np.ndarray, "n n"],
-    right: Bool[np.ndarray, "n n"],
-    n: int,
-) -> Counts:
+def right_matches(
+    T_W_B: Poses, stamps: Float64[np.ndarray, "n"], path_m: Float64[np.ndarray, "n"], config: PlaceRecognitionConfig
+) -> tuple[Int[np.ndarray, "m"], Int[np.ndarray, "m"]]:
+    """Queries and their right matches, as indices of all such pairs in order.
+
+    A right match is within 1 m and 0.5 rad of the query by the true poses, and old enough to be proposed; see
+    `is_old_enough` for the stamps [s], the odometry path `path_m` up to each pose [m], and `config`. Memory grows with the
+    number of pairs within 1 m, and not with the number of all pairs.
+    """
+    query, match = pairs_within(T_W_B, PLACE_M)
+    old = is_old_enough(stamps[query] - stamps[match], path_m[query] - path_m[match], config)
+    query, match = query[old], match[old]
+    near = separation(T_W_B, query, match)[1] <= PLACE_RAD
+    return query[near], match[near]
+
+
+def count_matches(candidates: Sequence[tuple[int, Sequence[int]]], right: csr_array, n: int) -> Counts:
     """Count true and false positives among the queries, at N = `n` required matches.
 
     The paper: "If N matches were situated within a distance/angle threshold, we counted it as a true positive; otherwise, a
@@ -59,13 +73,11 @@ def count_matches(
     counts once.
 
     Args:
-        candidates: the query keyframes, each with the keyframes proposed for it.
-        eligible: for every keyframe as the query (rows), whether each keyframe (columns) is old enough to be proposed.
-        right: for every pair of keyframes, whether they are at the same place; see `at_one_place`.
+        candidates: the query keyframes, each once, with the keyframes proposed for it.
+        right: sparse matrix that is not zero where a keyframe (column) is a right match of a query (row), and old enough.
         n: the number N; 1, 3 and 5 in the paper.
     """
-    right = right & eligible
-    found = [int(right[query, list(set(proposed))].sum()) for query, proposed in candidates if len(proposed)]
-    there = right.sum(axis=1)[[query for query, _ in candidates]]
+    right_of = np.split(right.indices, right.indptr[1:-1])
+    found = [len(set(proposed) & set(right_of[query].tolist())) for query, proposed in candidates if len(proposed)]
     tp = sum(count >= n for count in found)
-    return Counts(tp, len(found) - tp, possible=int((there >= n).sum()))
+    return Counts(tp, len(found) - tp, possible=sum(len(right_of[query]) >= n for query, _ in candidates))

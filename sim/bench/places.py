@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float64
 from scipy.optimize import minimize
+from scipy.sparse import csr_array
 
 from lexis.config import Config, PlaceRecognitionConfig
 from lexis.errors import one_line
@@ -136,7 +137,7 @@ def compare_places(answers: Sequence[Answers]) -> Iterator[PlaceRow]:
 
 
 def _total(answers: Sequence[Answers], method: str, n: int) -> Counts:
-    found = (count_matches(walk.proposed[method], walk.eligible, walk.right, n) for walk in answers)
+    found = (count_matches(walk.proposed[method], csr_array(walk.eligible & walk.right), n) for walk in answers)
     return sum(found, start=Counts(0, 0, 0))
 
 

@@ -6,18 +6,18 @@ from dataclasses import asdict
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from lexis.config import PlaceRecognitionConfig
 from lexis.evaluation.coverage import path_covered
 from lexis.evaluation.floors import floor_accuracy, floor_count_error
 from lexis.evaluation.labels import accuracy, accuracy_per_room, graded_accuracy
 from lexis.evaluation.loops import score_loops
-from lexis.evaluation.place_recognition import at_one_place, count_matches
+from lexis.evaluation.place_recognition import count_matches, right_matches
 from lexis.evaluation.planning import spl, success_rate
 from lexis.evaluation.rooms import score_rooms
 from lexis.evaluation.trajectory import STRETCHES_M, ate_rmse, rpe_translation
 from lexis.maths.paths import arc_length
-from lexis.place_recognition import old_enough
 from lexis.types import Poses
 from sim.doctor import versions
 from sim.faults import written
@@ -170,9 +170,9 @@ def _place_recognition(run: Run) -> dict[str, MatchFigures]:
     if candidates is None:
         return {str(n): MatchFigures() for n in MATCHES}
     path_m = arc_length(run.odometry_poses[:, :3, 3])
-    eligible = old_enough(np.arange(len(path_m))[:, None], run.true_stamps, path_m, _REVISIT)
-    right = at_one_place(run.true_poses)
-    counts = {str(n): count_matches(candidates, eligible, right, n) for n in MATCHES}
+    query, match = right_matches(run.true_poses, run.true_stamps, path_m, _REVISIT)
+    right = csr_array((np.ones(len(query), bool), (query, match)), shape=(len(path_m), len(path_m)))
+    counts = {str(n): count_matches(candidates, right, n) for n in MATCHES}
     return {n: MatchFigures(**asdict(count), precision=count.precision) for n, count in counts.items()}
 
 

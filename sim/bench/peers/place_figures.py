@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int
+from scipy.sparse import csr_array
 
 from lexis.config import PlaceRecognitionConfig
 from lexis.evaluation.place_recognition import PLACE_M, PLACE_RAD, Counts, count_matches
@@ -127,7 +128,7 @@ def figures(walk: PlaceWalk, method: str, scores: Scores, least: float) -> Place
     """Judge the answers of a method to all queries of a walk, with the least score at which it answers."""
     ranking, eligible = ranked(scores), walk.seen.eligible
     given = answers(ranking, least)
-    counts = [count_matches(given, eligible, walk.right, n) for n in REQUIRED]
+    counts = [count_matches(given, csr_array(walk.right & eligible), n) for n in REQUIRED]
     rows = np.arange(len(scores))
     hits = walk.right[rows[:, None], ranking.keyframes] & np.isfinite(ranking.scores)
     false = np.array([bool(ids) for _, ids in given]) & ~hits.any(axis=1)

@@ -13,12 +13,11 @@ import numpy as np
 from jaxtyping import Float64, Int
 
 from lexis.config import PlaceRecognitionConfig, PoseGraphConfig, VerificationConfig
-from lexis.evaluation.place_recognition import at_one_place
+from lexis.evaluation.place_recognition import right_matches
 from lexis.floors import NO_FLOOR
 from lexis.graph.graph_optimisation import GraphOptimiser
 from lexis.maths.paths import arc_length
 from lexis.maths.se3 import between
-from lexis.place_recognition import old_enough
 from lexis.types import LoopEdge, Poses
 from sim.harness.figures import evaluate
 from sim.harness.finished_run import Run
@@ -119,9 +118,8 @@ def _revisits(
     truth: Poses, odometry: Poses, stamps: Float64[np.ndarray, "n"]
 ) -> tuple[Int[np.ndarray, "k"], Int[np.ndarray, "k"]]:
     """Return the frames that revisit a place, and for each the nearest earlier frame at this place."""
-    path_m = arc_length(odometry[:, :3, 3])
-    earlier = np.tri(len(truth), k=-1, dtype=bool) & old_enough(np.arange(len(truth))[:, None], stamps, path_m, _REVISIT)
-    apart_m = np.linalg.norm(truth[:, None, :3, 3] - truth[:, :3, 3], axis=2)
-    apart_m[~(earlier & at_one_place(truth))] = np.inf
-    query = np.flatnonzero(np.isfinite(apart_m).any(axis=1))
-    return query, apart_m[query].argmin(axis=1)
+    query, match = right_matches(truth, stamps, arc_length(odometry[:, :3, 3]), _REVISIT)
+    apart_m = np.linalg.norm(truth[query, :3, 3] - truth[match, :3, 3], axis=1)
+    nearest = np.lexsort((match, apart_m, query))
+    revisits, first = np.unique(query[nearest], return_index=True)
+    return revisits, match[nearest][first]

@@ -7,17 +7,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from scipy.sparse import csr_array
 from scipy.spatial.transform import Rotation
 from sklearn.metrics import adjusted_rand_score, v_measure_score
 
+from lexis.config import PlaceRecognitionConfig
 from lexis.evaluation.coverage import path_covered
 from lexis.evaluation.floors import floor_accuracy, floor_count_error
 from lexis.evaluation.labels import accuracy, accuracy_per_room, graded_accuracy
 from lexis.evaluation.loops import opposite_edges, opposite_revisits, score_loops, true_revisits
-from lexis.evaluation.place_recognition import Counts, at_one_place, count_matches
+from lexis.evaluation.place_recognition import Counts, at_one_place, count_matches, right_matches
 from lexis.evaluation.planning import spl, success_rate
 from lexis.evaluation.relative import separation
 from lexis.evaluation.rooms import score_rooms
+from lexis.place_recognition import old_enough
 
 NOBODY = np.zeros(0, int)
 partition_pairs = st.integers(2, 40).flatmap(
@@ -187,9 +190,18 @@ def test_revisits_and_places_are_those_of_all_pairs(n, seed):
     first, second = np.nonzero(near)
     near[first, second] = separation(truth, first, second)[1] <= 0.5
     np.testing.assert_array_equal(at_one_place(truth), near)
+    path_m = np.sort(rng.uniform(0.0, 30.0, n))
+    old = [old_enough(query, stamps, path_m, PlaceRecognitionConfig()) for query in range(n)]
+    right = np.nonzero(near & np.array(old, bool).reshape(n, n))
+    np.testing.assert_array_equal(right_matches(truth, stamps, path_m, PlaceRecognitionConfig()), right)
 
 
-@pytest.mark.parametrize("found", [lambda truth: true_revisits(truth, 1.0 * np.arange(len(truth))), at_one_place])
+def plain_right_matches(truth):
+    """Right matches at 1 frame per second and 2 m per frame."""
+    return right_matches(truth, 1.0 * np.arange(len(truth)), 2.0 * np.arange(len(truth)), PlaceRecognitionConfig())
+
+
+@pytest.mark.parametrize("found", [lambda truth: true_revisits(truth, 1.0 * np.arange(len(truth))), plain_right_matches])
 def test_revisits_and_places_take_no_memory_for_keyframes_far_apart(found):
     truth = np.tile(np.eye(4), (3000, 1, 1))
     truth[:, 0, 3] = 2.0 * np.arange(3000)
@@ -198,41 +210,50 @@ def test_revisits_and_places_take_no_memory_for_keyframes_far_apart(found):
     found(truth)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert peak < 3000**2 + 5_000_000  # bytes: the matrix of `at_one_place`, and little else
+    assert peak < 5_000_000  # bytes: a matrix of all pairs would have 9 MB
 
 
 def test_place_recognition_asks_for_n_right_matches():
     truth = np.stack([pose(), pose(0.5), pose(0.9), pose(3.0), pose(0.0, 1.0), pose(0.1)])
     candidates = [(5, (0, 1, 2, 3, 4)), (3, (0, 1)), (4, ())]
     earlier = np.tri(6, k=-1, dtype=bool)
-    counts = [count_matches(candidates, earlier, at_one_place(truth), n) for n in (1, 3, 5)]
+    counts = [count_matches(candidates, csr_array(earlier & at_one_place(truth)), n) for n in (1, 3, 5)]
     assert counts == [Counts(1, 1, possible=1), Counts(1, 1, possible=1), Counts(0, 2, possible=0)]
     assert [count.precision for count in counts] == [0.5, 0.5, 0.0]
     assert Counts(0, 0, possible=1).precision is None
 
 
 def test_a_keyframe_that_is_not_old_enough_is_no_right_match():
-    earlier, one_place = np.tri(3, k=-1, dtype=bool), np.ones((3, 3), dtype=bool)
+    earlier = csr_array(np.tri(3, k=-1, dtype=bool))
     itself = [(query, (query,)) for query in range(3)]
-    assert count_matches(itself, earlier, one_place, 1) == Counts(0, 3, possible=2)
+    assert count_matches(itself, earlier, 1) == Counts(0, 3, possible=2)
     repeated = [(2, (0, 0, 0))]
-    assert [count_matches(repeated, earlier, one_place, n).tp for n in (1, 2, 3)] == [1, 0, 0]
+    assert [count_matches(repeated, earlier, n).tp for n in (1, 2, 3)] == [1, 0, 0]
 
 
 def test_a_query_is_possible_where_enough_keyframes_that_may_be_proposed_are_at_its_place():
     truth = np.stack([pose(), pose(0.5), pose(0.9), pose(3.0), pose(0.0, 1.0), pose(0.1)])
-    everyone = [(query, ()) for query in range(6)]
+    everyone, near = [(query, ()) for query in range(6)], at_one_place(truth)
     earlier = np.tri(6, k=-1, dtype=bool)
-    assert [count_matches(everyone, earlier, at_one_place(truth), n).possible for n in (1, 2, 3, 4)] == [3, 2, 1, 0]
+    assert [count_matches(everyone, csr_array(earlier & near), n).possible for n in (1, 2, 3, 4)] == [
+        3,
+        2,
+        1,
+        0,
+    ]
     long_before = np.tri(6, k=-3, dtype=bool)  # only 0, 1 and 2 are old enough to be matched with 5
-    assert [count_matches(everyone, long_before, at_one_place(truth), n).possible for n in (1, 3, 4)] == [1, 1, 0]
+    assert [count_matches(everyone, csr_array(long_before & near), n).possible for n in (1, 3, 4)] == [
+        1,
+        1,
+        0,
+    ]
 
 
 @given(arrays(np.float64, 12, elements=st.floats(0.0, 4.0)), st.integers(1, 5))
 def test_no_more_queries_are_right_than_possible(x, n):
     truth, earlier = np.stack([pose(at) for at in x]), np.tri(12, k=-2, dtype=bool)
     candidates = [(query, tuple(range(max(query - 1, 0)))) for query in range(12)]
-    counts = count_matches(candidates, earlier, at_one_place(truth), n)
+    counts = count_matches(candidates, csr_array(earlier & at_one_place(truth)), n)
     assert counts.tp == counts.possible and counts.tp + counts.fp == 10
 
 
