@@ -1,7 +1,7 @@
 """Names of room instances: "office 1" and "office 2" if there are several rooms of a label, "kitchen" if there is one."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence, Set
 from itertools import count
 
 from lexis.types import RoomInstance
@@ -22,8 +22,13 @@ def numbered(labels: Sequence[str]) -> tuple[str, ...]:
     """
     total = Counter(labels)
     taken = {label.lower() for label in labels}
-    free = {label: filter(lambda name: name.lower() not in taken, (f"{label} {k}" for k in count(1))) for label in total}
+    free = {label: _free_names(label, taken) for label in total}
     return tuple(label if total[label] == 1 else next(free[label]) for label in labels)
+
+
+def _free_names(label: str, taken: Set[str]) -> Iterator[str]:
+    """Yield "office 1", "office 2" and so on, without the names that are taken in lower case."""
+    return (name for k in count(1) if (name := f"{label} {k}").lower() not in taken)
 
 
 def unused_names(names: Sequence[str], rooms: Sequence[RoomInstance]) -> tuple[str, ...]:

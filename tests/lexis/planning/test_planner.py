@@ -148,7 +148,7 @@ def test_rooms_go_by_label_or_number(rng):
     assert len(same.keyframes) == 1 and same.length_m == 0.0
 
 
-@given(st.lists(st.sampled_from(["office", "Office 1", "office 2", "office 1 1", "hall"]), max_size=9))
+@given(st.lists(st.sampled_from(["office", "Office 1", "office 2", "office 1 1", "hall", "lab {x}"]), max_size=9))
 def test_every_room_has_a_name_of_its_own(labels):
     names = numbered(labels)
     assert len({name.lower() for name in names}) == len(labels)
