@@ -79,7 +79,8 @@ class Claim:
         return Claim.parse(claim)
 
     def __str__(self) -> str:
-        return f"{self.figure} {self.comparison} {self.limit:.15g}" + ("" if self.of is None else f" * {self.of}")
+        limit = repr(float(self.limit)).removesuffix(".0")
+        return f"{self.figure} {self.comparison} {limit}" + ("" if self.of is None else f" * {self.of}")
 
     @property
     def figures(self) -> tuple[str, ...]:

@@ -1,5 +1,6 @@
 """`Estimate`: what a SLAM estimates in a run. Figures that need a field which the SLAM leaves out are null, never 0."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -165,7 +166,7 @@ class Estimate:
 
 def _checked_frames(frames: object) -> int:
     """Return the number of frames. Raises `EstimateError` unless `frames` holds indices from 0, ascending and each once."""
-    if not isinstance(frames, np.ndarray) or frames.dtype.kind not in "iu" or frames.ndim != 1:
+    if not _is_plain(frames) or frames.dtype.kind not in "iu" or frames.ndim != 1:
         raise EstimateError(f"estimate: frames is {type_of(frames)}; valid: an array of whole numbers, one for each frame")
     valid = "valid: one or more indices of observations, from 0 and ascending, each once"
     if len(frames) == 0:
@@ -184,7 +185,11 @@ def _candidate_rows(candidates: object) -> list[int]:
     """Return all rows that proposed revisits refer to. Raises `EstimateError` for another form."""
     if _is_list(candidates) and all(_is_list(pair) and len(pair) == 2 and _is_list(pair[1]) for pair in candidates):
         with suppress(TypeError):
-            return [index(row) for query, matches in candidates for row in (query, *matches)]
+            rows = [[index(query), *map(index, matches)] for query, matches in candidates]
+            repeated = [row for row, count in Counter(row for row, *_ in rows).items() if count > 1]
+            if repeated:
+                raise EstimateError(f"estimate: candidates has two entries for row {repeated[0]}; valid: one for each query")
+            return [row for entry in rows for row in entry]
     valid = "a tuple of pairs of a row and other rows, such as ((7, (2, 0)),)"
     raise EstimateError(f"estimate: candidates is {candidates!r:.60}; valid: {valid}")
 
@@ -276,7 +281,8 @@ def _check_rows(name: str, values: object, n: int, kinds: str, row: tuple[int | 
         valid = f"an array of {wanted} of shape ({shape}){_MEANINGS.get(name, '')}"
         raise EstimateError(f"estimate: {name} is {type_of(values)}; valid: {valid}")
     if len(values) != n:
-        raise EstimateError(f"estimate: {name} has {len(values)} rows; valid: {n}, one for each of the frames")
+        of = "loop closure" if name.startswith("loops.") else "of the frames"
+        raise EstimateError(f"estimate: {name} has {len(values)} rows; valid: {n}, one for each {of}")
     if any(size not in (None, found) for size, found in zip(row, values.shape[1:], strict=True)):
         raise EstimateError(f"estimate: {name} has shape {values.shape}; valid: {(n, *row)}")
     if not np.isfinite(values).all():

@@ -43,6 +43,8 @@ TEST_REPLAY = "test_replay.py"
 _ENCODERS_ON_FEATURES = ("mini", ORACLE)
 """Encoders that the included feature model imitates. A name with a colon may be a copy of `mini` under another path."""
 _NOT_IN_NAMES = re.compile(r"[^\w.]+")
+WITH_PARAMETERS = "+"
+"""Character between a test's name and its parameters in the name of a failure folder. `slug_of` never returns it."""
 _LONGEST_NAME = 150
 _Test = TypeVar("_Test", bound=Callable[..., object])
 _Arguments = ParamSpec("_Arguments")
@@ -97,7 +99,7 @@ class WorldFamily:
         openness, rooms = None, None
         if self.openness is not None:
             low, high = self.openness
-            openness = round(low + (high - low) * share("openness"), 3)
+            openness = min(max(round(low + (high - low) * share("openness"), 3), low), high)
         if self.max_rooms is not None:
             fewest = min(self.max_rooms, max(3, 2 * (self.storeys or 1)))
             rooms = fewest + math.floor((self.max_rooms - fewest + 1) * share("rooms"))
@@ -171,7 +173,7 @@ def stored_failures(out: Path, name: str) -> list[StoredWorld]:
 
     Failures with any parameters of the test are included.
     """
-    pattern = re.compile(re.escape(slug_of(name)) + "(?:-.+)?-([0-9a-f]{16})")
+    pattern = re.compile(re.escape(slug_of(name)) + rf"(?:{re.escape(WITH_PARAMETERS)}.+)?-([0-9a-f]{{16}})")
     folders = sorted(out.iterdir()) if out.is_dir() else []
     matches = [(folder / SCENARIO, pattern.fullmatch(folder.name)) for folder in folders]
     files = {match[1]: file for file, match in matches if match and file.is_file()}
@@ -248,7 +250,7 @@ def worlds(
         check_count("worlds: storeys", storeys, 1, MAX_STOREYS_ASKED)
     if max_rooms is not None:
         check_count("worlds: max_rooms", max_rooms, max(MIN_ROOMS_ASKED, storeys or 1), MAX_ROOMS_ASKED)
-    if plans not in (None, True, False):
+    if not isinstance(plans, bool | None):
         raise SimError(f"worlds: plans is {plans!r:.60}; valid: True or False")
     _check_positive("length_m", length_m, "metres")
     _check_positive("frame_rate_hz", frame_rate_hz, "hertz")
@@ -288,7 +290,7 @@ def _range(openness: object) -> tuple[float, float] | None:
         return None
     ends = tuple(openness) if isinstance(openness, tuple | list) else (openness, openness)
     match ends:
-        case (int() | float() as low, int() | float() as high) if 0.0 <= low <= high <= 1.0:
+        case (int() | float() as low, int() | float() as high) if 0.0 <= low <= high <= 1.0 and bool not in map(type, ends):
             return float(low), float(high)
     raise SimError(f"worlds: openness is {openness!r:.60}; valid: a number in [0, 1], or two of them in ascending order")
 

@@ -182,6 +182,8 @@ def rooms_are_uniform(run: Run) -> CheckFinding:
     rooms, labels, floors = run.estimate.rooms, run.estimate.labels, run.estimate.floors
     if rooms is None or (labels is None and floors is None):
         return CheckFinding(None, "the SLAM estimates no rooms, or neither labels nor floors")
+    if not any(((rooms >= 0) & (kinds >= 0)).any() for kinds in (labels, floors) if kinds is not None):
+        return CheckFinding(None, "no frame in a room has a label or a floor")
     mixed = [0 if kinds is None else _mixed(rooms, kinds) for kinds in (labels, floors)]
     return CheckFinding(sum(mixed) == 0, f"{mixed[0]} rooms have frames of several labels, {mixed[1]} of several floors")
 

@@ -61,6 +61,12 @@ class SuitePart:
         """Return the check with a name; None if the part has none of this name, such as that the run completes."""
         return next((check for check in self.checks if check.name == name), None)
 
+    @property
+    def limited_twice(self) -> frozenset[str]:
+        """The quantities about which the part makes claims from below and claims from above."""
+        made = {(check.claim.quantity, check.claim.comparison[0]) for check in self.checks if isinstance(check, ClaimCheck)}
+        return frozenset(quantity for quantity, side in made if side == "<" and (quantity, ">") in made)
+
     def with_limits(self, limits: Mapping[str, float]) -> "SuitePart":
         """Return the part with new limits; `limits` maps the `quantity` of a claim to its new limit.
 
@@ -108,6 +114,7 @@ class Suite:
         made = [check.claim for part in self.parts for check in part.checks if isinstance(check, ClaimCheck)]
         known = {claim.quantity for claim in made} | {f"mean {claim.quantity}" for claim in self.means}
         equalities = {claim.quantity: claim for claim in made if claim.comparison in ("==", "!=")}
+        both = {quantity for part in self.parts for quantity in part.limited_twice}
         for figure, limit in limits.items():
             if figure not in known:
                 guess, valid = did_you_mean(str(figure), known), listed(sorted(known), 8)
@@ -116,6 +123,9 @@ class Suite:
                 )
             if figure in equalities:
                 raise SimError(f"suite {self.name}: {equalities[figure]} has no limit; valid: claims with <, <=, > or >=")
+            if figure in both:
+                how = "is limited from below and from above by one part, to which one limit does not apply"
+                raise SimError(f"suite {self.name}: {figure!r} {how}; valid: other claims")
             if not is_finite(limit):
                 raise SimError(f"suite {self.name}: the limit of {figure} is {limit!r:.40}; valid: a finite number")
         means = (replace(claim, limit=limits.get(f"mean {claim.quantity}", claim.limit)) for claim in self.means)

@@ -166,7 +166,9 @@ def _floor(run: Run) -> Iterator[_Wrong]:
     estimates, truth = run.estimate.floors, run.true_storeys
     if estimates is not None:
         wrong = np.flatnonzero((estimates != truth) & ~run.on_stairs)
-        yield from (_Wrong(int(k), f"estimated on floor {estimates[k]}, is on floor {truth[k]}") for k in wrong)
+        for k in wrong.tolist():
+            estimate = "no floor" if estimates[k] < 0 else f"floor {estimates[k]}"
+            yield _Wrong(k, f"estimated on {estimate}, is on floor {truth[k]}")
 
 
 def _position(run: Run) -> Iterator[_Wrong]:

@@ -28,7 +28,7 @@ def estimated_frames(run: Run, figure: str | None, wrong: WrongFrame) -> FrameEs
     if kind == "rooms" and run.estimate.rooms is not None:
         return _numbered(run, estimates, "rooms", run.estimate.rooms, "estimated room {}", "in no estimated room")
     if kind == "floors" and run.estimate.floors is not None:
-        return _numbered(run, estimates, "floors", run.estimate.floors, "estimated floor {}", "estimated to be on stairs")
+        return _numbered(run, estimates, "floors", run.estimate.floors, "estimated floor {}", "estimated on no floor")
     return _labelled(run, estimates) if kind in WITH_LABELS else estimates
 
 

@@ -11,9 +11,9 @@ from sim.harness.failures.why_page import Page, crash_page, failed_test_page
 from sim.harness.figures import EvaluatedRun
 from sim.harness.outputs import fill_crash_folder, fill_run_folder
 from sim.harness.scenario import Scenario
-from sim.harness.world_tests import SCENARIO, TEST_REPLAY, slug_of
+from sim.harness.world_tests import SCENARIO, TEST_REPLAY, WITH_PARAMETERS, slug_of
 
-_REPLAY = '''"""Replays a failure of {test}: run pytest on this file, anywhere below the folder that holds {file}."""
+_REPLAY = '''"""Replays the failure of a test: run pytest on this file, anywhere below the folder that holds the test."""
 
 from pathlib import Path
 
@@ -43,8 +43,7 @@ class FailedPytest:
     @property
     def replay(self) -> str:
         """Text of the file test_replay.py."""
-        file = self.name.partition("::")[0]
-        return _REPLAY.format(test=self.replayed_name, file=file, options=list(self.options))
+        return _REPLAY.format(test=self.replayed_name, options=list(self.options))
 
 
 def folder_of(out: Path, name: str, scenario: Scenario, parameters: str = "") -> Path:
@@ -53,7 +52,7 @@ def folder_of(out: Path, name: str, scenario: Scenario, parameters: str = "") ->
     `parameters` is the id of the parameters that the test has besides its world. It is part of the folder's name, because
     the test may fail with several parameters in one scenario.
     """
-    variant = f"-{slug_of(parameters)}" if parameters else ""
+    variant = f"{WITH_PARAMETERS}{slug_of(parameters)}" if parameters else ""
     return out / f"{slug_of(name)}{variant}-{scenario.content_hash}"
 
 

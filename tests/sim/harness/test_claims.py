@@ -65,8 +65,10 @@ def test_a_claim_about_faults_is_unknown_without_faults():
 
 
 def test_a_claim_keeps_all_digits_of_its_limit():
-    claim = Claim.parse("labels.accuracy < 0.7142857142")
-    assert Claim.parse(str(claim)) == claim
+    for limit in (0.7142857142, 0.1 + 0.2, 0.12345678901234567, 1e-7, 1e22, 5e-324):
+        claim = Claim("labels.accuracy", "<", limit)
+        assert Claim.parse(str(claim)) == claim
+    assert str(Claim("labels.accuracy", "<", 1.0)) == "labels.accuracy < 1"
 
 
 def test_a_claim_about_one_room():

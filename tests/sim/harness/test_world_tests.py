@@ -1,12 +1,16 @@
 """The decorator `worlds`: its draws and its checks."""
 
+from dataclasses import replace
+
 import pytest
 
 from sim.errors import SimError
 from sim.faults.delivery import Dropped
 from sim.faults.poses import Kidnap
+from sim.harness.failures.failed_test import folder_of
+from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
-from sim.harness.world_tests import ATTRIBUTE, HOUSE_SEEDS, slug_of, worlds
+from sim.harness.world_tests import ATTRIBUTE, HOUSE_SEEDS, SCENARIO, slug_of, stored_failures, worlds
 from worlds.house import build_house
 from worlds.labels import STAIRS
 from worlds.truth import openness
@@ -27,6 +31,13 @@ def test_draws_are_fixed_by_seed_and_index_and_stay_in_their_ranges():
     assert {world.rooms for world in drawn} == {4, 5, 6}
     assert [world.preset for world in drawn[:3]] == ["home", "office", "home"]
     assert len({world.seed for world in drawn} | {asked.draw(8, index).seed for index in range(300)}) == 600
+
+
+@pytest.mark.parametrize("asked", [0.1234, (0.0001, 0.0004), (0.0006, 0.0009), 1])
+def test_an_openness_of_many_digits_stays_in_its_range(asked):
+    low, high = (asked, asked) if isinstance(asked, int | float) else asked
+    drawn = [family(openness=asked).draw(7, index).openness for index in range(20)]
+    assert all(low <= openness <= high for openness in drawn)
 
 
 def test_the_seeds_of_houses_do_not_depend_on_what_else_is_asked_for():
@@ -53,6 +64,9 @@ def test_a_house_is_what_was_asked_for(index):
         ({"presets": ()}, r"worlds: presets is \(\); valid: a tuple"),
         ({"openness": (0.9, 0.1)}, r"worlds: openness is \(0.9, 0.1\); valid: a number in \[0, 1\], or two"),
         ({"openness": 1.5}, "worlds: openness is 1.5; valid"),
+        ({"openness": True}, "worlds: openness is True; valid"),
+        ({"openness": (False, 1.0)}, r"worlds: openness is \(False, 1.0\); valid"),
+        ({"plans": 1.0}, "worlds: plans is 1.0; valid: True or False"),
         ({"storeys": 5}, "worlds: storeys is 5; valid: a whole number from 1 to 4"),
         ({"storeys": 3, "max_rooms": 2}, "worlds: max_rooms is 2; valid: a whole number from 3 to 40"),
         ({"n": 0}, "worlds: n is 0; valid: a whole number from 1 to 10000"),
@@ -128,6 +142,19 @@ def test_names_of_folders_tell_tests_apart():
     names = ("tests/test_a.py::test_x", "tests/test_b.py::test_x", "tests/test_a.py::TestA::test_x", "test_a.py::test_x")
     assert len({slug_of(name) for name in names}) == 4
     assert slug_of(names[2]) == "tests-test_a-TestA-test_x"
+
+
+def test_stored_failures_are_those_of_the_test_with_any_parameters(tmp_path):
+    test, below = "test_a.py::test_b", "test_a/test_b.py::test_c"
+    scenario = Scenario(preset="office")
+    expected = set()
+    for name, parameters in ((test, ""), (test, "clinic-1"), (f"{test}_c", ""), (below, ""), (below, "x")):
+        folder = folder_of(tmp_path, name, replace(scenario, seed=len(expected)), parameters)
+        folder.mkdir(exist_ok=True)
+        replace(scenario, seed=len(expected)).save(folder / SCENARIO)
+        if name == test:
+            expected.add(folder / SCENARIO)
+    assert {stored.file for stored in stored_failures(tmp_path, test)} == expected
 
 
 def test_a_tour_too_short_for_a_house_is_the_shortest_one_there():

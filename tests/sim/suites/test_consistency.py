@@ -131,6 +131,12 @@ def test_a_frame_with_another_label_than_its_room_is_found_and_one_without_a_lab
     assert rooms_are_uniform(estimating(lexis, labels=labels)).holds
 
 
+def test_without_any_room_nothing_can_be_said_about_rooms(lexis):
+    none = np.full_like(lexis.estimate.rooms, -1)
+    assert rooms_are_uniform(estimating(lexis, rooms=none)).holds is None
+    assert rooms_are_uniform(estimating(lexis, labels=none, floors=none)).holds is None
+
+
 def test_a_room_on_two_floors_is_found_and_one_that_reaches_onto_stairs_is_not(lexis):
     floors = lexis.estimate.floors.copy()
     floors[3] = 1

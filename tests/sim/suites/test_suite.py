@@ -88,6 +88,13 @@ def test_limits_can_be_set_by_figure():
         FLAT.with_limits({"labels.acuracy": 0.5})
 
 
+def test_one_limit_for_a_claim_from_below_and_one_from_above_is_refused():
+    both = ClaimCheck(Claim.parse("labels.accuracy >= 0.2"), 0.9), ClaimCheck(Claim.parse("labels.accuracy <= 0.99"), 0.9)
+    suite = Suite("both", "Both sides.", (replace(PART, checks=both),))
+    with pytest.raises(SimError, match=r"suite both: 'labels.accuracy' is limited from below and from above by one part"):
+        suite.with_limits({"labels.accuracy": 0.5})
+
+
 MEAN = Claim.parse("labels.accuracy >= 0.9")
 
 UNEVEN = Suite("uneven", "Two parts.", (replace(PART, n=4), replace(PART, name="laws", checks=(ORIGIN,), n=6)), (MEAN,))

@@ -54,7 +54,7 @@ def test_floors_are_shown_for_figures_of_floors(true):
     floors = true.true_storeys.copy()
     floors[3], floors[4] = 2, -1
     estimates = shown(estimating(true, floors=floors), "floors.accuracy")
-    assert estimates.groups[2:5] == ("estimated floor 0", "estimated floor 2", "estimated to be on stairs")
+    assert estimates.groups[2:5] == ("estimated floor 0", "estimated floor 2", "estimated on no floor")
     assert np.flatnonzero(estimates.wrong).tolist() == [3, 4]
 
 
