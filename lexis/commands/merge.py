@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lexis.command_line import Commands, add_command, note_replacement
 from lexis.commands.arguments import MAP_ENCODER_HELP, add_settings, map_encoder, print_summary, recognisable_map, settings
-from lexis.files.replace import check_replaceable
+from lexis.files.replace import check_outside, check_replaceable
 from lexis.map.folder import JSON_FILE, save_map
 
 
@@ -25,6 +25,8 @@ def _merge(arguments: argparse.Namespace) -> int:
     from lexis.merging import check_apart, merge
 
     check_replaceable(arguments.out, JSON_FILE)
+    check_outside(arguments.out, arguments.first)
+    check_outside(arguments.out, arguments.second)
     first, second = recognisable_map(arguments.first), recognisable_map(arguments.second)
     check_apart(first, second)
     config = settings(arguments)

@@ -13,7 +13,7 @@ from lexis.commands.arguments import (
     room_names,
     settings,
 )
-from lexis.files.replace import check_replaceable
+from lexis.files.replace import check_outside, check_replaceable
 from lexis.map.folder import JSON_FILE, load_map, save_map
 
 
@@ -37,6 +37,7 @@ def _relabel(arguments: argparse.Namespace) -> int:
     from lexis.map.relabelling import relabel
 
     check_replaceable(arguments.out, JSON_FILE)
+    check_outside(arguments.out, arguments.map)
     lexis_map = load_map(arguments.map)
     names = room_names(arguments.rooms)
     config = settings(arguments)

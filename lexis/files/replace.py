@@ -93,8 +93,11 @@ def check_replaceable(path: Path, *markers: str) -> None:
 
 
 def check_outside(path: Path, folder: Path) -> None:
-    """Raise LexisError if a file or folder that is to be written, `path`, is inside `folder`, which has been read."""
-    if Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder)):
+    """Raise LexisError if `path`, which is to be written, is `folder` or inside it, because `folder` is only read."""
+    written, read = Path(os.path.realpath(path)), Path(os.path.realpath(folder))
+    if written == read:
+        raise LexisError(f"{path}: is the folder that is read; valid: another one")
+    if written.is_relative_to(read):
         raise LexisError(f"{path}: is inside {folder}, which is only read; valid: a place outside of it")
 
 

@@ -155,9 +155,26 @@ def test_other_names_need_no_recording(mapped, tmp_path, capsys):
     assert "rooms: hall, shop\nno room: depot\n" in capsys.readouterr().out
 
 
-def test_a_note_says_which_map_will_be_replaced(mapped, capsys):
-    assert cli.main(["relabel", str(mapped), "--rooms", "kitchen,hall", "-o", str(mapped)]) == 0
-    assert f"note: {mapped} holds an earlier result" in capsys.readouterr().err
+def test_a_note_says_which_map_will_be_replaced(mapped, tmp_path, capsys):
+    out = tmp_path / "other"
+    save_map(load_map(mapped), out)
+    assert cli.main(["relabel", str(mapped), "--rooms", "kitchen,hall", "-o", str(out)]) == 0
+    assert f"note: {out} holds an earlier result" in capsys.readouterr().err
+
+
+def test_a_map_is_not_replaced_by_a_map_that_is_made_from_it(mapped, tmp_path, capsys):
+    other, link = tmp_path / "other", tmp_path / "link"
+    save_map(load_map(mapped), other)
+    link.symlink_to(mapped)
+    before = {path: path.read_bytes() for path in mapped.iterdir()}
+    for command in (
+        ["relabel", str(mapped), "--rooms", "kitchen,hall"], ["merge", str(mapped), str(other)],
+        ["merge", str(other), str(mapped)],
+    ):  # fmt: skip
+        for out in (mapped, link):
+            assert cli.main([*command, "-o", str(out)]) == 2
+            assert f"{out}: is the folder that is read; valid: another one" in capsys.readouterr().err
+    assert {path: path.read_bytes() for path in mapped.iterdir()} == before
 
 
 def test_no_note_says_that_a_map_will_be_replaced_if_the_command_fails_at_once(mapped, dataset, tmp_path, capsys):
