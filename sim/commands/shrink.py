@@ -75,6 +75,8 @@ def _shrink(arguments: argparse.Namespace) -> int:
     old, new = reduction.sizes
     print(f"{old} -> {new}. {reduction.note}")
     print(str(blamed))
+    if blamed.original is not None:
+        print(f"in the original scenario: {blamed.original}")
     print(f"why: {arguments.out / WHY}")
     return 0
 

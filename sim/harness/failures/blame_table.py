@@ -1,5 +1,6 @@
 """`blame`: reruns a failing scenario with one part of the run replaced at a time; says which changes mend the failure."""
 
+import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -25,6 +26,8 @@ from worlds.spec import HouseSpec
 from worlds.validation import built_and_checked
 from worlds.variant import in_light, variant
 
+ORIGINAL_S = 60.0
+"""Time after which no further run of the original scenario begins [s]. Runs on images take a minute each."""
 SMALL_M = 0.5
 """Largest side length of a piece of furniture that counts as clutter [m]."""
 Effect = Literal["mends", "does not mend", "changes nothing", "cannot be told"]
@@ -65,10 +68,15 @@ class BlameRow:
 
 @dataclass(frozen=True)
 class BlameTable:
-    """The effects of all substitutions on a failure."""
+    """The effects of all substitutions on a failure, in the smallest scenario and in the original one.
+
+    A smaller scenario may fail for another reason than the original scenario. If so, other substitutions mend it.
+    """
 
     rows: tuple[BlameRow, ...]
-    """One row for each substitution that was tried."""
+    """One row for each substitution that was tried in the smallest scenario."""
+    original: "BlameTable | None" = None
+    """The effects in the original scenario, as far as there was time; None if this scenario is the smallest."""
     interrupted: bool = False
     """Whether the user interrupted the search for the smallest scenario, or `blame`, so that rows are missing."""
 
@@ -98,12 +106,17 @@ class BlameTable:
 
 
 def blame(
-    reduction: Reduction, fails: Fails, is_lexis: bool = False, on_row: Callable[[BlameRow], None] | None = None
+    reduction: Reduction,
+    fails: Fails,
+    is_lexis: bool = False,
+    on_row: Callable[[BlameRow], None] | None = None,
+    original_s: float = ORIGINAL_S,
 ) -> BlameTable:
     """Run the smallest failing scenario of a search again, each time with one part replaced by the truth or left out.
 
-    The table says which replacements mend the failure. After an interruption of the search, nothing is run; after an
-    interruption of these runs, the table has the rows that are finished.
+    The table says which replacements mend the failure. Then the original scenario is run with the replacements outside of
+    the SLAM and of the encoder, until `original_s` seconds have passed. After an interruption of the search, nothing is run;
+    after an interruption of these runs, the table has the rows that are finished.
 
     `fails` is the function with which `reduce` searched, and `is_lexis` says whether it runs LEXIS. If so, and if `fails` is
     a `FailureTest`, the stages of LEXIS are replaced as well, one at a time, in copies of the LEXIS that failed. If the test
@@ -115,14 +128,23 @@ def blame(
     if reduction.ended == "interrupted":
         return BlameTable((), interrupted=True)
     rows: list[BlameRow] = []
+    original: list[BlameRow] = []
+
+    def add(found: list[BlameRow], scenario: Scenario, substitution: Substitution) -> None:
+        found.append(_row(scenario, reduction.signature, substitution, fails))
+        if on_row is not None:
+            on_row(found[-1])
+
     try:
         for substitution in _tried(reduction.scenario, fails, is_lexis):
-            rows.append(_row(reduction, substitution, fails))
-            if on_row is not None:
-                on_row(rows[-1])
+            add(rows, reduction.scenario, substitution)
+        end = time.monotonic() + original_s
+        for substitution in _in_any_slam(reduction.original, is_lexis) if reduction.accepted else ():
+            if time.monotonic() < end:
+                add(original, reduction.original, substitution)
     except KeyboardInterrupt:
-        return BlameTable(tuple(rows), interrupted=True)
-    return BlameTable(tuple(rows))
+        return BlameTable(tuple(rows), BlameTable(tuple(original)) if original else None, interrupted=True)
+    return BlameTable(tuple(rows), BlameTable(tuple(original)) if original else None)
 
 
 def _tried(scenario: Scenario, fails: Fails, is_lexis: bool) -> Iterator[Substitution]:
@@ -130,19 +152,24 @@ def _tried(scenario: Scenario, fails: Fails, is_lexis: bool) -> Iterator[Substit
     if isinstance(fails, FailureTest):
         yield from substitutions(scenario, _lexis_of(scenario, fails) if is_lexis else None)
         return
+    yield from _in_any_slam(scenario, is_lexis)
+
+
+def _in_any_slam(scenario: Scenario, is_lexis: bool) -> Iterator[Substitution]:
+    """Yield the substitutions outside of the SLAM and, for LEXIS, that of the encoder."""
     yield from _outside(scenario)
     if is_lexis:
         yield Substitution("oracle encoder", replace(with_features(scenario), encoder=ORACLE))
 
 
-def _row(reduction: Reduction, substitution: Substitution, fails: Fails) -> BlameRow:
-    """Run a substitution and return its row; a substitution that changes nothing is not run."""
-    if substitution.slam is None and substitution.scenario == reduction.scenario:
+def _row(scenario: Scenario, signature: Signature, substitution: Substitution, fails: Fails) -> BlameRow:
+    """Run a substitution in a scenario whose failure has this signature; a substitution that changes nothing is not run."""
+    if substitution.slam is None and substitution.scenario == scenario:
         return BlameRow(substitution.name, "changes nothing")
     try:
         if isinstance(fails, FailureTest):
-            return _tested(substitution, fails, reduction.signature)
-        return _compared(substitution, fails, reduction.signature)
+            return _tested(substitution, fails, signature)
+        return _compared(substitution, fails, signature)
     except SimError as error:
         return BlameRow(substitution.name, "cannot be told", detail=f"the SLAM cannot run there: {error}")
     except USER_ERRORS as error:  # raised by the scenario or by any SLAM

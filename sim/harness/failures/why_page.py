@@ -288,18 +288,27 @@ def _mends(blamed: BlameTable, figure: str) -> Iterator[str]:
     yield "## What mends it"
     yield ""
     yield f"{str(blamed)[0].upper()}{str(blamed)[1:]}"
+    yield from _effects(blamed, figure, "the smallest scenario")
+    if blamed.not_needed:
+        yield ""
+        yield f"In the smallest scenario, the failure needs {blamed.not_needed}."
+    if blamed.original is not None:
+        yield ""
+        yield f"In the scenario in which the failure was found: {blamed.original}"
+        yield from _effects(blamed.original, figure, "the original scenario")
+
+
+def _effects(blamed: BlameTable, figure: str, scenario: str) -> Iterator[str]:
+    """Yield the rows of a blame table as a table in Markdown, after an empty line; nothing without rows to show."""
     if not any(row.effect in _EFFECTS for row in blamed.rows):
         return
     yield ""
-    yield f"| the same scenario with | the failure is |{f' {figure} |' * bool(figure)}"
+    yield f"| {scenario} with | the failure is |{f' {figure} |' * bool(figure)}"
     yield "|---|---|" + "---|" * bool(figure)
     for row in blamed.rows:
         if row.effect in _EFFECTS:
             said = _EFFECTS[row.effect] + (f": {row.detail}" if row.detail else "")
             yield f"| {row.substitution} | {said} |{f' {_number(row.value)} |' * bool(figure)}"
-    if blamed.not_needed:
-        yield ""
-        yield f"The failure needs {blamed.not_needed}."
 
 
 _EFFECTS = {"mends": "**gone**", "does not mend": "still there", "cannot be told": "unknown"}

@@ -125,6 +125,21 @@ def test_blame_that_is_interrupted_keeps_the_rows_that_are_finished():
     assert found.rows == whole.rows[:-1] and "mends" in {row.effect for row in found.rows}
 
 
+def drifts_in_long_walks(scenario):
+    """Fail in long walks where the odometry drifts, and in short walks always."""
+    mended = scenario.odometry == "perfect" and (scenario.length_m or 0.0) > 20.0
+    return None if mended else Signature("fails")
+
+
+def test_what_mends_the_original_is_told_beside_what_mends_the_smallest():
+    reduction = reduce(SCENARIO, drifts_in_long_walks, steps={"shorten the tour": STEPS["shorten the tour"]})
+    table = blame(reduction, drifts_in_long_walks)
+    assert table.named("mends") == () and "perfect odometry" in table.named("does not mend")
+    assert table.original.named("mends") == ("perfect odometry",) and table.original.original is None
+    assert blame(reduction, drifts_in_long_walks, original_s=0.0) == replace(table, original=None)
+    assert blame(reduce(SCENARIO, drifts_in_long_walks, steps={}), drifts_in_long_walks).original is None
+
+
 @pytest.mark.parametrize(
     ("effects", "summary"),
     [
