@@ -3,12 +3,15 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping
 
+from lexis.evaluation.rooms import SHARE
 from sim.harness.diagnosis.first_wrong import misplaced
 from sim.harness.finished_run import Run
 
 NO_FLOOR, TOO_HIGH, TOO_LOW = "placed on no floor", "placed on a floor too high", "placed on a floor too low"
 NO_ROOM, SPLIT = "in no estimated room", "split from the rest of their room"
 TWINS, STRANGERS = "merged with a room of the same label", "merged with a room of another label"
+STRAY = "in another room than most frames of their own room"
+"""Kind of frames that belong to another room's instance while their own room is not merged: mostly frames near doorways."""
 
 
 def error_kinds(run: Run, figure: str | None, labels: Mapping[str, str]) -> "Counter[str]":
@@ -46,12 +49,21 @@ def _of_floors(run: Run) -> Iterator[str]:
 
 
 def _of_rooms(run: Run, labels: Mapping[str, str]) -> Iterator[str]:
-    named, truth = [labels.get(room.id, room.label) for room in run.house.rooms], run.true_rooms.tolist()
-    for row, _, how, other in misplaced(run):
+    named, truth = [labels.get(room.id, room.label) for room in run.house.rooms], run.true_rooms
+    for row, estimate, how, other in misplaced(run):
+        room = int(truth[row])
         match how:
             case "nowhere":
                 yield NO_ROOM
+            case "merged" if not _lies_mostly_in(run, room, estimate):
+                yield STRAY
             case "merged":
-                yield TWINS if named[other] == named[truth[row]] else STRANGERS
+                yield TWINS if named[other] == named[room] else STRANGERS
             case "split":
                 yield SPLIT
+
+
+def _lies_mostly_in(run: Run, room: int, estimate: int) -> bool:
+    """Whether most frames of a true room are in an estimated room, as in the figure `rooms.merges`."""
+    assert run.estimate.rooms is not None
+    return bool((run.estimate.rooms[run.true_rooms == room] == estimate).mean() > SHARE)

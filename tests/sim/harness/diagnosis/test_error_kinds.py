@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from sim.bench.planted_bugs import floors, no_bug, planted, revisits, twins
-from sim.harness import Claim, FailureTest, Scenario, reduce, run
+from sim.harness import Claim, FailureTest, Scenario, evaluate, reduce, run
 from sim.harness.diagnosis.error_kinds import (
     NO_FLOOR,
     NO_ROOM,
     SPLIT,
     STRANGERS,
+    STRAY,
     TOO_HIGH,
     TOO_LOW,
     TWINS,
@@ -68,6 +69,21 @@ def test_each_bug_has_its_kind_of_error(scenario, bug, figure, kind):
     assert most_frequent(kinds) == kind
     assert error_kinds(run, "trajectory.ate_m", {}) == error_kinds(run, None, {}) == Counter()
     assert error_kinds(replace(run, estimate=no_bug(run)), figure, {}) == Counter()
+
+
+def beyond_doorways(run):
+    """A SLAM that takes the first two frames of every room for frames of the room before; no room is merged or split."""
+    rooms = run.true_rooms.copy()
+    enters = 1 + np.flatnonzero(np.diff(run.true_rooms))
+    rooms[enters] = rooms[np.minimum(enters + 1, len(rooms) - 1)] = run.true_rooms[enters - 1]
+    return replace(no_bug(run), rooms=rooms)
+
+
+def test_frames_near_doorways_are_not_called_merged_where_no_room_is():
+    run = planted(beyond_doorways)(BEDROOMS, None)
+    result = evaluate(run)
+    assert result.rooms.merges == result.rooms.splits == 0 and result.rooms.pq < 1.0
+    assert set(error_kinds(run, "rooms.pq", {})) == {STRAY}
 
 
 def test_rooms_have_the_labels_of_the_original_scenario():
