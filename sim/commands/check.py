@@ -62,7 +62,7 @@ def _check(arguments: argparse.Namespace) -> int:
     run, scenario = runner_of(arguments), scenario_of_arguments(arguments)
     if arguments.out is not None:
         warn_of_replacement(arguments.out, *MARKERS)
-    with _estimate_kept(scenario, arguments), progress_bar("running the SLAM") as progress:
+    with _estimate_kept(scenario, arguments), progress_bar(_work(arguments)) as progress:
         finished = attempt(run, scenario, progress)
     if isinstance(finished, Crash):
         return _crashed(finished, arguments)
@@ -85,6 +85,11 @@ def _check(arguments: argparse.Namespace) -> int:
     if (true := next((claim for claim, outcome in failed if outcome == "holds"), None)) is not None:
         print(_next_step(true, arguments), file=sys.stderr)
     return 1 if failed else 0
+
+
+def _work(arguments: argparse.Namespace) -> str:
+    """Return what the progress bar shows. A program begins when the bar is full, because it reads a whole recording."""
+    return "running the SLAM" if arguments.program is None else "recording the walk, then running the program"
 
 
 def _next_step(fails: "Claim", arguments: argparse.Namespace) -> str:

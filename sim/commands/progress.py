@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from typing import TypeVar
 
 from rich.console import Console
-from rich.progress import Progress
+from rich.progress import Progress, TimeElapsedColumn
 
 _Item = TypeVar("_Item")
 
@@ -26,4 +26,5 @@ def tracked(items: Iterable[_Item], total: int, what: str) -> Iterator[_Item]:
 
 def _bar() -> Progress:
     console = Console(stderr=True)
-    return Progress(console=console, transient=True, disable=not console.is_terminal)
+    columns = *Progress.get_default_columns(), TimeElapsedColumn()
+    return Progress(*columns, console=console, transient=True, disable=not console.is_terminal)

@@ -18,6 +18,16 @@ LARGEST_FILE_BYTES = 4_000_000_000
 """Largest file that a program may write. A program that prints without end would otherwise fill the disk."""
 
 
+def check_program(program: str) -> None:
+    """Raise `SimError` unless a program exists and may be executed. Call this before long work for the program."""
+    if shutil.which(program) is None:
+        if os.sep in program and os.path.lexists(program):
+            raise SimError(
+                f"command: {program!r} cannot be run: it is not executable; valid: chmod +x, or its interpreter first"
+            )
+        raise _not_found(program)
+
+
 def execute(words: Sequence[str], work: Path, timeout_s: float, memory_mb: float) -> tuple[bytes, bytes]:
     """Run a program within its limits; return the ends of its standard output and standard error, up to 1 MB each.
 
@@ -69,11 +79,10 @@ def _exit_status(words: Sequence[str], timeout_s: float, memory_mb: float, stdou
             words, stdin=subprocess.DEVNULL, stdout=stdout, stderr=stderr, start_new_session=True, preexec_fn=limit
         )
     except FileNotFoundError:
-        if shutil.which(words[0]):
-            problem = "cannot be run: the interpreter in its first line was not found; valid: an executable file"
-        else:
-            problem = "was not found; valid: a program on the PATH, or a path"
-        raise SimError(f"command: program {words[0]!r} {problem}") from None
+        if shutil.which(words[0]) is None:
+            raise _not_found(words[0]) from None
+        problem = "the interpreter in its first line was not found; valid: an executable file"
+        raise SimError(f"command: program {words[0]!r} cannot be run: {problem}") from None
     except (OSError, subprocess.SubprocessError) as error:
         raise SimError(f"command: {words[0]!r} cannot be run: {one_line(error, 160)}; valid: an executable file") from None
     try:
@@ -84,6 +93,10 @@ def _exit_status(words: Sequence[str], timeout_s: float, memory_mb: float, stdou
         with suppress(ProcessLookupError, PermissionError):  # macOS forbids it for a group that has ended
             os.killpg(process.pid, signal.SIGKILL)
         process.wait()
+
+
+def _not_found(program: str) -> SimError:
+    return SimError(f"command: program {program!r} was not found; valid: a program on the PATH, or a path")
 
 
 def _end_of(path: Path) -> bytes:

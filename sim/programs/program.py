@@ -17,7 +17,7 @@ from sim.harness.last_run import last_run
 from sim.harness.runner import Progress
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import CommandSlam
-from sim.programs.limited_process import execute
+from sim.programs.limited_process import check_program, execute
 from sim.programs.program_files import AT_REST, RecordedTimes, estimate_files, read_estimate
 from sim.record.recording import check_format, write_take
 from sim.record.take import RecordedFrame, Take, prepare
@@ -69,6 +69,7 @@ class Program:
         scenario = last.begin(scenario)
         if scenario.fidelity != "render":
             raise SimError(f"command: a program needs images, but the fidelity is {scenario.fidelity!r}; valid: 'render'")
+        check_program(_words(self.command)[0])
         timed = StageTimer()
         with timed("house_s"):
             take = prepare(scenario, with_truth=False)

@@ -222,6 +222,14 @@ def test_programs_that_are_not_there_or_not_executable_are_named(tmp_path, unrec
             Program(f"'{tmp_path / name}' {{dataset}} {{out}}")(SCENARIO)
 
 
+@pytest.mark.parametrize(("name", "message"), [("missing", "was not found"), ("text", "it is not executable; valid: chmod")])
+def test_a_program_that_cannot_be_run_is_named_before_the_walk_is_recorded(name, message, tmp_path, monkeypatch):
+    monkeypatch.setattr("sim.programs.program.prepare", lambda *_, **__: pytest.fail("the walk is recorded"))
+    (tmp_path / "text").write_text("no program")
+    with pytest.raises(SimError, match=message):
+        Program(f"'{tmp_path / name}' {{dataset}} {{out}}")(SCENARIO)
+
+
 TIMES = RecordedTimes(1e9 + 0.25 * np.arange(10), np.array([AT_REST, AT_REST, *range(8)]), 0.25)
 NAMES = ("kitchen", "bedroom")
 
