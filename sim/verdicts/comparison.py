@@ -59,8 +59,6 @@ FIGURES: Mapping[str, Rule] = MappingProxyType(
     }
 )
 """Figures that are compared by default."""
-_MEANS = 20
-"""Width of the two columns with means in the table of a comparison."""
 _Pair = tuple[RunResult, RunResult]
 
 
@@ -88,6 +86,12 @@ class FigureChange:
         """Number of scenarios in which SLAM b does worse, or does not have the figure where SLAM a has it."""
         lost = np.isnan(self.b) & ~np.isnan(self.a)
         return int((self.rule.sign * self.changes < -self.rule.tie).sum() + lost.sum())
+
+    @property
+    def means(self) -> tuple[float, float] | None:
+        """Mean of the figure of SLAM a and of SLAM b over the scenarios in which both have it; None if there is none."""
+        both = ~np.isnan(self.a) & ~np.isnan(self.b)
+        return (float(self.a[both].mean()), float(self.b[both].mean())) if both.any() else None
 
     @property
     def p_value(self) -> float:
@@ -121,6 +125,8 @@ class ClaimChange:
     only_b: int
     others: int
     """Number of scenarios in which the claim holds equally often for both SLAMs."""
+    shares: tuple[float, float]
+    """Share of all scenarios in which the claim holds for SLAM a and for SLAM b."""
 
     @property
     def better(self) -> int:
@@ -182,13 +188,21 @@ class Comparison:
     def __str__(self) -> str:
         size = f"{counted(self.scenarios, 'scenario')} in {counted(self.houses, 'house')}"
         title = f"a: {self.names[0]}, b: {self.names[1]}; {size}"
-        confidence = f"verdicts with {percent(self.confidence)} confidence together, intervals of the median change each"
-        width = max(*(len(each.name) for each in self.figures), *(len(each.name) - _MEANS for each in self.claims), 0)
+        sure = percent(self.confidence)
+        confidence = f"confidence: {sure} for all verdicts together, and {sure} for the interval of each median change"
+        width = max(len(name) for name in self.verdicts)
         means = f"{'mean a':>8} {'mean b':>8}"
         header = f"{'':{width}} {means}   {'median change':<28} {'better/worse':>12}  {'p':>7}  verdict"
         rows = [self._figure_row(each, width) for each in self.figures]
         rows += [self._claim_row(each, width) for each in self.claims]
-        return "\n".join([title, confidence, header, *rows, *self._shortage()])
+        return "\n".join([title, confidence, header, *rows, *self._gaps(), *self._shortage()])
+
+    def _gaps(self) -> Iterator[str]:
+        """Yield a sentence for every figure that one of the SLAMs does not have in all houses."""
+        for change in self.figures:
+            if alone := int((np.isnan(change.a) != np.isnan(change.b)).sum()):
+                houses = f"{alone} of {counted(len(change.a), 'house')}"
+                yield f"{change.name}: only one SLAM has it in {houses}, which the means and the median leave out"
 
     def _shortage(self) -> Iterator[str]:
         """Yield a sentence if the houses are too few for any difference, however large it is."""
@@ -201,10 +215,12 @@ class Comparison:
         within = change.interval(self.confidence)
         median = f"{np.median(change.changes):+.3f}" if len(change.changes) else ""
         effect = f"{median} ({within[0]:+.3f} to {within[1]:+.3f})" if within else median
-        return f"{change.name:{width}} {_mean(change.a):>8} {_mean(change.b):>8}   {effect:<28} {self._counts(change)}"
+        means = [f"{mean:.3f}" for mean in change.means] if change.means else ["-", "-"]
+        return f"{change.name:{width}} {means[0]:>8} {means[1]:>8}   {effect:<28} {self._counts(change)}"
 
     def _claim_row(self, change: ClaimChange, width: int) -> str:
-        return f"{change.name:{width + _MEANS}} {'':<28} {self._counts(change)}"
+        shares = [f"{share:.0%}" for share in change.shares]
+        return f"{change.name:{width}} {shares[0]:>8} {shares[1]:>8}   {'':<28} {self._counts(change)}"
 
     def _counts(self, change: FigureChange | ClaimChange) -> str:
         counts = f"{change.better}/{change.worse}"
@@ -324,13 +340,14 @@ def _house_means(pairs: Sequence[tuple[float | None, float | None]]) -> tuple[fl
 def _claim_change(claim: Claim, houses: Sequence[Sequence[_Pair]]) -> ClaimChange:
     held = ([[claim.outcome(result) == "holds" for result in pair] for pair in house] for house in houses)
     counts = [(sum(a for a, _ in house), sum(b for _, b in house)) for house in held]
-    return _counted(str(claim), counts)
+    return _counted(str(claim), counts, sum(len(house) for house in houses))
 
 
 def _completed_change(a: Sequence[RunResult], b: Sequence[RunResult]) -> ClaimChange:
     """Compare how many scenarios of each house have a result."""
     done_a, done_b = (Counter(map(_house, side)) for side in (a, b))
-    return _counted(COMPLETES, [(done_a[house], done_b[house]) for house in done_a.keys() | done_b.keys()])
+    counts = [(done_a[house], done_b[house]) for house in done_a.keys() | done_b.keys()]
+    return _counted(COMPLETES, counts, len({result.scenario for result in (*a, *b)}))
 
 
 def _house(result: RunResult) -> Hashable:
@@ -341,10 +358,14 @@ def _house(result: RunResult) -> Hashable:
     return result.seed, result.preset, result.house.floors, result.house.area_m2
 
 
-def _counted(name: str, counts: Sequence[tuple[int, int]]) -> ClaimChange:
-    """Return the change of a claim from the numbers of scenarios in which it holds for SLAM a and SLAM b, for each house."""
+def _counted(name: str, counts: Sequence[tuple[int, int]], scenarios: int) -> ClaimChange:
+    """Return the change of a claim from the numbers of scenarios in which it holds for SLAM a and SLAM b, for each house.
+
+    `scenarios` is the number of scenarios of all houses together.
+    """
     only_a, only_b = sum(a > b for a, b in counts), sum(b > a for a, b in counts)
-    return ClaimChange(name, only_a, only_b, len(counts) - only_a - only_b)
+    shares = sum(a for a, _ in counts) / scenarios, sum(b for _, b in counts) / scenarios
+    return ClaimChange(name, only_a, only_b, len(counts) - only_a - only_b, shares)
 
 
 def _by_scenario(results: Sequence[RunResult]) -> dict[str, RunResult]:
@@ -354,10 +375,6 @@ def _by_scenario(results: Sequence[RunResult]) -> dict[str, RunResult]:
             raise SimError(f"compare: scenario {result.scenario} has two results on one side; valid: one result a scenario")
         found[result.scenario] = result
     return found
-
-
-def _mean(values: Float64[np.ndarray, "n"]) -> str:
-    return "-" if np.isnan(values).all() else f"{np.nanmean(values):.3f}"
 
 
 def _coin(first: int, second: int) -> float:

@@ -54,6 +54,21 @@ def test_equal_results_differ_nowhere():
     assert all(each.p_value == 1.0 for each in (*compared.figures, *compared.claims))
 
 
+def test_means_are_over_the_houses_in_which_both_slams_have_the_figure():
+    compared = compare_results(results([0.9, 0.5, 0.5]), results([0.8, None, None]))
+    (change,) = (each for each in compared.figures if each.name == "labels.accuracy")
+    assert change.means == (0.9, 0.8) and (change.better, change.worse) == (0, 3)
+    assert "labels.accuracy: only one SLAM has it in 2 of 3 houses" in str(compared)
+
+
+def test_the_table_says_how_often_a_claim_holds_for_each_slam():
+    compared = compare_results(results([0.9, 0.5, 0.9, 0.9]), results([0.5, 0.5, 0.9, 0.5]), ["labels.accuracy >= 0.8"])
+    (claim,) = (each for each in compared.claims if each.name == "labels.accuracy >= 0.8")
+    assert claim.shares == (0.75, 0.25)
+    (row,) = (line for line in str(compared).splitlines() if line.startswith("labels.accuracy >= 0.8"))
+    assert row.split()[3:6] == ["75%", "25%", "0/2"]
+
+
 def test_exchanging_the_slams_exchanges_the_verdicts():
     a, b = results(np.linspace(0.8, 0.9, 30)), results(np.linspace(0.7, 0.8, 30))
     forth, back = compare_results(a, b), compare_results(b, a)
@@ -196,7 +211,7 @@ def test_too_few_houses_for_any_difference_are_told_with_the_number_that_suffice
 
     def lost(houses):
         """Every figure and every claim is lost in all houses."""
-        changes = tuple(ClaimChange(each.name, houses, 0, 0) for each in compared.claims)
+        changes = tuple(ClaimChange(each.name, houses, 0, 0, (1.0, 0.0)) for each in compared.claims)
         figures = tuple(replace(each, a=np.ones(houses), b=np.full(houses, np.nan)) for each in compared.figures)
         return replace(compared, houses=houses, figures=figures, claims=changes)
 
