@@ -46,6 +46,7 @@ def houses(
     max_storeys: int = 2,
     furnished: bool = False,
     labels: Sequence[str] = INDOOR,
+    distinct_labels: bool = False,
     kinds: Sequence[str] = OPENING_KINDS,
     doors: Sequence[str] = ("no leaf", "open"),
     openness: tuple[float, float] | None = None,
@@ -58,6 +59,8 @@ def houses(
         max_storeys: at most 4; houses of several storeys have one staircase, which joins all storeys.
         furnished: whether `build_house` fills in furniture; the amount of furniture is drawn, too.
         labels: labels that rooms can have, the simplest first; gardens and balconies are valid in one-storey houses only.
+        distinct_labels: whether all rooms have different labels. Otherwise, houses shrink to rooms of one label, which a
+            SLAM that tells rooms apart by their labels takes for one room where no wall is between them.
         kinds: kinds of openings, the simplest first. Half walls and counters, which cannot be walked through, get a door
             beside them where the room has no other entrance.
         doors: states of doors ("no leaf", "open", "ajar", "closed"), the simplest first; a "closed" door stops a body that
@@ -74,7 +77,7 @@ def houses(
     if outdoor and max_storeys > 1:
         raise InvalidArgument(f"labels has {outdoor[0]!r}, which bears no storey; valid with max_storeys=1 only")
     clutter = {"clutter": st.sampled_from(_CLUTTER)} if furnished else {}
-    rooms = st.lists(room, min_size=min_rooms, max_size=max_rooms)
+    rooms = _lists(room, min_rooms, max_rooms, labels, distinct_labels)
     drawn = st.builds(grow, rooms, max_storeys=st.just(max_storeys), **clutter)
     return drawn if openness is None else _opened(drawn, *_range("openness", openness))
 
@@ -85,6 +88,7 @@ def open_plans(
     min_rooms: int = 2,
     max_rooms: int = 6,
     labels: Sequence[str] = INDOOR,
+    distinct_labels: bool = False,
 ) -> SearchStrategy[HouseSpec]:
     """Draw unfurnished one-storey houses whose openness is at least `min_openness`; the simplest have no inner walls.
 
@@ -96,7 +100,7 @@ def open_plans(
         raise InvalidArgument(f"min_openness={min_openness!r} is not in 0 ... 1")
     kinds = ("open", "cased", "half wall", "counter", "arch", "door")
     room = _rooms(_choices("labels", labels, INDOOR), _ways(kinds, ("no leaf",)), ("beside", "row"))
-    rooms = st.lists(room, min_size=min_rooms, max_size=max_rooms)
+    rooms = _lists(room, min_rooms, max_rooms, labels, distinct_labels)
     return st.builds(grow, rooms, min_openness=st.just(min_openness))
 
 
@@ -123,6 +127,20 @@ def _nearly_opened(spec: HouseSpec, target: float) -> HouseSpec:
         return with_openness(spec, target)
     except WorldsError:
         return spec
+
+
+def _lists(
+    room: SearchStrategy[RoomRequest], min_rooms: int, max_rooms: int, labels: Sequence[str], distinct_labels: bool
+) -> SearchStrategy[list[RoomRequest]]:
+    """Draw lists of rooms. Raises `InvalidArgument` if there are too few labels for rooms with different ones."""
+    _check_bool("distinct_labels", distinct_labels)
+    if not distinct_labels:
+        return st.lists(room, min_size=min_rooms, max_size=max_rooms)
+    if max_rooms > len(set(labels)):
+        raise InvalidArgument(
+            f"max_rooms is {max_rooms}; valid with distinct_labels: up to {len(set(labels))}, one per label"
+        )
+    return st.lists(room, min_size=min_rooms, max_size=max_rooms, unique_by=lambda room: room.label)
 
 
 def _rooms(

@@ -94,6 +94,20 @@ def test_houses_are_as_open_as_asked(spec):
     assert 0.35 <= openness_of(spec) <= 0.65
 
 
+@pytest.mark.parametrize("strategy", [houses, open_plans])
+def test_rooms_with_distinct_labels_shrink_to_a_pair_of_them(strategy):
+    drawn = strategy(distinct_labels=True, labels=("kitchen", "bedroom", "office"), max_rooms=3)
+    assert labels(find(drawn, lambda spec: True, settings=SHRINKING)) == ["bedroom", "kitchen"]
+
+    @settings(SHRINKING, max_examples=100)
+    @given(drawn)
+    def all_differ(spec):
+        rooms = [label for label in labels(spec) if label != STAIRS]
+        assert len(set(rooms)) == len(rooms)
+
+    all_differ()
+
+
 def test_houses_whose_walls_are_too_short_for_the_openness_are_not_drawn():
     squares = [[0, 0], [3, 0], [3, 3], [0, 3]], [[3, 1.6], [6, 1.6], [6, 4.6], [3, 4.6]]
     rooms = [{"id": f"r{i}", "label": "office", "polygon_m": square} for i, square in enumerate(squares)]
@@ -159,6 +173,11 @@ def test_the_number_of_rooms_shrinks_to_exactly_what_fails():
         (open_plans, {"min_openness": 1.5}, "min_openness=1.5 is not in 0 ... 1"),
         (open_plans, {"min_openness": math.nan}, "min_openness=nan"),
         (open_plans, {"min_rooms": 1}, "min_rooms=1 is not a whole number in 2 ... 40"),
+        (
+            houses,
+            {"distinct_labels": True, "labels": ["kitchen", "bedroom"]},
+            "max_rooms is 8; valid with distinct_labels: up",
+        ),
         (open_plans, {"labels": ["kitchen", "garden"]}, "labels has 'garden'; valid: kitchen, "),
     ],
 )
