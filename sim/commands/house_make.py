@@ -47,7 +47,7 @@ def _generate(arguments: argparse.Namespace) -> int:
 
 
 def _variant(arguments: argparse.Namespace) -> int:
-    from worlds.variant import variant
+    from worlds.variant import explicit, variant
 
     check_not_input(arguments.out, arguments.file)
     spec = built_and_checked(HouseSpec.load(arguments.file)).spec
@@ -62,6 +62,8 @@ def _variant(arguments: argparse.Namespace) -> int:
         climb=arguments.climb,
     )
     changed = _with_appearance(changed, arguments)
+    if arguments.list_furniture:
+        changed = explicit(changed)
     if changed == spec:
         raise SimError(f"{arguments.file}: nothing would change; see lexis-sim house variant --help")
     write_checked(changed, arguments.out)
@@ -92,6 +94,7 @@ def _with_appearance(spec: HouseSpec, arguments: argparse.Namespace) -> HouseSpe
 
 _OPENNESS = "open share of the area of the inner walls, 0 to 1"
 _CLUTTER = "amount of furniture, 0 (none) to 4 (very crowded)"
+_LIST = "list all furniture and windows in the file, so that each piece can be moved, changed or removed there"
 _APPEARANCE = (
     argument(
         "--texture",
@@ -142,6 +145,7 @@ VARIANT = Action(
         argument("--rotate", type=int, default=0, metavar="N", help="turn the house by N quarter turns counter-clockwise"),
         argument("--repaint", type=seed, metavar="SEED", help="draw other materials and colours"),
         argument("--add-storey", action="store_true", help="repeat the plan of the top storey on top"),
+        argument("--list-furniture", action="store_true", help=_LIST),
         argument("--climb", choices=("lift", "spiral"), help="put lifts or spiral stairs in place of all stairs"),
         *_APPEARANCE,
         _OUT,

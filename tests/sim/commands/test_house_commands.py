@@ -57,6 +57,15 @@ def test_a_list_of_rooms_can_have_storeys():
     assert len(spec.storeys) == 2 and {"kitchen", "gym", "office"} <= set(spec.room_labels)
 
 
+def test_listed_furniture_is_that_of_the_house_and_listing_it_again_changes_nothing():
+    assert status_of("generate", "--preset", "home", "--seed", "3", "-o", "h.json") == 0
+    assert status_of("variant", "h.json", "--list-furniture", "-o", "listed.json") == 0
+    before, listed = build_house(HouseSpec.load("h.json")), HouseSpec.load("listed.json")
+    assert len(before.furniture) == sum(len(storey.furniture) for storey in listed.storeys) > 0
+    assert [piece.kind for piece in build_house(listed).furniture] == [piece.kind for piece in before.furniture]
+    assert status_of("variant", "listed.json", "--list-furniture", "-o", "again.json") == 2
+
+
 def test_a_variant_is_the_library_s():
     spec = sample_house("home", 1, clutter=0.0)
     Path("h.json").write_text(spec.to_json(), encoding="utf-8")
