@@ -223,9 +223,10 @@ def _outside(scenario: Scenario) -> Iterator[Substitution]:
     if scenario.fidelity == "render":  # features have no lighting
         yield Substitution("daylight", replace(scenario, house=in_light(spec, "day")))
     yield Substitution("no clutter", replace(scenario, house=without_clutter(spec)))
-    closed = _closed(spec)
-    if closed is not None:
-        yield Substitution("openness 0", replace(scenario, house=closed))
+    for name, start in (("openness 0", spec), ("openness 0, furnished anew", _unfurnished(spec))):
+        if (closed := _closed(start)) is not None:
+            yield Substitution(name, replace(scenario, house=closed))
+            break
 
 
 def _of_lexis(scenario: Scenario, lexis: Lexis) -> Iterator[Substitution]:
@@ -271,6 +272,12 @@ def without_clutter(spec: HouseSpec) -> HouseSpec:
     """
     pieces = [piece for storey in spec.storeys for piece in storey.furniture or ()]
     return keep_furniture(spec, {piece.id for piece in pieces if max(piece.size_m) > SMALL_M})
+
+
+def _unfurnished(spec: HouseSpec) -> HouseSpec:
+    """Return the house without its list of furniture, so that `build_house` places furniture beside the new doors."""
+    storeys = [storey.model_copy(update={"furniture": None}) for storey in spec.storeys]
+    return spec.model_copy(update={"storeys": storeys})
 
 
 def _closed(spec: HouseSpec) -> HouseSpec | None:

@@ -286,20 +286,20 @@ def _mends(blamed: BlameTable, figure: str) -> Iterator[str]:
     value of the figure with the replacement.
     """
     yield "## What mends it"
-    yield ""
-    yield f"{str(blamed)[0].upper()}{str(blamed)[1:]}"
     yield from _effects(blamed, figure, "the smallest scenario")
     if blamed.not_needed:
         yield ""
         yield f"In the smallest scenario, the failure needs {blamed.not_needed}."
     if blamed.original is not None:
         yield ""
-        yield f"In the scenario in which the failure was found: {blamed.original}"
+        yield "In the scenario in which the failure was found:"
         yield from _effects(blamed.original, figure, "the original scenario")
 
 
 def _effects(blamed: BlameTable, figure: str, scenario: str) -> Iterator[str]:
-    """Yield the rows of a blame table as a table in Markdown, after an empty line; nothing without rows to show."""
+    """Yield a summary of a blame table and, if there are rows to show, the rows as a table in Markdown."""
+    yield ""
+    yield f"{str(blamed)[0].upper()}{str(blamed)[1:]}"
     if not any(row.effect in _EFFECTS for row in blamed.rows):
         return
     yield ""
