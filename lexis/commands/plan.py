@@ -38,9 +38,9 @@ def add_to(commands: Commands) -> None:
 
 def _plan(arguments: argparse.Namespace) -> int:
     lexis_map = load_map(arguments.map)
-    _check_room(lexis_map, arguments.start, "or a label alone; only --to takes a description")
+    _check_room(lexis_map, arguments.start, "or a label for its nearest room; only --to takes a description")
     goal = _goal(lexis_map, arguments.goal, arguments.calibration)
-    _check_room(lexis_map, goal, "a label alone, or a description of several words")
+    _check_room(lexis_map, goal, "a label for its nearest room, or a description of several words")
     result = plan(lexis_map, arguments.start, goal, settings(arguments).planner, arguments.avoid)
     if arguments.json:
         print(json.dumps(plan_summary(lexis_map, result), indent=1))

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Literal
@@ -103,7 +104,18 @@ def load_map(directory: Path | str) -> LexisMap:
     return _read_map(directory)
 
 
+def _check_files(directory: Path) -> None:
+    """Raise MapError if one of the two files is missing, or if the folder holds the map in a folder of its own."""
+    has_header, has_arrays = (os.path.lexists(directory / name) for name in (JSON_FILE, ARRAY_FILE))
+    if has_header != has_arrays:
+        missing = ARRAY_FILE if has_header else JSON_FILE
+        raise MapError(f"{directory}: the map is incomplete: {missing} is missing; valid: both files as they were written")
+    if not has_header and os.path.isfile(directory / "map" / JSON_FILE):
+        raise MapError(f"{directory}: no map there; valid: {directory / 'map'}, which holds one")
+
+
 def _read_map(directory: Path) -> LexisMap:
+    _check_files(directory)
     header = read_model(directory / JSON_FILE, _HEADER_FILE, _Map)
     others = header.other_cameras
     sizes = {"rooms": len(header.rooms), "room_names": len(header.room_names), "others": len(others)}

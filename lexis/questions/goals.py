@@ -16,7 +16,7 @@ def goal_in_words(map: LexisMap, text: str, encoder: TextEncoder, calibration: C
         LexisError: `ask` refuses the description.
     """
     names = instance_names(map.rooms)
-    valid = f"valid: {', '.join(names)}, a label alone, or a description of what is there"
+    valid = f"valid: {', '.join(names)}, a label for its nearest room, or a description of what is there"
     if calibration is None:
         raise PlanError(
             f"no room {text!r} in the map, and descriptions need a calibration of encoder {encoder.name!r}; {valid}"

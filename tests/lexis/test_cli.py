@@ -396,7 +396,7 @@ def test_a_message_is_one_line_of_bounded_length(start, tmp_path, rng, capsys):
     assert (
         said.count("\n") == 1
         and len(said) <= 401
-        and said.endswith("office 2, or a label alone; only --to takes a description\n")
+        and said.endswith("office 2, or a label for its nearest room; only --to takes a description\n")
     )
     with pytest.raises(SystemExit):
         cli.main(["export", str(tmp_path / "map"), "--format", start, "-o", "out"])
@@ -543,8 +543,16 @@ def test_one_ctrl_c_while_the_map_of_a_damaged_recording_is_saved_does_not_lose_
 @pytest.mark.parametrize(
     ("start", "goal", "says"),
     [
-        ("kitchen", "sauna", "no room 'sauna' in the map; valid: .*, a label alone, or a description of several words$"),
-        ("somewhere to cook", "kitchen", "no room 'somewhere to cook' .*, or a label alone; only --to takes a description$"),
+        (
+            "kitchen",
+            "sauna",
+            "no room 'sauna' in the map; valid: .*, a label for its nearest room, or a description of several words$",
+        ),
+        (
+            "somewhere to cook",
+            "kitchen",
+            "no room 'somewhere to cook' .*, or a label for its nearest room; only --to takes a description$",
+        ),
     ],
 )
 def test_an_unknown_room_says_which_option_takes_a_description(start, goal, says, mapped, capsys):

@@ -36,6 +36,19 @@ def test_a_folder_may_be_named_by_a_string(lexis_map, tmp_path):
         load_map(str(tmp_path / "none"))
 
 
+def test_a_folder_that_holds_a_part_of_a_map_or_a_map_below_it_says_so(lexis_map, tmp_path):
+    run = tmp_path / "run"
+    save_map(lexis_map, run / "map")
+    with pytest.raises(MapError, match=f"run: no map there; valid: {run / 'map'}, which holds one"):
+        load_map(run)
+    for name in ("arrays.npz", "map.json"):
+        save_map(lexis_map, tmp_path / "part")
+        (tmp_path / "part" / name).unlink()
+        with pytest.raises(MapError, match=f"part: the map is incomplete: {name} is missing; valid: both files"):
+            load_map(tmp_path / "part")
+        shutil.rmtree(tmp_path / "part")
+
+
 def test_a_map_without_loops_or_features_is_a_map(rng, tmp_path):
     bare = corridor_with_offices(rng)
     save_map(bare, tmp_path / "map", features=False)
