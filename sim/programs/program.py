@@ -29,6 +29,10 @@ DATASET, OUT = "{dataset}", "{out}"
 """Placeholders in a command for the folder of the recording and the folder of the estimate."""
 
 
+_OF_SHELLS = frozenset({">", ">>", "2>", "2>&1", "&>", "<", "|", "&&", "||", ";", "&"})
+"""Words that only a shell understands. A program would get them as arguments."""
+
+
 @dataclass(frozen=True)
 class Program:
     """A program under test with its limits, as a function that runs scenarios. It can be sent to other processes.
@@ -125,6 +129,9 @@ def _words(command: str) -> list[str]:
         words = shlex.split(command)
     except ValueError as error:
         raise SimError(f"command {command!r:.80}: {error}; valid: words and quotes as in a shell") from None
+    if shell := [word for word in words if word in _OF_SHELLS]:
+        valid = "valid: a script of your own that does this"
+        raise SimError(f"command {command!r:.80} has {shell[0]!r}, but it is started without a shell; {valid}")
     if words and any(placeholder in words[0] for placeholder in (DATASET, OUT)):
         raise SimError(f"command {command!r:.80} names no program; valid: such as './my_slam {DATASET} {OUT}'")
     for placeholder in (DATASET, OUT):

@@ -139,7 +139,8 @@ def _poses(path: Path, times: RecordedTimes) -> dict[int, Pose]:
     half = times.period_s / 2
     outside = (stamps < times.stamps.min() - half) | (stamps > times.stamps.max() + half)
     if outside.any():
-        raise SimError(f"{TRAJECTORY}: stamp {stamps[outside][0]:.6f} matches no frame; valid: {times.span()}")
+        hint = _other_clock(stamps, times)
+        raise SimError(f"{TRAJECTORY}: stamp {stamps[outside][0]:.6f} matches no frame{hint}; valid: {times.span()}")
     frames, away_s = times.nearest(stamps)
     found: dict[int, Pose] = {}
     for k in np.argsort(-away_s, kind="stable").tolist():
@@ -148,6 +149,18 @@ def _poses(path: Path, times: RecordedTimes) -> dict[int, Pose]:
     if not found:
         raise SimError(f"{TRAJECTORY}: no stamp is within {half:g} s of a frame of the walk; valid: stamps of frames")
     return found
+
+
+def _other_clock(stamps: Float64[np.ndarray, "n"], times: RecordedTimes) -> str:
+    """Return a question about the clock of the stamps, such as " (in nanoseconds?)", if another clock fits; else ""."""
+    first, last = times.stamps.min() - times.period_s, times.stamps.max() + times.period_s
+    for clock, seconds in {
+        "in nanoseconds": 1e-9 * stamps,
+        "counted from the first frame": stamps + times.stamps[0],
+    }.items():
+        if first <= seconds.min() and seconds.max() <= last:
+            return f" ({clock}?)"
+    return ""
 
 
 def _entries(path: Path, times: RecordedTimes, poses: dict[int, Pose]) -> dict[int, FrameEntry]:

@@ -190,6 +190,7 @@ def test_a_program_that_prints_without_end_does_not_fill_the_disk(tmp_path, unre
         ("", SCENARIO, "has no {dataset}"),
         ("{dataset} {out}", SCENARIO, "names no program; valid: such as './my_slam {dataset} {out}'"),
         ("'./my_slam {dataset} {out}", SCENARIO, "No closing quotation"),
+        ("./my_slam {dataset} {out} > log.txt", SCENARIO, "has '>', but it is started without a shell; valid: a script"),
         ("x {dataset} {out}", replace(SCENARIO, fidelity="features"), "needs images, but the fidelity is 'features'"),
     ],
 )
@@ -276,7 +277,9 @@ def test_the_frames_of_rooms_json_are_the_keyframes(tmp_path):
     ("stamps", "frames", "message"),
     [
         ([-0.6], None, "matches no frame; valid: 1000000000.000000 to 1000000002.250000 s"),
-        ([2.0, 9.6], None, "stamp 1000000002.400000 matches no frame"),
+        ([2.0, 9.6], None, "stamp 1000000002.400000 matches no frame; valid"),
+        ([-4e9 + 2.0, -4e9 + 3.0], None, "stamp 0.500000 matches no frame (counted from the first frame?); valid"),
+        ([4e18 - 4e9 + 2e9], None, "matches no frame (in nanoseconds?); valid"),
         ([0.0, 1.0], None, "no stamp is within 0.125 s of a frame of the walk"),
         ([2.0], [{"stamp": 12.0}], "rooms.json: stamp 1000000003.000000 matches no frame"),
         ([2.0], [{"stamp": 5.0}], "has no pose; valid: frames that trajectory.tum holds"),
