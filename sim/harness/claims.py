@@ -63,7 +63,7 @@ class Claim:
         except ValueError:
             raise SimError(f"{noun} {text!r:.80}: {number!r} is no number; valid: a number such as 0.7") from None
         claim = Claim(figure, comparison, value, of)
-        claim._check_names()
+        claim._check_names(noun)
         return claim
 
     @staticmethod
@@ -145,14 +145,14 @@ class Claim:
             return None
         return None if value is None else float(value)
 
-    def _check_names(self) -> None:
+    def _check_names(self, noun: str = "claim") -> None:
         for name in self.figures:
-            _check_name(str(self), name)
+            _check_name(f"{noun} {str(self)!r}", name)
 
 
 @lru_cache(maxsize=1000)  # every value of a claim checks its names
-def _check_name(claim: str, name: str) -> None:
-    """Raise `SimError` unless results have a number of this name.
+def _check_name(place: str, name: str) -> None:
+    """Raise `SimError` unless results have a number of this name. The message begins with `place`.
 
     The keys of mappings are free, as they depend on the run: names of rooms, for example. Those of `place_recognition` are
     not free.
@@ -163,18 +163,18 @@ def _check_name(claim: str, name: str) -> None:
         if is_dataclass(kind):
             types = get_type_hints(kind)
             if part not in types:
-                raise SimError(f"claim {claim!r}: no figure {part!r}{figure_meant(kind, part)}; valid: {', '.join(types)}")
+                raise SimError(f"{place}: no figure {part!r}{figure_meant(kind, part)}; valid: {', '.join(types)}")
             kind = _without_none(types[part])
         elif get_origin(kind) is Mapping:
             if parts[:depth] == ["place_recognition"] and part not in map(str, MATCHES):
-                raise SimError(f"claim {claim!r}: no figure {part!r}; valid: {', '.join(map(str, MATCHES))}")
+                raise SimError(f"{place}: no figure {part!r}; valid: {', '.join(map(str, MATCHES))}")
             kind = _without_none(get_args(kind)[1])
         else:
-            raise SimError(f"claim {claim!r}: {name} is no figure; valid: {'.'.join(parts[:depth])}")
+            raise SimError(f"{place}: {name} is no figure; valid: {'.'.join(parts[:depth])}")
     if is_dataclass(kind) or get_origin(kind) is Mapping:
-        raise SimError(f"claim {claim!r}: {name} is no number; valid: the name of a figure below it")
+        raise SimError(f"{place}: {name} is no number; valid: the name of a figure below it")
     if kind not in (int, float):
-        raise SimError(f"claim {claim!r}: {name} is no number; valid: a figure, such as labels.accuracy")
+        raise SimError(f"{place}: {name} is no number; valid: a figure, such as labels.accuracy")
 
 
 def _without_none(hint: Any) -> Any:

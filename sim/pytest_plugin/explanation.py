@@ -46,13 +46,19 @@ def add_text(
     rest += _lines(item, execution, scenario, search)
     before = search.found if search is not None and search.found != failure.text else ""
     if family_of(item) is not None and item.config.option.tbstyle == "auto":
-        original = [f"in the original scenario: {before.splitlines()[0]}"] if before else []
+        original = [f"in the original scenario: {_headline(before)}"] if before else []
         report.longrepr = _without_traceback([*lines, *original, *rest], failure)
     elif isinstance(report.longrepr, ExceptionRepr):  # JUnit reports show sections of this object, too
-        smallest = [f"in the smallest scenario: {failure.message.splitlines()[0]}"] if before else []
+        smallest = [f"in the smallest scenario: {_headline(failure.message)}"] if before else []
         report.longrepr.addsection("lexis", "\n".join([*smallest, *rest]))
     else:
         report.sections.append(("lexis", "\n".join(rest)))
+
+
+def _headline(text: str) -> str:
+    """Return the first line of what pytest says about a failure, and the assertion if a message of the user precedes it."""
+    first, *rest = text.splitlines()
+    return f"{first}; {rest[0]}" if rest and rest[0].startswith("assert ") else first
 
 
 def _without_traceback(lines: list[str], failure: Reason) -> ExceptionRepr:

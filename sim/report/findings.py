@@ -197,17 +197,18 @@ def _drift(table: KeyframeTable) -> Iterator[Finding]:
     """Compare the errors before and after loop closing, over the whole trajectory and over parts of fixed length."""
     truth, odometry, estimated = table.true_poses, table.odometry_poses, table.estimated_poses
     ate = [ate_rmse(poses[:, :3, 3], truth[:, :3, 3]) for poses in (odometry, estimated)]
-    yield from _compared("Loop closing changed the ATE", *ate)
+    yield from _compared("the ATE", *ate)
     for delta in STRETCHES_M:
         rpe = [rpe_translation(poses, truth, delta) for poses in (odometry, estimated)]
-        yield from _compared(f"Loop closing changed the relative error over stretches of {delta:.0f} m (RPE)", *rpe)
+        yield from _compared(f"the relative error over stretches of {delta:.0f} m (RPE)", *rpe)
 
 
-def _compared(what: str, before: float | None, after: float | None) -> Iterator[Finding]:
+def _compared(error: str, before: float | None, after: float | None) -> Iterator[Finding]:
     if before is not None and after is not None:
         before, after = round(before, 3), round(after, 3)
         worse = ", which is worse" if after > before else ""
-        yield Finding(after <= before, f"{what} from {before:.3f} m to {after:.3f} m{worse}.")
+        changed = f"changed {error} from {before:.3f} m to {after:.3f} m{worse}"
+        yield Finding(after <= before, f"Loop closing {changed if after != before else f'left {error} at {before:.3f} m'}.")
 
 
 def _plans(data: ReportData) -> Iterator[Finding]:

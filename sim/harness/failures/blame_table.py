@@ -89,8 +89,8 @@ class BlameTable:
         mending, others = ", ".join(self.named("mends")), ", ".join(self.named("does not mend"))
         if mending or others:
             return f"mended by: {mending or 'nothing'}." + (f" Not mended by: {others}." if others else "")
-        if self.named("cannot be told"):
-            return "no replacement could be judged."
+        if unknown := [row for row in self.rows if row.effect == "cannot be told"]:
+            return f"no replacement could be judged ({unknown[0].substitution}: {unknown[0].detail})."
         if self.not_needed:
             return f"the failure needs {self.not_needed}."
         return "what mends it is unknown, because Ctrl-C ended the search." if self.interrupted else "no change was tried."

@@ -114,6 +114,12 @@ def test_bad_claims_are_named(text, message):
     assert message in str(caught.value)
 
 
+def test_a_condition_is_called_one_in_messages():
+    for text in ("rooms.pqq < 1", "rooms.pq <", "rooms.pq < 1.2.3"):
+        with pytest.raises(SimError, match=r"^condition 'rooms"):
+            Claim.parse(text, "condition")
+
+
 def test_an_unknown_comparison_is_named():
     with pytest.raises(SimError, match=r"'rooms.pq => 0.6': unknown comparison; valid: <= >= == != < >"):
         Claim("rooms.pq", "=>", 0.6)

@@ -198,6 +198,8 @@ def test_stretches_that_loop_closing_bent_are_told_of_though_the_whole_is_better
     texts = {finding.good: finding.text for finding in findings(bent) if "8 m (RPE)" in finding.text}
     assert list(texts) == [False] and texts[False].endswith("which is worse.")
     assert any(finding.good and "changed the ATE" in finding.text for finding in findings(bent))
+    kept = replace(bent, keyframes=replace(bent.keyframes, estimated_poses=drifted))
+    assert any(finding.good and finding.text.startswith("Loop closing left the ATE at 0.") for finding in findings(kept))
 
 
 def test_a_map_of_next_to_nothing_says_so_first(rng):

@@ -145,13 +145,14 @@ def test_what_mends_the_original_is_told_beside_what_mends_the_smallest():
     [
         (["mends", "does not mend", "cannot be told"], "mended by: a. Not mended by: b."),
         (["does not mend", "changes nothing"], "mended by: nothing. Not mended by: a."),
-        (["cannot be told", "changes nothing"], "no replacement could be judged."),
+        (["cannot be told", "changes nothing"], "no replacement could be judged (a: why)."),
         (["changes nothing", "changes nothing"], "the failure needs no error of a or error of b."),
         ([], "no change was tried."),
     ],
 )
 def test_the_summary_says_no_more_than_the_table(effects, summary):
-    assert str(BlameTable(tuple(map(BlameRow, "abc", effects)))) == summary
+    rows = [BlameRow(name, effect, detail="why") for name, effect in zip("abc", effects, strict=False)]
+    assert str(BlameTable(tuple(rows))) == summary
 
 
 def test_what_the_scenario_lacks_is_named_as_what_the_failure_does_not_need():
