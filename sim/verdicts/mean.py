@@ -3,7 +3,9 @@
 A rate says in how many houses a claim holds, and therefore little about a SLAM that is slightly worse in every house. A mean
 shows small differences much sooner. The test is the one-sided t test ("Student", "The probable error of a mean", Biometrika
 6, 1908). It is valid if the number of houses was chosen beforehand: unlike a rate, a mean must not be judged after every
-house.
+house. It is approximate: it assumes that the mean of so many margins is nearly normal. Where a few houses have much smaller
+margins than all others, "fails" is more certain than stated, and "holds" is less certain, because the examined houses may
+lack such a house. Where a few houses have much larger margins, it is the other way round.
 """
 
 import math
@@ -21,6 +23,8 @@ from sim.verdicts.items import items
 from sim.verdicts.outcome import Outcome
 from sim.wording import counted, percent
 
+_ROUNDING = 1e-12
+"""Largest margin below 0 that counts as 0, because figures are rounded when they are computed."""
 _FEWEST = 8
 """Fewest houses over which a mean is judged. With fewer, one unusual house decides."""
 
@@ -30,7 +34,7 @@ class MeanVerdict:
     """What the results in some houses show about the mean margin of a claim. Raises `SimError` for values out of range."""
 
     confidence: float
-    """1 minus the largest probability of a wrong answer, in (0.5, 1)."""
+    """1 minus the probability of a wrong answer where the mean is at the limit and margins are normal, in (0.5, 1)."""
     margins: tuple[float, ...]
     """By how much each house fulfils the claim; negative where the claim is violated. See `Claim.margin`."""
 
@@ -57,7 +61,7 @@ class MeanVerdict:
     def outcome(self) -> Outcome:
         """Whether the mean margin is at least 0 ("holds"), below 0 ("fails"), or not known well enough ("undecided")."""
         low, high = self.interval
-        return "holds" if low >= 0.0 else "fails" if high < 0.0 else "undecided"
+        return "holds" if low >= -_ROUNDING else "fails" if high < -_ROUNDING else "undecided"
 
     def __str__(self) -> str:
         mean = "without a value"
@@ -78,7 +82,8 @@ def assert_mean(results: Iterable[RunResult], claim: Claim | str, confidence: fl
     Args:
         results: results of independent scenarios, whose number does not depend on the results.
         claim: a claim with <, <=, > or >=.
-        confidence: 1 minus the largest probability that the assertion fails although the claim holds on average.
+        confidence: 1 minus the largest probability that the assertion fails although the claim holds on average, if the
+            margins are normal or a few of them are much smaller than the others.
 
     Raises:
         AssertionError: the mean violates the claim, with this confidence.
