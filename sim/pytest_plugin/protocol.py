@@ -49,7 +49,7 @@ def _within_budget(
 ) -> tuple[list[pytest.TestReport], Execution]:
     """Execute a decorated test in its house, and then in further houses while it passes and its time budget lasts.
 
-    Returns the reports and the record of the last execution, which is the first that did not pass, if there is one.
+    Returns the reports and the record of the first execution that failed or, if none did, those of the first execution.
     """
     config = item.config
     ends_s = time.monotonic() + config.stash.get(SHARE_S, 0.0)
@@ -61,7 +61,9 @@ def _within_budget(
         if not all(report.passed for report in reports) or time.monotonic() >= ends_s:
             break
         world = family.draw(config.stash[SEED], first.index + further * family.n)
-        reports, execution = execute(item, nextitem, world)
+        tried = execute(item, nextitem, world)
+        if any(report.failed for report in tried[0]):
+            return tried
     return reports, execution
 
 

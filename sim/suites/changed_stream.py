@@ -108,12 +108,15 @@ def _renamed(
 def _moved(loops: EstimatedLoops | None, new_row: Int[np.ndarray, "n"], T_B_N: Pose) -> EstimatedLoops | None:
     """Convert estimated loops: their frames to rows of the unchanged observations, their poses to the unchanged body frame.
 
-    A loop between two frames of the same unchanged observation is left out. None stays None.
+    A loop between two frames of the same unchanged observation is left out. If the later frame of a loop showed the earlier
+    observation, the loop is turned around. None stays None.
     """
     if loops is None:
         return None
-    query, match = new_row[loops.query], new_row[loops.match]
-    others = query != match  # two frames for one observation may form a loop
+    others = new_row[loops.query] != new_row[loops.match]  # two frames for one observation may form a loop
+    query, match = new_row[loops.query[others]], new_row[loops.match[others]]
     T_match_query = T_B_N @ loops.T_match_query[others] @ inverse(T_B_N)
+    turned = query < match
+    T_match_query[turned] = inverse(T_match_query[turned])
     weights = None if loops.weights is None else loops.weights[others]
-    return EstimatedLoops(query[others], match[others], T_match_query, weights)
+    return EstimatedLoops(np.maximum(query, match), np.minimum(query, match), T_match_query, weights)

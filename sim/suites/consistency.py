@@ -1,4 +1,4 @@
-"""Laws about a single run: a SLAM must not contradict itself or the odometry. They need no ground truth."""
+"""Laws about a single run: a SLAM must not contradict itself or the odometry. All but those about plans need no truth."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -94,7 +94,7 @@ def loops_join_visits(run: Run) -> CheckFinding:
         "loop closures": [] if loops is None else np.stack([loops.query, loops.match], axis=1),
         "proposed revisits": [(query, match) for query, matches in proposed or () for match in matches],
     }
-    shares = {what: _of_two_visits(run.true_stamps[np.array(rows)]) for what, rows in pairs.items() if len(rows)}
+    shares = {what: _of_two_visits(run.stamps[np.array(rows)]) for what, rows in pairs.items() if len(rows)}
     if not shares:
         return CheckFinding(None, "the SLAM estimates no loop closure and proposes no revisit")
     found = " and ".join(f"{share:.1%} of the {what}" for what, share in shares.items())

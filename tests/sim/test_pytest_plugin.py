@@ -798,6 +798,19 @@ def test_counted(scenario, slam):
 """
 
 
+SKIPS_LATER = """
+import pytest
+
+houses = []
+
+@worlds(n=1, fidelity="layout")
+def test_skips(house):
+    houses.append(house)
+    if len(houses) == 2:
+        pytest.skip("not here")
+"""
+
+
 def test_failures_without_python_source_end_no_session(pytester, inner):
     """Templates rewrite tracebacks to their own files; the plugin is loaded in projects that never use LEXIS-sim, too."""
     pytester.path.joinpath("page.html").write_text("<p>\n{{ 1 / 0 }}\n")
@@ -820,6 +833,13 @@ def test_a_budget_is_spent_on_further_houses_until_one_fails(pytester, inner, li
     assert result.stdout.str().count("ran\n") == 1
     assert f"assert {seeds[2]} != {seeds[2]}" in result.stdout.str()
     result.stdout.fnmatch_lines([f"house: *-{seeds[2]}, a further one within --lexis-budget"])
+
+
+def test_a_test_that_is_skipped_in_a_further_house_has_passed(pytester, inner, light, monkeypatch):
+    clock = itertools.count()
+    monkeypatch.setattr(sim.pytest_plugin.protocol, "time", types.SimpleNamespace(monotonic=lambda: next(clock)))
+    pytester.makepyfile(test_slam=LAYOUT.partition("@")[0] + SKIPS_LATER)
+    inner("--lexis-budget", "8s").assert_outcomes(passed=1)
 
 
 @pytest.mark.parametrize(

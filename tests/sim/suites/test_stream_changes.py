@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from helpers.open_flat import OPEN_FLAT
 
-from lexis.maths.se3 import between, compose_covariance, is_rigid
+from lexis.maths.se3 import between, compose_covariance, inverse, is_rigid
 from sim.errors import EstimateError
 from sim.harness import Estimate, EstimatedLoops, Lexis, run
 from sim.harness.adapters import OdometryOnly
 from sim.suites.agreement import agreement
-from sim.suites.changed_stream import changed
+from sim.suites.changed_stream import _moved, changed
 from sim.suites.false_loops import FalseLoops
 from sim.suites.frame_changes import MovedOrigin, TurnedBody
 from sim.suites.stream_changes import (
@@ -256,3 +256,13 @@ def test_other_frames_give_rigid_poses_and_the_same_distances(change):
     for a, b in zip(plain.seen, moved.seen, strict=True):
         same = np.linalg.eigvalsh(a.increment_covariance), np.linalg.eigvalsh(b.increment_covariance)
         np.testing.assert_allclose(*same, rtol=1e-6, atol=1e-15)
+
+
+def test_a_loop_between_observations_that_came_in_the_other_order_is_turned_around():
+    """The SLAM got the observations 0, 2 and 1, and closes a loop from the third that it got to the second."""
+    motion = np.eye(4)
+    motion[:3, 3] = 1.0, 2.0, 3.0
+    loops = EstimatedLoops(np.array([2, 2]), np.array([1, 0]), np.stack([motion, motion]), np.array([0.9, 0.8]))
+    found = _moved(loops, np.array([0, 2, 1]), np.eye(4))
+    assert found.query.tolist() == [2, 1] and found.match.tolist() == [1, 0] and found.weights.tolist() == [0.9, 0.8]
+    np.testing.assert_allclose(found.T_match_query, [inverse(motion), motion])
