@@ -30,6 +30,8 @@ from worlds.truth import room_at
 
 Node = int | np.integer[Any]
 """Number of a node, as Python or numpy write whole numbers."""
+_SNAP_M = 0.5
+"""Largest distance of a point from the node that stands for it [m]."""
 _CROWDING = 3.0
 """Weight of missing clearance in the cost of a step, for paths with `prefer_clearance_m`; see `Walkable._costs`."""
 
@@ -152,18 +154,18 @@ class Walkable:
     def _tree(self) -> cKDTree:
         return cKDTree(self.nodes, balanced_tree=False, compact_nodes=False)
 
-    def snap(self, point: Float64[np.ndarray, "3"], within_m: float = 0.5) -> int:
+    def snap(self, point: Float64[np.ndarray, "3"]) -> int:
         """Return the number of the node nearest to a point in W [m].
 
-        Raises `UnreachableError` if no node is within `within_m` [m] of the point.
+        Raises `UnreachableError` if no node is within 0.5 m of the point.
         """
         if not np.isfinite(point).all():
             raise UnreachableError(f"the point {point.tolist()} has no free place near it; valid: finite coordinates")
         distance, node = self._tree.query(point)
-        if distance > within_m:
+        if distance > _SNAP_M:
             place = ", ".join(f"{coordinate:.2f}" for coordinate in point)
             raise UnreachableError(
-                f"no free place within {within_m:g} m of ({place}) m; the nearest free place is {distance:.2f} m away"
+                f"no free place within {_SNAP_M:g} m of ({place}) m; the nearest free place is {distance:.2f} m away"
             )
         return int(node)
 

@@ -25,14 +25,13 @@ merging of neighbouring clusters of one label. Clusters with consecutive keyfram
 class WordlessLexis:
     """LEXIS without language: every room has the same name, and stairs are found by their change of height."""
 
-    def __init__(self, config: Config | None = None) -> None:
-        """Prepare a run of LEXIS with these settings."""
-        self._config = config or Config()
-        self._lexis = Lexis(config=self._config)
+    def __init__(self) -> None:
+        """Prepare a run of LEXIS with its usual settings."""
+        self._lexis = Lexis()
 
     @property
     def _names(self) -> tuple[str, str]:
-        return "room", self._config.labels.stairs_name
+        return "room", Config().labels.stairs_name
 
     def start(self, camera: Camera, room_names: Sequence[str]) -> None:
         """Begin a run on images. The names of rooms are ignored."""

@@ -59,8 +59,8 @@ class WrongFrame:
     since: int | None = None
     """Index of the frame in the tour at which a wrong motion begins that ends at `frame`; None for other errors."""
     similarities: tuple[tuple[str, float], ...] = ()
-    """The room names that the SLAM found most similar to the image, best first. Empty if the search was for other errors
-    than errors of labels and rooms."""
+    """The room names that the SLAM found most similar to the image, best first; for figures of labels, rooms and plans, and
+    for no figure. Empty for other figures."""
 
     def __str__(self) -> str:
         return f"in {self.room} at {self.time_s:.1f} s: {self.what}"
@@ -84,7 +84,7 @@ def first_wrong(run: Run, figure: str | None = None, reference: Run | None = Non
         return None
     row, what, since = found
     stamps, frames = run.session.tour.stamps, run.estimate.frames.tolist()
-    similar = run.most_similar(row, _TOP) if kind in ("", "labels", "rooms") else ()
+    similar = run.most_similar(row, _TOP) if kind in WITH_LABELS else ()
     begin = None if since is None else frames[since]
     room = _room(run, int(run.true_rooms[row])) if kind in WITH_LABELS else _room_id(run, row)
     return WrongFrame(frames[row], room, float(stamps[frames[row]] - stamps[0]), what, begin, similar)
@@ -123,14 +123,6 @@ def wrong_estimates(run: Run, name: Literal["labels", "rooms", "floors"]) -> Boo
     wrong = np.zeros(len(run.estimate.frames), bool)
     wrong[[found.row for found in search(run)]] = True
     return wrong
-
-
-def position_errors(estimated: Poses, truth: Poses) -> Float64[np.ndarray, "n"]:
-    """Return the distance of every estimated position from the true position [m].
-
-    The estimated poses are first aligned as for the absolute trajectory error.
-    """
-    return np.asarray(np.linalg.norm(_position_errors(estimated, truth), axis=1))
 
 
 def _position_errors(estimated: Poses, truth: Poses) -> Float64[np.ndarray, "n 3"]:
