@@ -114,9 +114,9 @@ def blame(
 ) -> BlameTable:
     """Run the smallest failing scenario of a search again, each time with one part replaced by the truth or left out.
 
-    The table says which replacements mend the failure. Then the original scenario is run with the replacements outside of
-    the SLAM and of the encoder, until `original_s` seconds have passed. After an interruption of the search, nothing is run;
-    after an interruption of these runs, the table has the rows that are finished.
+    The table says which replacements mend the failure. Then the original scenario is run with the replacements of the parts
+    outside of the SLAM and, for LEXIS, of the encoder. None of these runs begins after `original_s` seconds. After an
+    interruption of the search, nothing is run; after an interruption of these runs, the table has the finished rows.
 
     `fails` is the function with which `reduce` searched, and `is_lexis` says whether it runs LEXIS. If so, and if `fails` is
     a `FailureTest`, the stages of LEXIS are replaced as well, one at a time, in copies of the LEXIS that failed. If the test
