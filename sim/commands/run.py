@@ -76,10 +76,12 @@ def _run_and_report(scenario: "Scenario", slam: "SlamUnderTest | None", out: Pat
 
 
 def print_gaps(finished: "Run", result: "RunResult") -> None:
-    """Print what the figures do not show: parts of the walk that the map does not cover, and faults without effect."""
+    """Print what the figures do not show: gaps in the map, faults without effect, and conventions that were mistaken."""
+    from sim.harness.diagnosis.usual_mistakes import usual_mistakes
     from sim.report.findings import coverage_gap, idle_faults
 
-    for text in (coverage_gap(result.data(), finished.unseen_rooms), idle_faults(result.data())):
+    gaps = coverage_gap(result.data(), finished.unseen_rooms), idle_faults(result.data())
+    for text in (*gaps, *usual_mistakes(finished)):
         if text is not None:
             print(f"warning: {text}")
 

@@ -1,0 +1,58 @@
+"""Conventions that are mistaken are told, and what is right or wrong in other ways is not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from sim.bench.planted_bugs import floors, no_bug, planted
+from sim.harness import Scenario
+from sim.harness.diagnosis.usual_mistakes import usual_mistakes
+from worlds.presets import sample_from_rooms
+
+TALL = Scenario(
+    house=sample_from_rooms(("kitchen", "bedroom"), seed=4, storeys=2),
+    seed=5,
+    frame_rate_hz=2.0,
+    fidelity="features",
+    encoder="oracle",
+)
+
+
+def reordered(run):
+    """A SLAM that writes its quaternions as w x y z, which are read as x y z w."""
+    estimate = no_bug(run)
+    poses = estimate.T_W_B.copy()
+    quaternions = np.roll(Rotation.from_matrix(poses[:, :3, :3]).as_quat(), 1, axis=1)
+    poses[:, :3, :3] = Rotation.from_quat(quaternions).as_matrix()
+    return replace(estimate, T_W_B=poses)
+
+
+def turned(run):
+    """A SLAM whose world has another heading, and whose rotations are wrong from the middle of the walk on."""
+    estimate = no_bug(run)
+    turn = np.eye(4)
+    turn[:3, :3] = Rotation.from_euler("z", 2.0).as_matrix()
+    poses = turn @ estimate.T_W_B
+    poses[len(poses) // 3 :] = poses[len(poses) // 3 :] @ turn
+    return replace(estimate, T_W_B=poses)
+
+
+def from_one(run):
+    return replace(no_bug(run), floors=run.true_storeys + 1)
+
+
+@pytest.mark.parametrize(
+    ("bug", "told"),
+    [
+        (no_bug, []),
+        (floors, []),
+        (turned, []),
+        (from_one, ["Every floor is 1 too high"]),
+        (reordered, ["The quaternions seem to be written as qw qx qy qz"]),
+    ],
+)
+def test_only_a_mistaken_convention_is_told(bug, told):
+    found = list(usual_mistakes(planted(bug)(TALL, None)))
+    assert len(found) == len(told) and all(text.startswith(start) for text, start in zip(found, told, strict=True))
