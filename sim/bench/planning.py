@@ -18,7 +18,8 @@ from sim.bench.houses import configs
 from sim.errors import SimError
 from sim.harness import Run, Scenario, run, try_plans
 from sim.harness.adapters import Lexis
-from sim.harness.planning import Steering, Trial
+from sim.harness.planning import Steering
+from sim.harness.trial import Trial
 from sim.output_files import make_output_folder
 from sim.report.drive_picture import drive_png
 

@@ -10,7 +10,6 @@ from .figures import check as check
 from .figures import evaluate as evaluate
 from .finished_run import Run as Run
 from .outputs import write_run as write_run
-from .planning import Trial as Trial
 from .planning import try_plans as try_plans
 from .results import RunResult as RunResult
 from .runner import run as run
@@ -21,6 +20,7 @@ from .shrinking.reducer import reduce as reduce
 from .shrinking.reduction import Reduction as Reduction
 from .slam_under_test import CommandSlam as CommandSlam
 from .slam_under_test import SlamUnderTest as SlamUnderTest
+from .trial import Trial as Trial
 from .walk import Walk as Walk
 from .walk import with_walk_m as with_walk_m
 from .world_tests import worlds as worlds

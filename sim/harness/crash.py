@@ -16,9 +16,10 @@ from lexis.errors import EncoderError, LexisError, encodable, one_line
 from sim.errors import USER_ERRORS, EstimateError, ProgramError, SimError
 from sim.harness.finished_run import Run
 from sim.harness.last_run import noted
-from sim.harness.planning import Trial, try_plans
+from sim.harness.planning import try_plans
 from sim.harness.runner import Progress
 from sim.harness.scenario import Scenario
+from sim.harness.trial import Trial
 from sim.wording import qualified_name
 
 Runner = Callable[[Scenario, Progress | None], Run]

@@ -23,7 +23,7 @@ from sim.doctor import versions
 from sim.faults import written
 from sim.harness.finished_run import Run
 from sim.harness.last_run import last_run
-from sim.harness.planning import Trial, try_plans
+from sim.harness.planning import try_plans
 from sim.harness.results import (
     MATCHES,
     CoverageFigures,
@@ -43,6 +43,7 @@ from sim.harness.results import (
 from sim.harness.runner import run
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import CommandSlam, SlamUnderTest
+from sim.harness.trial import Trial
 from worlds.truth import ambiguity_at, floor_area, openness
 
 _ROUNDING_M = 1e-9

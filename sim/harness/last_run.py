@@ -13,9 +13,9 @@ from sim.wording import qualified_name
 
 if TYPE_CHECKING:
     from sim.harness.finished_run import Run
-    from sim.harness.planning import Trial
     from sim.harness.results import RunResult
     from sim.harness.scenario import Scenario
+    from sim.harness.trial import Trial
 
 
 @dataclass(eq=False)

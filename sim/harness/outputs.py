@@ -13,10 +13,10 @@ from sim.errors import EstimateError, ProgramError, ProgramFilesError
 from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.finished_run import Run
 from sim.harness.last_run import last_run
-from sim.harness.planning import Trial
 from sim.harness.report_data import report_data
 from sim.harness.results import RESULT, RunResult
 from sim.harness.slam_under_test import SavesFiles, write_printed
+from sim.harness.trial import Trial
 from sim.harness.world_tests import SCENARIO, TEST_REPLAY
 from sim.report import ShownFailure, write_report
 

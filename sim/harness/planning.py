@@ -18,6 +18,7 @@ from sim.harness.finished_run import Run
 from sim.harness.last_run import last_run
 from sim.harness.run_settings import odometry_config
 from sim.harness.slam_under_test import PlansPaths
+from sim.harness.trial import Trial
 from sim.harness.upright import upright
 from sim.odometry.simulation import OdometryConfig
 from sim.robot import DeadReckoning, Robot
@@ -38,33 +39,6 @@ the faults."""
 
 _NOWHERE = np.zeros((0, 3))
 """A path without points."""
-
-
-@dataclass(frozen=True, eq=False)
-class Trial:
-    """The result of one plan that a robot has driven."""
-
-    start: str
-    goal: str
-    success: bool
-    """Whether the robot ended in a room of the goal's label without touching anything."""
-    shortest_m: float
-    """Length of the shortest walkable path from the start into a room of the goal's label (see `shortest_into`) [m]; 0
-    without a plan, or if there is no such path."""
-    travelled_m: float
-    touched: tuple[str, ...]
-    """Names of the objects that the robot collided with."""
-    room: str | None
-    """Id of the room in which the robot ended; None if it ended in no room, or did not drive."""
-    path: Float64[np.ndarray, "k 3"]
-    """Path of the robot, in W [m]."""
-    planned: Float64[np.ndarray, "j 3"]
-    """True positions of the plan's frames on the walked surface, in W [m]; empty if no plan was found."""
-
-    @property
-    def collisions(self) -> int:
-        """Number of collisions: 1 if the robot touched something, which ends the drive, else 0."""
-        return int(bool(self.touched))
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,9 +127,9 @@ def _try(
 ) -> Trial:
     T_W_B = run.true_poses[keyframes[0]]
     planned = run.true_poses[keyframes][:, :3, 3] - [0.0, 0.0, run.session.tour.eye_height_m]
-    pose = DeadReckoning(*_in_plan(belief.T_believed_true @ T_W_B), belief.drift, rng)
+    pose = DeadReckoning(*_seen_from_above(belief.T_believed_true @ T_W_B), belief.drift, rng)
     try:
-        driven = robot.drive(planned[0], _in_plan(T_W_B)[2], pose, belief.keyframes[keyframes][:, :3, 3])
+        driven = robot.drive(planned[0], _seen_from_above(T_W_B)[2], pose, belief.keyframes[keyframes][:, :3, 3])
         shortest = shortest_into(run.walkable, planned[0], goal)
     except (SimError, UnreachableError):  # no ground below the first frame, as in a moving lift; or no way to the goal
         return _failed(start, goal, planned)
@@ -164,7 +138,7 @@ def _try(
     return Trial(start, goal, success, shortest, driven.length_m, driven.touched, driven.room, driven.path, planned)
 
 
-def _in_plan(T: Pose) -> tuple[float, float, float]:
+def _seen_from_above(T: Pose) -> tuple[float, float, float]:
     """Return position and heading of a pose seen from above: (x [m], y [m], yaw [rad])."""
     return float(T[0, 3]), float(T[1, 3]), float(np.arctan2(T[1, 0], T[0, 0]))
 

@@ -13,8 +13,8 @@ from lexis.maths.ties import rounded
 from lexis.room_names import numbered
 from sim.harness.finished_run import Run
 from sim.harness.loops import edge_truth
-from sim.harness.planning import Trial
 from sim.harness.results import RunResult
+from sim.harness.trial import Trial
 from sim.report.data import UNKNOWN, CandidateMark, KeyframeTable, LoopMark, PlanPath, ReportData, SampleFrame, ShownFailure
 from sim.report.house_plan import floor_plans
 from sim.robot.drive import DROP

@@ -9,13 +9,13 @@ from sim.harness.claims import Claim
 from sim.harness.crash import Crash, Runner, attempt, attempt_plans
 from sim.harness.figures import evaluate
 from sim.harness.finished_run import Run
-from sim.harness.planning import Trial
 from sim.harness.results import RunResult
 from sim.harness.run_settings import with_listed_house
 from sim.harness.runner import Progress
 from sim.harness.scenario import Scenario
 from sim.harness.shrinking.failure_signature import Signature
 from sim.harness.shrinking.original_failure import OriginalFailure
+from sim.harness.trial import Trial
 
 CRASH = "crash"
 """Word for `FailureTest.parse`: the run fails if the SLAM raises an exception, or if the program under test fails."""

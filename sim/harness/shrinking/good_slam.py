@@ -21,8 +21,8 @@ from lexis.maths.se3 import between
 from lexis.types import LoopEdge, Poses
 from sim.harness.figures import evaluate
 from sim.harness.finished_run import Run
-from sim.harness.planning import Trial
 from sim.harness.results import RunResult
+from sim.harness.trial import Trial
 
 _ERRORS = ("ate_m", "rpe_8m_m", "rpe_24m_m")
 """The figures of `TrajectoryFigures` that a good SLAM answers for."""

@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from sim.harness.diagnosis.error_kinds import are_alike, error_kinds, most_frequent
 from sim.harness.diagnosis.first_wrong import first_wrong
 from sim.harness.finished_run import Run
-from sim.harness.planning import Trial
 from sim.harness.results import RunResult
 from sim.harness.shrinking.good_slam import GoodSlamChoice
+from sim.harness.trial import Trial
 from sim.wording import counted
 
 

@@ -13,8 +13,8 @@ from sim.harness import CandidateDecision, Scenario, evaluate, run
 from sim.harness.adapters import Lexis
 from sim.harness.adapters.lexis import estimate_of
 from sim.harness.estimate import EstimatedLoops
-from sim.harness.planning import Trial
 from sim.harness.report_data import report_data
+from sim.harness.trial import Trial
 from sim.report import render_report
 from sim.robot.drive import DROP
 from worlds.presets import sample_from_rooms
