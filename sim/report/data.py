@@ -174,6 +174,11 @@ class PlanPath:
     shortest_m: float | None = None
     """Length of the shortest possible path from the start to the goal [m]; None if it is unknown."""
 
+    @property
+    def driven_m(self) -> float:
+        """Length of the path that the robot drove [m]."""
+        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
+
 
 @dataclass(frozen=True)
 class ShownFailure:
