@@ -6,15 +6,15 @@ All three are recomputed from scratch each time instead of being updated, so tha
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Protocol, runtime_checkable
+from typing import Protocol, assert_never, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float64, Int
 from scipy.sparse import csr_array
 
 from lexis.config import Config, SightConfig
-from lexis.room_labels import Labels, Probabilities, Refined, Similarities, certain, label_keyframes
-from lexis.room_segmentation import segment
+from lexis.room_labels import Labels, Probabilities, Refined, Refinement, Similarities, certain, label_keyframes
+from lexis.room_segmentation import Clustering, segment
 from lexis.sight.cameras import largest
 from lexis.sight.pooled_labels import pool_labels
 from lexis.sight.room_clusters import cluster_by_sight
@@ -124,24 +124,45 @@ def derive(
     """
     positions = views.T_W_B[:, :3, 3]
     seen_by = sight_of_cameras(views.spaces, views.T_W_B, views.camera, config.sight.near_m) if config.by_sight else []
-    refine = partial(_pooled, views.similarities, seen_by, config.sight) if config.labels.method == "sight" else None
+    refine = _refinement(views, seen_by, config)
     labels = label_keyframes(views.pooled, positions, room_names, config.labels, refine, views.sessions)
     refined, probabilities = labels.refined, labels.probabilities
     if given is not None:
         refined, probabilities = given, certain(given, len(room_names))
-    cluster = None
-    if config.segmentation.method == "sight":
-        cluster = partial(
-            cluster_by_sight,
-            sessions=views.sessions,
-            probabilities=probabilities,
-            seen_by=largest(seen_by),
-            config=config.sight,
-            correct=given is None and config.labels.method != "image",
-        )
+    correct = given is None and config.labels.method != "image"
+    cluster = _clustering(views, seen_by, probabilities, config, correct)
     stairs_name = config.labels.stairs_name
     rooms = segment(refined, positions, room_names, config.segmentation, cluster, views.sessions, stairs_name)
     return Semantics(views.pooled, labels.baseline, rooms.labels, probabilities, rooms.floors, rooms.rooms)
+
+
+def _refinement(views: Views, seen_by: Sequence[csr_array], config: Config) -> Refinement | None:
+    """Return how labels are refined; None for the methods of `label_keyframes` itself."""
+    match config.labels.method:
+        case "sight":
+            return partial(_pooled, views.similarities, seen_by, config.sight)
+        case "vote" | "image":
+            return None
+    assert_never(config.labels.method)
+
+
+def _clustering(
+    views: Views, seen_by: Sequence[csr_array], probabilities: Probabilities, config: Config, correct: bool
+) -> Clustering | None:
+    """Return how keyframes are clustered into rooms; None for the method of `segment` itself."""
+    match config.segmentation.method:
+        case "sight":
+            return partial(
+                cluster_by_sight,
+                sessions=views.sessions,
+                probabilities=probabilities,
+                seen_by=largest(seen_by),
+                config=config.sight,
+                correct=correct,
+            )
+        case "distance":
+            return None
+    assert_never(config.segmentation.method)
 
 
 def _pooled(
