@@ -12,6 +12,7 @@ from lexis.types import Camera, Image, Observation, Percept, Poses
 from lexis.verification import Verifier, verify
 from sim.errors import SimError
 from sim.faults import Fault, corrupted
+from sim.faults.delivery import Frozen
 from sim.faults.fault import has_pose
 from sim.faults.images import OF_IMAGES
 from sim.feature_sensor.sensor import FeatureSensor, SensedTour
@@ -99,8 +100,8 @@ class Session:
 
     @property
     def faults_of_images(self) -> tuple[str, ...]:
-        """Names of the faults that change images after they were rendered; `pictures` does not show them."""
-        return tuple(fault.name for fault in self.faults if isinstance(fault, OF_IMAGES))
+        """Names of the faults that change or repeat images after they were rendered; `pictures` does not show them."""
+        return tuple(fault.name for fault in self.faults if isinstance(fault, (*OF_IMAGES, Frozen)))
 
     def pictures(self, frames: Sequence[int]) -> list[Image]:
         """Render the first camera's images of some frames of the tour, without the faults `faults_of_images`.
