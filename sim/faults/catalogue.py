@@ -42,6 +42,9 @@ def parse_fault(text: str) -> Fault:
         key, equals, value = item.rpartition("=")
         key = key if equals or place else first
         if key not in known:
+            if not equals:
+                rest_of = ", ".join(f"{field}={item}" for field in list(known)[1:])
+                raise SimError(f"fault {text!r}: {item!r} has no field; valid: {rest_of or f'one value for {name}'}")
             guess = did_you_mean(key, known)
             raise SimError(f"fault {text!r}: {key or item!r} is no field of {name}{guess}; valid: {', '.join(known)}")
         if key in values:

@@ -387,6 +387,7 @@ def test_the_text_of_a_fault_is_short():
         ("blur:2.5", r"pixels is '2.5'; valid: a whole number"),
         ("blur:0", r"fault blur: pixels is 0; valid: 1 to 200"),
         ("dropped:0.1,speed=3", r"'speed' is no field of dropped; valid: share, burst"),
+        ("dropped:0.1,4", "'4' has no field; valid: burst=4"),
         ("noise:nan", r"sigma is nan; valid: 0 to 255"),
     ],
 )
