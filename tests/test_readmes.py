@@ -4,6 +4,8 @@ worlds/README.md has a test of its own, test_worlds_readme.py, which runs every 
 """
 
 import ast
+import re
+from typing import get_args, get_type_hints
 
 import pytest
 from helpers.documentation import (
@@ -19,7 +21,13 @@ from helpers.documentation import (
 )
 
 from lexis.cli import parser as lexis_parser
+from lexis.config import PlaceRecognitionConfig, SegmentationConfig
 from sim.cli import parser as sim_parser
+from sim.faults import FAULTS
+from sim.odometry.config import ODOMETRY_PRESETS
+from sim.suites.catalogue import SUITES
+from sim.tours.config import TOUR_KINDS
+from worlds.presets import PRESETS
 
 PARSERS = {"lexis": lexis_parser, "lexis-sim": sim_parser}
 SHELL = [
@@ -45,6 +53,22 @@ def test_the_pages_have_commands_programs_and_links():
     assert len(PYTHON) >= 7
     assert {"README.md", "sim/README.md", "sim/pages/runs.md", "lexis/pages/maps.md"} <= set(FOLLOWED)
     assert {page for page, *_ in LINKS} >= {"README.md", "sim/pages/results.md"}
+
+
+@pytest.mark.parametrize(
+    ("page", "names"),
+    [
+        ("sim/pages/runs.md", (*FAULTS, *ODOMETRY_PRESETS, *TOUR_KINDS)),
+        ("sim/pages/suites.md", SUITES),
+        ("sim/pages/pytest.md", PRESETS),
+        ("lexis/pages/places.md", get_args(get_type_hints(PlaceRecognitionConfig)["method"])),
+        ("lexis/pages/rooms.md", get_args(get_type_hints(SegmentationConfig)["method"])),
+    ],
+)
+def test_every_name_that_can_be_chosen_is_on_its_page(page, names):
+    shown = re.findall(r"`([^`\n]+)`", (ROOT / page).read_text(encoding="utf-8"))
+    assert len(names) > 1
+    assert [name for name in names if not any(re.search(rf"\b{re.escape(name)}\b", code) for code in shown)] == []
 
 
 @pytest.mark.parametrize(("page", "words"), SHELL, ids=[" ".join([page, *words]) for page, words in SHELL])

@@ -1,11 +1,15 @@
 """The figures of result.json: each has a definition, and a missing one is shown as a dash, never as zero."""
 
 import io
+from dataclasses import is_dataclass
+from types import UnionType
+from typing import get_args, get_type_hints
 
 import pytest
 from rich.console import Console
 
 from sim.harness.claims import Claim
+from sim.harness.results import RunResult
 from sim.report.figures import MISSING, SECTIONS, figures, shown
 from sim.report.table import result_table, result_title
 
@@ -37,6 +41,17 @@ CONTRACT = {
 
 def test_every_figure_of_the_contract_is_defined():
     assert {section: list(known) for section, known in SECTIONS.items()} == CONTRACT
+
+
+def test_every_number_of_a_result_has_a_name_and_a_meaning():
+    for section, kind in get_type_hints(RunResult).items():
+        numbers = {
+            name: SECTIONS.get(section, {}).get(name)
+            for name, hint in (get_type_hints(kind) if is_dataclass(kind) else {}).items()
+            if {int, float} & {hint, *(get_args(hint) if isinstance(hint, UnionType) else ())}
+        }
+        undefined = [name for name, definition in numbers.items() if definition is None]
+        assert not undefined, f"{section}: add a Definition to SECTIONS in sim/report/figures.py for {undefined}"
 
 
 @pytest.mark.parametrize(
