@@ -193,7 +193,14 @@ def _trajectory(run: Run) -> TrajectoryFigures:
     ate_odometry_m, rpe_8m_odometry_m, rpe_24m_odometry_m = errors(run.odometry_poses)
     estimated = run.estimate.T_W_B
     ate_m, rpe_8m_m, rpe_24m_m = (None, None, None) if estimated is None else errors(estimated)
-    return TrajectoryFigures(ate_odometry_m, ate_m, rpe_8m_m, rpe_8m_odometry_m, rpe_24m_m, rpe_24m_odometry_m)
+    return TrajectoryFigures(
+        ate_odometry_m=ate_odometry_m,
+        ate_m=ate_m,
+        rpe_8m_odometry_m=rpe_8m_odometry_m,
+        rpe_8m_m=rpe_8m_m,
+        rpe_24m_odometry_m=rpe_24m_odometry_m,
+        rpe_24m_m=rpe_24m_m,
+    )
 
 
 def _planning(trials: Sequence[Trial]) -> PlanningFigures:

@@ -38,7 +38,7 @@ class OdometryConfig(Settings, place="odometry", error=SimError):
 
 
 def _preset(
-    walk_m: float, yaw_walk_deg: float, scale: float, velocity_bias: float, yaw_bias_deg_m: float, tilt_deg: float
+    *, walk_m: float, yaw_walk_deg: float, scale: float, velocity_bias: float, yaw_bias_deg_m: float, tilt_deg: float
 ) -> OdometryConfig:
     return OdometryConfig(
         position_walk_m=walk_m,
@@ -52,10 +52,16 @@ def _preset(
 
 ODOMETRY_PRESETS = {
     "perfect": OdometryConfig(),
-    "multicam": _preset(0.026, 0.20, 0.005, 0.003, 0.024, 0.15),
-    "mono": _preset(0.038, 0.34, 0.008, 0.004, 0.038, 0.30),
-    "degraded": _preset(0.043, 0.75, 0.010, 0.005, 0.12, 0.50),
-    "openvins": _preset(0.012, 0.17, 0.001, 0.001, 0.007, 0.38),
+    "multicam": _preset(
+        walk_m=0.026, yaw_walk_deg=0.20, scale=0.005, velocity_bias=0.003, yaw_bias_deg_m=0.024, tilt_deg=0.15
+    ),
+    "mono": _preset(walk_m=0.038, yaw_walk_deg=0.34, scale=0.008, velocity_bias=0.004, yaw_bias_deg_m=0.038, tilt_deg=0.30),
+    "degraded": _preset(
+        walk_m=0.043, yaw_walk_deg=0.75, scale=0.010, velocity_bias=0.005, yaw_bias_deg_m=0.12, tilt_deg=0.50
+    ),
+    "openvins": _preset(
+        walk_m=0.012, yaw_walk_deg=0.17, scale=0.001, velocity_bias=0.001, yaw_bias_deg_m=0.007, tilt_deg=0.38
+    ),
 }
 """Presets of the odometry by name. The table shows, for tours of 100 m, the mean relative pose errors over 8, 24 and 48 m of
 path and the ATE (absolute trajectory error). All values are averages over runs; a test checks the relative pose errors:
