@@ -1,6 +1,6 @@
 """`EarlierResults`: the stored results of a suite with which a later run of the suite is compared."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -45,4 +45,7 @@ class EarlierResults:
         from sim.verdicts import SuiteResults
 
         later = SuiteResults(report.results, frozenset(each.scenario.content_hash for each in report.examined))
-        return self.stored.compared_with(later)
+        if (comparison := self.stored.compared_with(later)) is None:
+            return None
+        before, now = comparison.names
+        return replace(comparison, names=(f"{before} ({self.path})", f"{now} (this check)"))

@@ -99,6 +99,9 @@ def test_the_command_compares_with_the_results_of_an_earlier_version(tmp_path, c
     assert main([*options, "--json", str(before)]) == 0
     assert main([*options, "--json", str(same), "--against", str(before)]) == 0
     assert json.loads(same.read_text())["worse"] == []
+    assert re.search(
+        rf"^a: \S*Oracle \({re.escape(str(before))}\), b: \S*Oracle \(this check\); ", capsys.readouterr().out, re.M
+    )
     monkeypatch.setattr("sim.commands.check_suite._new_slam", lambda arguments: WrongLabels)
     assert main([*options, "--against", str(before)]) == 1
     assert "failed: labels.accuracy" in capsys.readouterr().err
