@@ -10,7 +10,7 @@ from sim.harness.finished_run import Run
 NO_FLOOR, TOO_HIGH, TOO_LOW = "placed on no floor", "placed on a floor too high", "placed on a floor too low"
 NO_ROOM, SPLIT = "in no estimated room", "split from the rest of their room"
 TWINS, STRANGERS = "merged with a room of the same label", "merged with a room of another label"
-STRAY = "in another room than most frames of their own room"
+STRAY = "on the wrong side of a border between rooms"
 """Kind of frames that belong to another room's instance while their own room is not merged: mostly frames near doorways."""
 
 
