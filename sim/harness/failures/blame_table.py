@@ -68,15 +68,16 @@ class BlameRow:
 
 @dataclass(frozen=True)
 class BlameTable:
-    """The effects of all substitutions on a failure, in the smallest scenario and in the original one.
+    """The effects of all substitutions on a failure.
 
-    A smaller scenario may fail for another reason than the original scenario. If so, other substitutions mend it.
+    A smaller scenario may fail for another reason than the original scenario. If so, other substitutions mend it. The table
+    of the smallest scenario therefore holds that of the original scenario.
     """
 
     rows: tuple[BlameRow, ...]
-    """One row for each substitution that was tried in the smallest scenario."""
+    """One row for each substitution that was tried."""
     original: "BlameTable | None" = None
-    """The effects in the original scenario, as far as there was time; None if this scenario is the smallest."""
+    """The table of the original scenario, as far as there was time; None if it has no smaller one, or no row."""
     interrupted: bool = False
     """Whether the user interrupted the search for the smallest scenario, or `blame`, so that rows are missing."""
 
@@ -129,22 +130,21 @@ def blame(
         return BlameTable((), interrupted=True)
     rows: list[BlameRow] = []
     original: list[BlameRow] = []
-
-    def add(found: list[BlameRow], scenario: Scenario, substitution: Substitution) -> None:
-        found.append(_row(scenario, reduction.signature, substitution, fails))
-        if on_row is not None:
-            on_row(found[-1])
-
+    interrupted = False
+    tell = on_row or (lambda _: None)
     try:
         for substitution in _tried(reduction.scenario, fails, is_lexis):
-            add(rows, reduction.scenario, substitution)
+            rows.append(_row(reduction.scenario, reduction.signature, substitution, fails))
+            tell(rows[-1])
         end = time.monotonic() + original_s
         for substitution in _in_any_slam(reduction.original, is_lexis) if reduction.accepted else ():
-            if time.monotonic() < end:
-                add(original, reduction.original, substitution)
+            if time.monotonic() >= end:
+                break
+            original.append(_row(reduction.original, reduction.signature, substitution, fails))
+            tell(original[-1])
     except KeyboardInterrupt:
-        return BlameTable(tuple(rows), BlameTable(tuple(original)) if original else None, interrupted=True)
-    return BlameTable(tuple(rows), BlameTable(tuple(original)) if original else None)
+        interrupted = True
+    return BlameTable(tuple(rows), BlameTable(tuple(original)) if original else None, interrupted)
 
 
 def _tried(scenario: Scenario, fails: Fails, is_lexis: bool) -> Iterator[Substitution]:
