@@ -9,8 +9,9 @@ from lexis.config import Config, read_config
 from lexis.encoder.options import EncoderOptions
 from lexis.errors import EncoderError, MapError
 from lexis.files.reading import FileKind, read_json
+from lexis.files.replace import check_outside, check_replaceable
 from lexis.graph.components import sessions_apart
-from lexis.map.folder import load_map
+from lexis.map.folder import JSON_FILE, load_map, save_map
 from lexis.map.info import map_info
 from lexis.room_names import instance_names, unused_names
 from lexis.types import LexisMap
@@ -77,6 +78,19 @@ def recognisable_map(folder: Path) -> LexisMap:
         valid = "valid: a map that 'lexis run' made of images and that was not imported since"
         raise MapError(f"{folder}: the map has no key points to recognise places by; {valid}")
     return lexis_map
+
+
+def check_map_folder(folder: Path, *read: Path) -> None:
+    """Raise LexisError unless a map can be written to `folder` without replacing one of the maps that are read."""
+    check_replaceable(folder, JSON_FILE)
+    for other in read:
+        check_outside(folder, other)
+
+
+def write_map(lexis_map: LexisMap, folder: Path) -> None:
+    """Save a map and print its summary. Raises LexisError if the folder cannot be written."""
+    save_map(lexis_map, folder)
+    print_summary(lexis_map, folder)
 
 
 def print_summary(lexis_map: LexisMap, folder: Path) -> None:

@@ -4,10 +4,10 @@ import argparse
 from pathlib import Path
 
 from lexis.command_line import Commands, add_command, note_replacement
-from lexis.commands.arguments import print_summary
-from lexis.files.replace import check_outside, check_replaceable
+from lexis.commands.arguments import check_map_folder, write_map
+from lexis.files.replace import check_outside
 from lexis.map.export import FORMATS, export_map
-from lexis.map.folder import JSON_FILE, load_map, save_map
+from lexis.map.folder import JSON_FILE, load_map
 from lexis.map.interchange.spark_dsg_reader import read_spark_dsg
 
 
@@ -34,9 +34,8 @@ def _export(arguments: argparse.Namespace) -> int:
 
 
 def _import(arguments: argparse.Namespace) -> int:
-    check_replaceable(arguments.out, JSON_FILE)
+    check_map_folder(arguments.out)
     lexis_map = read_spark_dsg(arguments.graph)
     note_replacement(arguments.out, JSON_FILE)
-    save_map(lexis_map, arguments.out)
-    print_summary(lexis_map, arguments.out)
+    write_map(lexis_map, arguments.out)
     return 0

@@ -4,9 +4,16 @@ import argparse
 from pathlib import Path
 
 from lexis.command_line import Commands, add_command, note_replacement
-from lexis.commands.arguments import MAP_ENCODER_HELP, add_settings, map_encoder, print_summary, recognisable_map, settings
-from lexis.files.replace import check_outside, check_replaceable
-from lexis.map.folder import JSON_FILE, save_map
+from lexis.commands.arguments import (
+    MAP_ENCODER_HELP,
+    add_settings,
+    check_map_folder,
+    map_encoder,
+    recognisable_map,
+    settings,
+    write_map,
+)
+from lexis.map.folder import JSON_FILE
 
 
 def add_to(commands: Commands) -> None:
@@ -24,15 +31,11 @@ def add_to(commands: Commands) -> None:
 def _merge(arguments: argparse.Namespace) -> int:
     from lexis.merging import check_apart, merge
 
-    check_replaceable(arguments.out, JSON_FILE)
-    check_outside(arguments.out, arguments.first)
-    check_outside(arguments.out, arguments.second)
+    check_map_folder(arguments.out, arguments.first, arguments.second)
     first, second = recognisable_map(arguments.first), recognisable_map(arguments.second)
     check_apart(first, second)
     config = settings(arguments)
     encoder = map_encoder(first, arguments.encoder)
     note_replacement(arguments.out, JSON_FILE)
-    lexis_map = merge(first, second, encoder, config)
-    save_map(lexis_map, arguments.out)
-    print_summary(lexis_map, arguments.out)
+    write_map(merge(first, second, encoder, config), arguments.out)
     return 0

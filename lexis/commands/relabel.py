@@ -8,13 +8,13 @@ from lexis.commands.arguments import (
     MAP_ENCODER_HELP,
     ROOMS_HELP,
     add_settings,
+    check_map_folder,
     map_encoder,
-    print_summary,
     room_names,
     settings,
+    write_map,
 )
-from lexis.files.replace import check_outside, check_replaceable
-from lexis.map.folder import JSON_FILE, load_map, save_map
+from lexis.map.folder import JSON_FILE, load_map
 
 
 def add_to(commands: Commands) -> None:
@@ -36,13 +36,11 @@ def add_to(commands: Commands) -> None:
 def _relabel(arguments: argparse.Namespace) -> int:
     from lexis.map.relabelling import relabel
 
-    check_replaceable(arguments.out, JSON_FILE)
-    check_outside(arguments.out, arguments.map)
+    check_map_folder(arguments.out, arguments.map)
     lexis_map = load_map(arguments.map)
     names = room_names(arguments.rooms)
     config = settings(arguments)
     renamed = relabel(lexis_map, names, map_encoder(lexis_map, arguments.encoder), config)
     note_replacement(arguments.out, JSON_FILE)
-    save_map(renamed, arguments.out)
-    print_summary(renamed, arguments.out)
+    write_map(renamed, arguments.out)
     return 0

@@ -18,6 +18,7 @@ from lexis.command_line import (
 from lexis.commands.arguments import (
     ROOMS_HELP,
     add_settings,
+    check_map_folder,
     counted,
     encoder_named,
     print_summary,
@@ -27,7 +28,6 @@ from lexis.commands.arguments import (
 )
 from lexis.encoder.options import PRECISIONS, EncoderOptions
 from lexis.errors import DatasetError, EncoderError, LexisError, ObservationError, one_line
-from lexis.files.replace import check_replaceable
 from lexis.map.folder import JSON_FILE, save_map
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def _run(arguments: argparse.Namespace) -> int:
     from lexis.merging import holds_image
     from lexis.slam import Slam
 
-    check_replaceable(arguments.out, JSON_FILE)
+    check_map_folder(arguments.out)
     options = EncoderOptions(arguments.device, arguments.precision, cache=arguments.cache)
     dataset = open_dataset(arguments.dataset, DatasetConfig(arguments.odometry, arguments.camera))
     old = recognisable_map(arguments.map) if arguments.map else None
