@@ -25,7 +25,7 @@ def check_program(program: str) -> None:
             raise SimError(
                 f"command: {program!r} cannot be run: it is not executable; valid: chmod +x, or its interpreter first"
             )
-        raise _not_found(program)
+        raise SimError(f"command: program {program!r} was not found; valid: a program on the PATH, or a path")
 
 
 def execute(words: Sequence[str], work: Path, timeout_s: float, memory_mb: float) -> tuple[bytes, bytes]:
@@ -79,8 +79,7 @@ def _exit_status(words: Sequence[str], timeout_s: float, memory_mb: float, stdou
             words, stdin=subprocess.DEVNULL, stdout=stdout, stderr=stderr, start_new_session=True, preexec_fn=limit
         )
     except FileNotFoundError:
-        if shutil.which(words[0]) is None:
-            raise _not_found(words[0]) from None
+        check_program(words[0])  # it may have gone since the first check
         problem = "the interpreter in its first line was not found; valid: an executable file"
         raise SimError(f"command: program {words[0]!r} cannot be run: {problem}") from None
     except (OSError, subprocess.SubprocessError) as error:
@@ -93,10 +92,6 @@ def _exit_status(words: Sequence[str], timeout_s: float, memory_mb: float, stdou
         with suppress(ProcessLookupError, PermissionError):  # macOS forbids it for a group that has ended
             os.killpg(process.pid, signal.SIGKILL)
         process.wait()
-
-
-def _not_found(program: str) -> SimError:
-    return SimError(f"command: program {program!r} was not found; valid: a program on the PATH, or a path")
 
 
 def _end_of(path: Path) -> bytes:

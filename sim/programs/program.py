@@ -73,7 +73,8 @@ class Program:
         scenario = last.begin(scenario)
         if scenario.fidelity != "render":
             raise SimError(f"command: a program needs images, but the fidelity is {scenario.fidelity!r}; valid: 'render'")
-        check_program(_words(self.command)[0])
+        words = _words(self.command)
+        check_program(words[0])
         timed = StageTimer()
         with timed("house_s"):
             take = prepare(scenario, with_truth=False)
@@ -84,7 +85,7 @@ class Program:
             dataset, out = work / "dataset", work / "out"
             dataset.mkdir()
             out.mkdir()
-            words = [word.replace(DATASET, str(dataset)).replace(OUT, str(out)) for word in _words(self.command)]
+            words = [word.replace(DATASET, str(dataset)).replace(OUT, str(out)) for word in words]
             with timed("render_s"):
                 frames = self._recorded(take, dataset, progress)
             last.done, last.command = 0.0, self.command
