@@ -18,7 +18,7 @@ from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 from scipy.stats import binom, binomtest
 
 from sim.errors import SimError
@@ -90,7 +90,7 @@ class FigureChange:
     @property
     def means(self) -> tuple[float, float] | None:
         """Mean of the figure of SLAM a and of SLAM b over the scenarios in which both have it; None if there is none."""
-        both = ~np.isnan(self.a) & ~np.isnan(self.b)
+        both = self._both
         return (float(self.a[both].mean()), float(self.b[both].mean())) if both.any() else None
 
     @property
@@ -101,8 +101,12 @@ class FigureChange:
     @property
     def changes(self) -> Float64[np.ndarray, "k"]:
         """Figure of SLAM b minus that of SLAM a, in ascending order, for the scenarios in which both have the figure."""
-        both = ~np.isnan(self.a) & ~np.isnan(self.b)
-        return np.sort(self.b[both] - self.a[both])
+        return np.sort(self.b[self._both] - self.a[self._both])
+
+    @property
+    def _both(self) -> Bool[np.ndarray, "n"]:
+        """Whether both SLAMs have the figure in each scenario."""
+        return np.asarray(~np.isnan(self.a) & ~np.isnan(self.b))
 
     def interval(self, confidence: float) -> tuple[float, float] | None:
         """Return the confidence interval of the median change, found by inverting the sign test.
