@@ -22,7 +22,8 @@ from lexis.errors import MapError
 from lexis.floors import NO_FLOOR
 from lexis.maths.ties import rounded
 from lexis.planning.close_pairs import close_pairs
-from lexis.sight.storey_grid import CELL_M, ViewCounts, count_views, on_storey, storeys
+from lexis.sight.cells import CELL_M
+from lexis.sight.storey_grid import ViewCounts, count_views, on_storey, storeys
 from lexis.types import LexisMap, Pairs
 
 BLOCKED_SHARE = 0.15

@@ -6,7 +6,7 @@ the image shows. Read the modules in this order: `visible_space` (where does eac
 does a keyframe get?), `room_clusters` (which keyframes are in one room?), `divided_rooms` (which rooms does a wall divide?),
 `alike_rooms` (which rooms are one, under two names?). `cameras` joins the cameras of a rig. The settings `labels.method` and
 `segmentation.method` choose between these modules and the methods of the paper. `storey_grid` collects the free space of a
-whole storey, for plans and for maps in other formats.
+whole storey, for plans and for maps in other formats. `cells` are the cells of such grids.
 """
 
 import lazy_loader

@@ -22,11 +22,18 @@ from lexis.graph.components import component_of
 from lexis.graph.walked_steps import walked_steps
 from lexis.keyframes import MAX_STEP_M
 from lexis.maths.se3 import transform
-from lexis.maths.ties import rounded
+from lexis.sight.cells import (
+    CELL_M,
+    MAX_CELLS,
+    Cells,
+    cells_at,
+    count_view,
+    grid_around,
+    occupied,
+    on_lines_of_sight,
+)
 from lexis.types import LexisMap
 
-CELL_M = 0.1
-"""Width of a cell [m]."""
 RANGE_M = 8.0
 """Largest distance of a landmark from the camera; farther landmarks are not accurate enough [m]."""
 OCCUPIED_SHARE = 0.25
@@ -37,8 +44,6 @@ MIN_VIEWS = 3
 cells were then outside of the true rooms; with one view, 6 to 12 % were."""
 WALKED_M = 0.2
 """Cells within this distance of the camera's path are free [m], because the robot itself has passed there."""
-MAX_CELLS = 20_000_000
-"""Largest number of cells in a grid; a square of as many cells is 447 m wide."""
 LOW_M = 0.8
 """Lines of sight above this height over the floor may pass over a table [m]. The floor is taken from the
 lowest landmarks, so some landmarks must lie on it."""
@@ -47,16 +52,11 @@ _ON_FLOOR_M, _BELOW_M = 0.12, 0.3
 _FLOOR_M, _HEAD_M = 0.2, 0.5
 """A landmark is an obstacle only if it is more than `_FLOOR_M` above the floor, more than `_FLOOR_M` below the ceiling, and
 less than `_HEAD_M` above the highest camera [m]."""
-_LAST = 0.1
-"""This share of a line of sight, and at least the width of a cell, is left out before the landmark, because the landmark may
-really be nearer."""
 _MARGIN_M = 0.5
 """Width of the unknown border around everything that was seen [m]."""
 _LOWEST, _HIGHEST = 2, 98
 """Percentiles of the heights of landmarks that are taken as the floor and the ceiling. Lower and higher landmarks are
 probably wrong."""
-
-Cells = Int[np.ndarray, "k 2"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +79,7 @@ class StoreyGrid:
 
     def cells(self, points: Float64[np.ndarray, "k d"]) -> Cells:
         """Return row and column of the cell that contains each point (x and y in W [m])."""
-        return _cells(self.origin, points)
+        return cells_at(self.origin, points)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,11 +101,11 @@ class ViewCounts:
 
     def cells(self, points: Float64[np.ndarray, "k d"]) -> Cells:
         """Return row and column of the cell that contains each point (x and y in W [m])."""
-        return _cells(self.origin, points)
+        return cells_at(self.origin, points)
 
     def occupied(self, share: float) -> Bool[np.ndarray, "rows columns"]:
         """Return the cells in which at least this share of the views that reach a cell see a landmark."""
-        return np.asarray((self.hit > 0) & (self.hit >= share * (self.hit + self.passed)) & ~self.walked)
+        return np.asarray(occupied(self.hit, self.passed, share) & ~self.walked)
 
 
 def storeys(map: LexisMap) -> list[tuple[int, int]]:
@@ -126,9 +126,9 @@ def on_storey(map: LexisMap, floor: int, component: int) -> Bool[np.ndarray, "n"
 def storey_grid(map: LexisMap, floor: int, component: int = 0) -> StoreyGrid:
     """Find the free and the occupied cells of a storey. Raises MapError if the storey is larger than `MAX_CELLS`."""
     views = count_views(map, floor, component)
-    occupied = views.occupied(OCCUPIED_SHARE)
-    free = ((views.passed >= MIN_VIEWS) & ~occupied) | views.walked
-    return StoreyGrid(floor, component, views.origin, free, occupied, (views.low > 0) | views.walked, views.heights)
+    filled = views.occupied(OCCUPIED_SHARE)
+    free = ((views.passed >= MIN_VIEWS) & ~filled) | views.walked
+    return StoreyGrid(floor, component, views.origin, free, filled, (views.low > 0) | views.walked, views.heights)
 
 
 def count_views(map: LexisMap, floor: int, component: int = 0) -> ViewCounts:
@@ -143,10 +143,11 @@ def count_views(map: LexisMap, floor: int, component: int = 0) -> ViewCounts:
     views = _no_views(floor, seen, robots, heights)
     band, bottom = _obstacle_heights(cameras, heights), heights[0] - _BELOW_M
     for camera, points in sights:
-        samples, on_floor = _samples(camera, points), _within(points, (bottom, heights[0] + _ON_FLOOR_M))
-        _count(views, views.passed, _within(samples, band))
-        _count(views, views.hit, _within(points, band))
-        _count(views, views.low, np.concatenate([_within(samples, (bottom, heights[0] + LOW_M)), on_floor]))
+        samples = on_lines_of_sight(camera, points, RANGE_M)
+        on_floor = _within(points, (bottom, heights[0] + _ON_FLOOR_M))
+        count_view(views.passed, views.cells(_within(samples, band)))
+        count_view(views.hit, views.cells(_within(points, band)))
+        count_view(views.low, views.cells(np.concatenate([_within(samples, (bottom, heights[0] + LOW_M)), on_floor])))
     return replace(views, walked=_walked(map, here, views))
 
 
@@ -184,38 +185,16 @@ def _no_views(
     """
     low, high = seen[:, :2].min(axis=0) - _MARGIN_M, seen[:, :2].max(axis=0) + _MARGIN_M
     low, high = np.minimum(low, robots[:, :2].min(axis=0)), np.maximum(high, robots[:, :2].max(axis=0))
-    size = np.ceil(rounded((high - low) / CELL_M)) + 2
-    if size.prod() > MAX_CELLS:
+    origin, size = grid_around(low, high)
+    if size is None:
         wide, long = high - low
         raise MapError(f"floor {floor} is {wide:.0f} m by {long:.0f} m large; valid: up to {MAX_CELLS * CELL_M**2:.0f} m²")
-    columns, rows = size.astype(int)
-    passed, hit, below = (np.zeros((rows, columns), np.int32) for _ in range(3))
-    origin = np.floor(rounded(low / CELL_M)) * CELL_M
-    return ViewCounts(origin, heights, passed, hit, below, np.zeros((rows, columns), bool))
-
-
-def _samples(camera: Float64[np.ndarray, "3"], points: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "m 3"]:
-    """Return positions on the lines of sight, half a cell apart, without the last part before each landmark."""
-    rays = points - camera
-    lengths = np.linalg.norm(rays, axis=1)
-    distances = np.arange(0.0, RANGE_M, CELL_M / 2)
-    ray, step = np.nonzero(distances <= np.minimum(lengths - CELL_M, (1.0 - _LAST) * lengths)[:, None])
-    return np.asarray(camera + rays[ray] * (distances[step] / lengths[ray])[:, None])
+    passed, hit, below = (np.zeros(size, np.int32) for _ in range(3))
+    return ViewCounts(origin, heights, passed, hit, below, np.zeros(size, bool))
 
 
 def _within(points: Float64[np.ndarray, "k 3"], band: tuple[float, float]) -> Float64[np.ndarray, "m 3"]:
     return points[(points[:, 2] >= band[0]) & (points[:, 2] <= band[1])]
-
-
-def _cells(origin: Float64[np.ndarray, "2"], points: Float64[np.ndarray, "k d"]) -> Cells:
-    # Rounded, because a point on the border of two cells must not change its cell with the last bit.
-    return np.asarray(np.floor(rounded((points[:, 1::-1] - origin[::-1]) / CELL_M)).astype(np.int64))
-
-
-def _count(views: ViewCounts, counts: Int[np.ndarray, "rows columns"], points: Float64[np.ndarray, "k d"]) -> None:
-    """Add 1 to the count of every cell that contains a point."""
-    rows, columns = views.cells(points).T
-    counts.flat[np.unique(rows * counts.shape[1] + columns)] += 1
 
 
 def _walked(map: LexisMap, here: Bool[np.ndarray, "n"], views: ViewCounts) -> Bool[np.ndarray, "rows columns"]:

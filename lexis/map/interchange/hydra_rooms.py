@@ -20,7 +20,8 @@ from jaxtyping import Float64
 from lexis.files.replace import replaced_file
 from lexis.floors import NO_FLOOR
 from lexis.map.interchange.room_areas import rectangles, room_masks
-from lexis.sight.storey_grid import CELL_M, StoreyGrid, storey_grid, storeys
+from lexis.sight.cells import CELL_M
+from lexis.sight.storey_grid import StoreyGrid, storey_grid, storeys
 from lexis.types import LexisMap
 
 STAIRS_BOX_M = (1.0, 1.0, 2.0)

@@ -14,7 +14,8 @@ from scipy.ndimage import binary_fill_holes
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from lexis.sight.storey_grid import CELL_M, StoreyGrid, on_storey
+from lexis.sight.cells import CELL_M
+from lexis.sight.storey_grid import StoreyGrid, on_storey
 from lexis.types import LexisMap
 
 ROOM_REACH_M = 4.0

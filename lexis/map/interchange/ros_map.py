@@ -21,7 +21,8 @@ from lexis.errors import MapError
 from lexis.files.replace import replaced_folder
 from lexis.map.interchange.room_areas import outline, room_masks
 from lexis.room_names import instance_names
-from lexis.sight.storey_grid import CELL_M, StoreyGrid, storey_grid, storeys
+from lexis.sight.cells import CELL_M
+from lexis.sight.storey_grid import StoreyGrid, storey_grid, storeys
 from lexis.types import LexisMap
 
 INDEX = "storeys.json"

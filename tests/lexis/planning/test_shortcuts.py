@@ -13,7 +13,7 @@ from lexis.floors import NO_FLOOR
 from lexis.maths.se3 import between, exp, inverse, transform
 from lexis.planning import shortcuts as module
 from lexis.planning.shortcuts import STAIRWELL_M, points_between, shortcuts
-from lexis.sight.storey_grid import CELL_M
+from lexis.sight.cells import CELL_M
 from lexis.types import Landmarks
 
 INSIDE = shapely.union_all([*(shapely.box(*room) for room in ROOMS.values()), shapely.box(4.0, DOOR[0], 4.1, DOOR[1])])

@@ -11,7 +11,8 @@ from lexis.errors import MapError
 from lexis.floors import floor_numbers
 from lexis.maths.se3 import between, exp, inverse, transform
 from lexis.sight import storey_grid as module
-from lexis.sight.storey_grid import CELL_M, LOW_M, count_views, storey_grid, storeys
+from lexis.sight.cells import CELL_M
+from lexis.sight.storey_grid import LOW_M, count_views, storey_grid, storeys
 from lexis.types import CameraView
 
 INSIDE = shapely.union_all([*(shapely.box(*room) for room in ROOMS.values()), shapely.box(4.0, DOOR[0], 4.1, DOOR[1])])

@@ -8,7 +8,8 @@ import shapely
 from helpers.two_rooms import ROOMS, two_rooms
 
 from lexis.map.interchange.room_areas import outline, rectangles, room_masks
-from lexis.sight.storey_grid import CELL_M, storey_grid
+from lexis.sight.cells import CELL_M
+from lexis.sight.storey_grid import storey_grid
 
 
 @pytest.fixture(scope="module")
