@@ -133,6 +133,12 @@ class SightConfig(Settings, place="sight", error=ConfigError):
     split_m: Annotated[float, Ge(0)] = 0.15
     """A room is split into two parts if the normalised cut of sight between them, times the length of the room, is below
     this [m]. With 0, no room is split. See `lexis.sight.divided_rooms`."""
+    passage_m: Annotated[float, Interval(ge=0, le=5)] = 1.1
+    """Largest width of a narrow passage on the path, such as a doorway [m]. With 0, no passages are sought. See
+    `lexis.sight.passages`."""
+    passage_weight: Annotated[float, Interval(ge=0, le=1)] = 0.1
+    """Weight of sight through a narrow passage, relative to other sight, when it is decided which rooms are split or
+    merge."""
     merge_cut: Annotated[float, Gt(0)] = 0.2
     """Least normalised cut of sight between two rooms that merge. With a value above 2, no rooms merge, because a cut is at
     most 2. See `lexis.sight.alike_rooms`."""

@@ -16,6 +16,7 @@ from lexis.config import Config, SightConfig
 from lexis.room_labels import Labels, Probabilities, Refined, Refinement, Similarities, certain, label_keyframes
 from lexis.room_segmentation import Clustering, segment
 from lexis.sight.cameras import largest
+from lexis.sight.passages import lines_of_sight
 from lexis.sight.pooled_labels import pool_labels
 from lexis.sight.room_clusters import cluster_by_sight
 from lexis.sight.visible_space import VisibleSpace, sight_of_cameras
@@ -157,6 +158,7 @@ def _clustering(
                 sessions=views.sessions,
                 probabilities=probabilities,
                 seen_by=largest(seen_by),
+                lines=lines_of_sight(views.spaces, views.T_W_B, views.camera),
                 config=config.sight,
                 correct=correct,
             )

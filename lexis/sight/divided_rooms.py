@@ -8,6 +8,11 @@ close to a wall therefore connect two rooms of one label. Inside a room, each pa
 2. Multiply the cut by the length of the room. In a corridor, sight reaches a few metres, whatever the length, so that the
    cut falls with the inverse of the length, and the product stays.
 3. If the product is below `split_m`, the room is split. Go on with both parts.
+
+Two rooms with a doorway between them, such as two corridors, see more of each other. Sight through a narrow passage
+(`lexis.sight.passages`) therefore counts less in these steps. A passage may also be a narrow place between the furniture of
+one room, whose parts then share their space. A room is thus split only if the cut of all sight between its parts, through
+passages and elsewhere, is below `merge_cut`.
 """
 
 import numpy as np
@@ -15,6 +20,7 @@ from jaxtyping import Bool, Float64
 from scipy.sparse import csc_array, csr_array, diags_array, eye_array
 from scipy.sparse.linalg import eigsh
 
+from lexis.config import SightConfig
 from lexis.maths.stretches import consecutive_pairs
 from lexis.maths.ties import reaches, rounded
 from lexis.types import PerKeyframe, Positions
@@ -42,7 +48,12 @@ def ties(seen_by: csr_array, sessions: PerKeyframe) -> csr_array:
 
 
 def split_divided(
-    rooms: PerKeyframe, divisible: Bool[np.ndarray, "n"], positions: Positions, tied: csr_array, split_m: float
+    rooms: PerKeyframe,
+    divisible: Bool[np.ndarray, "n"],
+    positions: Positions,
+    tied: csr_array,
+    past_passages: csr_array,
+    config: SightConfig,
 ) -> PerKeyframe:
     """Split the rooms between whose parts there is hardly any sight; return the new number of the room of every keyframe.
 
@@ -51,7 +62,8 @@ def split_divided(
         divisible: whether the room of each keyframe may be split.
         positions: positions of the keyframes in W [m].
         tied: the matrix that `ties` returns.
-        split_m: largest product of the cut and the length of a room that is split [m].
+        past_passages: the same matrix, in which sight through narrow passages counts less.
+        config: the limits `split_m` and `merge_cut`.
     """
     rooms = rooms.copy()
     waiting = np.unique(rooms[divisible]).tolist()
@@ -59,8 +71,9 @@ def split_divided(
         members = np.flatnonzero(rooms == waiting.pop())
         if len(members) < _LEAST:
             continue
-        cut, part = _smallest_cut(csr_array(tied[members][:, members]))
-        if not reaches(cut * _length(positions[members]), split_m):
+        cut, part = _smallest_cut(csr_array(past_passages[members][:, members]))
+        narrow = not reaches(cut * _length(positions[members]), config.split_m)
+        if narrow and not reaches(_normalised_cut(csr_array(tied[members][:, members]), part), config.merge_cut):
             rooms[members[part]] = rooms.max() + 1
             waiting += np.unique(rooms[members]).tolist()
     return rooms
@@ -73,6 +86,12 @@ def _length(positions: Float64[np.ndarray, "k 3"]) -> float:
     """
     end = positions[rounded(np.linalg.norm(positions - positions[0], axis=1)).argmax()]
     return float(np.linalg.norm(positions - end, axis=1).max())
+
+
+def _normalised_cut(tied: csr_array, part: Bool[np.ndarray, "k"]) -> float:
+    """Return the normalised cut between some nodes of a graph and the others."""
+    between, sight = tied[part][:, ~part].sum(), tied.sum(axis=0)
+    return float(between / max(sight[part].sum(), _NONE) + between / max(sight[~part].sum(), _NONE))
 
 
 def _smallest_cut(tied: csr_array) -> tuple[float, Bool[np.ndarray, "k"]]:

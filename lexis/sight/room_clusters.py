@@ -13,6 +13,7 @@ from lexis.maths.ties import rounded
 from lexis.room_labels import Probabilities
 from lexis.sight.alike_rooms import merge_alike
 from lexis.sight.divided_rooms import split_divided, ties
+from lexis.sight.passages import Lines, Passages, crossed, narrow_passages
 from lexis.types import Pairs, PerKeyframe, Positions
 
 _STAIRCASE_M = 3.0
@@ -26,6 +27,7 @@ def cluster_by_sight(
     sessions: PerKeyframe,
     probabilities: Probabilities,
     seen_by: csr_array,
+    lines: Lines,
     config: SightConfig,
     correct: bool = True,
 ) -> tuple[PerKeyframe, PerKeyframe]:
@@ -34,7 +36,8 @@ def cluster_by_sight(
     1. Two keyframes of one label and floor are in one room if they are consecutive in a session, or if one sees the place of
        the other. With several cameras, one image that shows the place is enough. Two keyframes on stairs are also in one
        room if they are horizontally close, because the flights of a staircase lie above one another.
-    2. A room between whose parts there is hardly any sight is split; see `lexis.sight.divided_rooms`.
+    2. A room between whose parts there is hardly any sight is split; see `lexis.sight.divided_rooms`. Sight through a narrow
+       passage, such as a doorway, counts less; see `lexis.sight.passages`.
     3. A room of fewer than `min_keyframes` keyframes is absorbed by the larger room of its floor that it sees, or is seen
        from, most. Its keyframes take the label of that room. Stairs neither absorb a room nor are absorbed.
     4. Rooms that share their space merge if the images cannot tell their labels apart; see `lexis.sight.alike_rooms`.
@@ -48,6 +51,7 @@ def cluster_by_sight(
         sessions: session of every keyframe.
         probabilities: the probability of each label for every keyframe, from the images alone.
         seen_by: the matrix that `lexis.sight.visible_space.sight` returns; for several cameras, the largest entries of all.
+        lines: the lines of sight of the keyframes, in which narrow passages are found.
         config: the least share of a visible space that counts as seeing a place, the least size of a room, and when rooms
             are split and merge.
         correct: whether labels may be corrected; if not, steps 3 and 4 are left out.
@@ -60,11 +64,20 @@ def cluster_by_sight(
     graph = coo_array((np.ones(len(joined)), (joined[:, 0], joined[:, 1])), shape=(n, n))
     rooms = np.asarray(connected_components(graph, directed=False)[1])
     tied = ties(seen_by, sessions)
-    rooms = split_divided(rooms, floors != NO_FLOOR, positions, tied, config.split_m)
+    found = narrow_passages(lines, floors, positions, sessions, config.passage_m)
+    past_passages = _weakened(tied, found, floors, positions, config.passage_weight)
+    rooms = split_divided(rooms, floors != NO_FLOOR, positions, tied, past_passages, config)
     if not correct:
         return rooms, labels
     rooms, labels = _absorbed(rooms, labels, floors, seen_by, config.min_keyframes)
     return merge_alike(rooms, labels, floors, probabilities, tied, config)
+
+
+def _weakened(tied: csr_array, found: Passages, floors: PerKeyframe, positions: Positions, weight: float) -> csr_array:
+    """Return the ties of sight, of which those through a passage are multiplied by `weight`."""
+    entries = tied.tocoo()
+    through = crossed(found, floors, positions, np.stack(entries.coords, axis=1))
+    return csr_array((entries.data * np.where(through, weight, 1.0), entries.coords), shape=tied.shape)
 
 
 def _seeing(seen_by: csr_array, share: float) -> Pairs:

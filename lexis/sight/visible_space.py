@@ -11,7 +11,7 @@ the space, even if a wall is between them.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float64
@@ -30,6 +30,11 @@ _SHARES = np.array([0.0, 0.5, 1.0])
 """Places are sampled at these shares of the way from the camera to the end of the visible space."""
 _CELL_M = 0.25
 """Width of the cells over which places are averaged, so that there are few of them [m]."""
+OBSTACLE_RANGE_M = 3.0
+"""Largest distance of an obstacle from the camera [m]; farther landmarks are not accurate enough for the width of a door."""
+_BELOW_M, _ABOVE_M = 0.4, 0.6
+"""Landmarks from `_BELOW_M` below the camera to `_ABOVE_M` above it are obstacles [m]: the camera would run into them. Low
+furniture is no obstacle, because it does not divide rooms."""
 _STEEP = 0.1
 """A camera counts as looking straight up or down if the cosine of its elevation is less than this."""
 _SPARE_M = 1e-5
@@ -45,6 +50,8 @@ class VisibleSpace:
     """Positions in the frame of the camera [m]."""
     weights: Float64[np.ndarray, "k"]
     """Share of the visible space that each place stands for; the shares add up to 1, unless there are no places."""
+    obstacles: Float64[np.ndarray, "m 3"] = field(default_factory=lambda: np.zeros((0, 3)))
+    """Positions of the landmarks at about the height of the camera, in the frame of the camera [m]."""
 
 
 def spaces_in_view(keyframe: Keyframe, camera: Camera, config: SightConfig) -> tuple[VisibleSpace, ...]:
@@ -71,7 +78,8 @@ def space_in_view(keyframe: Keyframe, T_B_C: Pose, config: SightConfig, camera: 
     rays = rays[rounded(np.linalg.norm(rays, axis=1)) <= config.range_m]
     if not len(rays):
         return VisibleSpace(np.zeros((1, 3)), np.ones(1))
-    axes = _horizontal(T_B_C[:3, :3].T @ keyframe.T_O_B[2, :3])  # z of O points upwards
+    up = T_B_C[:3, :3].T @ keyframe.T_O_B[2, :3]  # z of O points upwards
+    axes = _horizontal(up)
     ways = rays @ axes.T
     lengths = np.maximum(np.linalg.norm(ways, axis=1), config.reach_m)
     ends = np.minimum(_VISIBLE_SHARE, config.reach_m / lengths)[:, None] * ways
@@ -83,7 +91,16 @@ def space_in_view(keyframe: Keyframe, T_B_C: Pose, config: SightConfig, camera: 
     count = np.bincount(cell)
     seen = np.flatnonzero(count)
     means = np.stack([np.bincount(cell, axis)[seen] for axis in places.T], axis=1) / count[seen, None]
-    return VisibleSpace(means @ axes, count[seen] / len(places))
+    return VisibleSpace(means @ axes, count[seen] / len(places), _obstacles(rays, up))
+
+
+def _obstacles(landmarks: Float64[np.ndarray, "k 3"], up: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "m 3"]:
+    """Return the landmarks at about the height of the camera, from positions in the frame of the camera.
+
+    `up` points upwards in that frame.
+    """
+    heights, distances = rounded(landmarks @ up), rounded(np.linalg.norm(landmarks, axis=1))
+    return landmarks[(heights >= -_BELOW_M) & (heights <= _ABOVE_M) & (distances <= OBSTACLE_RANGE_M)]
 
 
 def _horizontal(up: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "2 3"]:

@@ -50,8 +50,8 @@ ROOM_MUTANTS = (
     Mutant(
         "a cut through a room is not multiplied by the length of the room",
         "sight/divided_rooms.py",
-        "if not reaches(cut * _length(positions[members]), split_m):",
-        "if not reaches(cut, split_m):",
+        "narrow = not reaches(cut * _length(positions[members]), config.split_m)",
+        "narrow = not reaches(cut, config.split_m)",
     ),
     Mutant(
         "a room is split at its largest cut",
@@ -62,8 +62,8 @@ ROOM_MUTANTS = (
     Mutant(
         "stairs are split like rooms",
         "sight/room_clusters.py",
-        "split_divided(rooms, floors != NO_FLOOR, positions, tied, config.split_m)",
-        "split_divided(rooms, floors == floors, positions, tied, config.split_m)",
+        "split_divided(rooms, floors != NO_FLOOR, positions, tied, past_passages, config)",
+        "split_divided(rooms, floors == floors, positions, tied, past_passages, config)",
     ),
     Mutant(
         "rooms of different floors merge",

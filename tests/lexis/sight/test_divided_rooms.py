@@ -12,7 +12,7 @@ from lexis.config import SightConfig
 from lexis.maths.se3 import exp, transform
 from lexis.sight.divided_rooms import _smallest_cut, split_divided, ties
 
-SPLIT_M = SightConfig().split_m
+CONFIG = SightConfig()
 
 
 def twins(rng, per_room, across):
@@ -26,9 +26,10 @@ def twins(rng, per_room, across):
     return rooms, positions, csr_array(sees + sees.T)
 
 
-def split(positions, tied, split_m=SPLIT_M):
+def split(positions, tied, past_passages=None, config=CONFIG):
     n = len(positions)
-    return split_divided(np.zeros(n, int), np.ones(n, bool), positions, tied, split_m)
+    weaker = tied if past_passages is None else past_passages
+    return split_divided(np.zeros(n, int), np.ones(n, bool), positions, tied, weaker, config)
 
 
 def same(first, second):
@@ -39,7 +40,23 @@ def same(first, second):
 def test_twin_rooms_that_see_each_other_through_a_wall_are_split_and_their_parts_are_not(seed, per_room):
     rooms, positions, tied = twins(np.random.default_rng(seed), per_room, across=0.1)
     assert same(split(positions, tied), rooms)
-    assert len(np.unique(split(positions, tied, split_m=0.0))) == 1
+    assert len(np.unique(split(positions, tied, config=SightConfig(split_m=0.0)))) == 1
+
+
+@given(seed=st.integers(0, 2**32 - 1), per_room=st.integers(12, 30))
+def test_rooms_that_see_each_other_only_through_a_passage_are_split(seed, per_room):
+    rng = np.random.default_rng(seed)
+    rooms, positions, tied = twins(rng, per_room, across=0.0)
+    doorway = np.where(rooms[:, None] == rooms, 0.0, np.where(rng.random((2 * per_room,) * 2) < 0.05, 0.2, 0.0))
+    tied = csr_array(tied + doorway + doorway.T)
+    assert same(split(positions, tied, csr_array(tied - doorway - doorway.T), SightConfig(merge_cut=0.5)), rooms)
+
+
+@given(seed=st.integers(0, 2**32 - 1), per_room=st.integers(12, 30))
+def test_parts_that_share_their_space_are_one_room_however_narrow_the_passage_between_them(seed, per_room):
+    rooms, positions, tied = twins(np.random.default_rng(seed), per_room, across=0.0)
+    shared = csr_array(tied + np.where(rooms[:, None] == rooms, 0.0, 0.1))
+    assert same(split(positions, shared, tied), np.zeros(len(rooms)))
 
 
 def test_three_rooms_in_a_row_become_three(rng):
@@ -85,7 +102,7 @@ def test_the_parts_depend_neither_on_the_frame_nor_on_the_order_of_keyframes(see
 def test_rooms_that_are_not_divisible_and_tiny_rooms_stay(rng):
     _, positions, tied = twins(rng, 8, across=0.1)
     rooms = np.zeros(16, int)
-    assert not split_divided(rooms, np.zeros(16, bool), positions, tied, SPLIT_M).any()
+    assert not split_divided(rooms, np.zeros(16, bool), positions, tied, tied, CONFIG).any()
     assert len(np.unique(split(positions[:3], tied[:3][:, :3]))) == 1
 
 

@@ -9,9 +9,11 @@ from scipy.sparse import csr_array
 from lexis.config import SightConfig
 from lexis.floors import NO_FLOOR
 from lexis.room_labels import certain
+from lexis.sight.passages import Lines
 from lexis.sight.room_clusters import cluster_by_sight
 
 CONFIG = SightConfig()
+NO_LINES = Lines(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 2)), np.zeros((0, 2)))
 
 
 def cluster(labels, pairs, floors=None, positions=None, config=CONFIG, sessions=None):
@@ -24,7 +26,7 @@ def cluster(labels, pairs, floors=None, positions=None, config=CONFIG, sessions=
     positions = np.arange(n)[:, None] * [1.0, 0.0, 0.0] if positions is None else np.array(positions, float)
     labels = np.array(labels)
     sessions = np.zeros(n, int) if sessions is None else np.array(sessions)
-    return cluster_by_sight(labels, floors, positions, sessions, certain(labels, 3), csr_array(sees), config)
+    return cluster_by_sight(labels, floors, positions, sessions, certain(labels, 3), csr_array(sees), NO_LINES, config)
 
 
 def partition(rooms):
@@ -98,7 +100,7 @@ def scattered(seed, n):
     labels = np.repeat(rng.integers(0, 3, n), 2)[:n]
     sees = csr_array(np.where(rng.random((n, n)) < 0.1, rng.random((n, n)), 0.0))
     probabilities = rng.dirichlet(np.ones(3), n)
-    return labels, floors, (rng.normal(size=(n, 3)), np.zeros(n, int), probabilities, sees)
+    return labels, floors, (rng.normal(size=(n, 3)), np.zeros(n, int), probabilities, sees, NO_LINES)
 
 
 @pytest.mark.parametrize("share", [0.08, 0.15])

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from lexis.config import SightConfig
 from lexis.maths.se3 import exp, inverse, transform
-from lexis.sight.visible_space import VisibleSpace, sight, space_in_view
+from lexis.sight.visible_space import OBSTACLE_RANGE_M, VisibleSpace, sight, space_in_view
 from lexis.types import Features, Keyframe, Landmarks
 
 FORWARD = np.array([[0.0, 0.0, 1.0, 0.1], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.2], [0.0, 0.0, 0.0, 1.0]])
@@ -55,6 +55,15 @@ def test_places_lie_at_the_height_of_the_camera_on_the_way_to_landmarks(seed, n)
     farthest_m = np.linalg.norm((near - FORWARD[:3, 3])[:, :2], axis=1).max(initial=0.0)
     reached_m = np.linalg.norm((places - FORWARD[:3, 3])[:, :2], axis=1).max()
     assert reached_m <= min(0.5 * farthest_m, 2.0) + 1e-9
+
+
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 60))
+def test_obstacles_are_the_near_landmarks_at_about_the_height_of_the_camera(seed, n):
+    points = np.random.default_rng(seed).uniform(-4.0, 4.0, (n, 3))
+    obstacles = transform(FORWARD, space_in_view(keyframe(points), FORWARD, SightConfig()).obstacles)
+    higher = points[:, 2] - FORWARD[2, 3]
+    expected = (higher > -0.4) & (higher < 0.6) & (np.linalg.norm(points - FORWARD[:3, 3], axis=1) < OBSTACLE_RANGE_M)
+    np.testing.assert_allclose(obstacles, points[expected], atol=1e-12)
 
 
 @pytest.mark.parametrize(("distance_m", "visible_m"), [(2.0, 1.0), (3.0, 1.5), (4.0, 1.5)])
