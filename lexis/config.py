@@ -139,10 +139,10 @@ class SightConfig(Settings, place="sight", error=ConfigError):
     passage_weight: Annotated[float, Interval(ge=0, le=1)] = 0.1
     """Weight of sight through a narrow passage, relative to other sight, when it is decided which rooms are split or
     merge."""
-    merge_cut: Annotated[float, Gt(0)] = 0.2
+    merge_cut: Annotated[float, Gt(0)] = 0.08
     """Least normalised cut of sight between two rooms that merge. With a value above 2, no rooms merge, because a cut is at
     most 2. See `lexis.sight.alike_rooms`."""
-    merge_log_odds: Annotated[float, Ge(0)] = 3.0
+    merge_log_odds: Annotated[float, Ge(0)] = 3.5
     """Two rooms merge only if in both of them, the mean log odds of the room's own label over the label of the other room
     are below this."""
 

@@ -105,5 +105,5 @@ def scattered(seed, n):
 
 @pytest.mark.parametrize("share", [0.08, 0.15])
 def test_a_glance_is_not_sight(share):
-    rooms, _ = cluster([0] * 4 + [1] * 3 + [0] * 4, [(9, 1)], config=SightConfig(share=share))
+    rooms, _ = cluster([0] * 4 + [1] * 3 + [0] * 4, [(9, 1)], config=SightConfig(share=share, merge_cut=3.0))
     assert len(partition(rooms)) == (2 if share < 0.1 else 3)
