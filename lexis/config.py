@@ -137,8 +137,7 @@ class SightConfig(Settings, place="sight", error=ConfigError):
     """Largest width of a narrow passage on the path, such as a doorway [m]. With 0, no passages are sought. See
     `lexis.sight.passages`."""
     passage_weight: Annotated[float, Interval(ge=0, le=1)] = 0.1
-    """Weight of sight through a narrow passage, relative to other sight, when it is decided which rooms are split or
-    merge."""
+    """Weight of sight through a narrow passage, relative to other sight, when it is decided which rooms are split."""
     merge_cut: Annotated[float, Gt(0)] = 0.08
     """Least normalised cut of sight between two rooms that merge. With a value above 2, no rooms merge, because a cut is at
     most 2. See `lexis.sight.alike_rooms`."""

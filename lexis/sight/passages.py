@@ -120,15 +120,19 @@ def narrow_passages(
 
 
 def crossed(found: Passages, floors: PerKeyframe, positions: Positions, pairs: Pairs) -> Bool[np.ndarray, "p"]:
-    """Return which straight lines between two keyframes cross a passage of the floor of the first keyframe."""
+    """Return which straight lines between two keyframes cross a passage of the floor of the first keyframe.
+
+    Lines longer than `MAX_STEP_M` cross none: they are gaps in the recording, in which the robot may have gone anywhere.
+    """
     result = np.zeros(len(pairs), bool)
-    if not len(pairs) or not len(found.ends):
-        return result
     first, second = positions[pairs[:, 0], :2], positions[pairs[:, 1], :2]
+    short = rounded(np.linalg.norm(second - first, axis=1)) <= MAX_STEP_M
+    if not short.any() or not len(found.ends):
+        return result
     # Two lines cross only if their middles are not farther apart than half of their lengths together.
-    reach = (np.linalg.norm(second - first, axis=1).max() + np.linalg.norm(np.diff(found.ends, axis=1), axis=2).max()) / 2
-    near = cKDTree((first + second) / 2).query_ball_point(found.ends.mean(axis=1), reach + CELL_M)
-    pair = np.concatenate(near).astype(int)
+    reach = (MAX_STEP_M + np.linalg.norm(np.diff(found.ends, axis=1), axis=2).max()) / 2
+    near = cKDTree((first + second)[short] / 2).query_ball_point(found.ends.mean(axis=1), reach + CELL_M)
+    pair = np.flatnonzero(short)[np.concatenate(near).astype(int)]
     passage = np.repeat(np.arange(len(near)), [len(each) for each in near])
     a, b = found.ends[passage].transpose(1, 0, 2)
     cross = _beside(first[pair], second[pair], a) * _beside(first[pair], second[pair], b) < 0
