@@ -110,6 +110,25 @@ def test_points_that_only_one_image_shows_make_no_passage():
     assert len(find(poses, twice).ends) == 1
 
 
+def test_places_that_most_images_look_through_are_not_occupied():
+    poses = np.array([pose(x, 0.0, 0.0) for x in (0.0, 0.3, 0.6, 1.5)])
+    on_both_sides, behind = np.array([[1.2, -0.4, 0.0], [1.2, 0.4, 0.0]]), np.array([[2.4, -0.8, 0.0], [2.4, 0.8, 0.0]])
+    wrong = [space(on_both_sides - [x, 0.0, 0.0]) for x in (0.0, 0.3)]
+    assert len(find(poses, [*wrong, *[space(np.zeros((0, 3)))] * 2]).ends) == 1
+    more = np.concatenate([np.tile(poses[:1], (3, 1, 1)), poses])  # three more images from the first place
+    assert not len(find(more, [*[space(behind)] * 3, *wrong, *[space(np.zeros((0, 3)))] * 2]).ends)
+
+
+@pytest.mark.parametrize(("degrees", "is_passage"), [(90, True), (75, True), (45, False), (30, False)])
+def test_a_passage_lies_across_the_path(degrees, is_passage):
+    poses = np.array([pose(x, 0.0, 0.0) for x in (0.0, 1.0, 2.0)])
+    side = 0.45 * np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees)), 0.0])
+    round_a_pillar = 0.07 * np.array([(x, y, 0.0) for x in (-1.0, 0.0, 1.0) for y in (-1.0, 0.0, 1.0)])
+    pillars = np.array([1.5, 0.0, 0.0]) + np.concatenate([side + round_a_pillar, -side + round_a_pillar])
+    seen_twice = [space(pillars), space(pillars - [1.0, 0.0, 0.0]), space(np.zeros((0, 3)))]
+    assert (len(find(poses, seen_twice).ends) > 0) == is_passage
+
+
 def test_nobody_goes_through_a_door_on_stairs_or_between_sessions():
     poses, spaces = corridor()
     n = len(poses)
