@@ -138,6 +138,9 @@ class SightConfig(Settings, place="sight", error=ConfigError):
     `lexis.sight.passages`."""
     passage_weight: Annotated[float, Interval(ge=0, le=1)] = 0.1
     """Weight of sight through a narrow passage, relative to other sight, when it is decided which rooms are split."""
+    border_m: Annotated[float, Ge(0)] = 0.75
+    """If the label of the keyframes changes at most this far from a narrow passage on the path, it changes in the passage
+    instead [m]. With 0, labels stay. See `lexis.sight.borders`."""
     merge_cut: Annotated[float, Gt(0)] = 0.08
     """Least normalised cut of sight between two rooms that merge. With a value above 2, no rooms merge, because a cut is at
     most 2. See `lexis.sight.alike_rooms`."""

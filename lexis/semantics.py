@@ -114,8 +114,8 @@ def derive(
 ) -> Semantics:
     """Label, refine and cluster all keyframes at their current poses (paper, Sec. III-B and III-C).
 
-    By sight, small rooms are absorbed and alike rooms merge only if labels may be corrected: not with `given` labels or the
-    label method "image".
+    By sight, borders move to doorways, small rooms are absorbed and alike rooms merge only if labels may be corrected: not
+    with `given` labels or the label method "image".
 
     Args:
         views: what the keyframes saw.

@@ -12,6 +12,7 @@ from lexis.maths.stretches import consecutive_pairs
 from lexis.maths.ties import rounded
 from lexis.room_labels import Probabilities
 from lexis.sight.alike_rooms import merge_alike
+from lexis.sight.borders import borders_in_passages
 from lexis.sight.divided_rooms import split_divided, ties
 from lexis.sight.passages import Lines, Passages, crossed, narrow_passages
 from lexis.types import Pairs, PerKeyframe, Positions
@@ -33,14 +34,15 @@ def cluster_by_sight(
 ) -> tuple[PerKeyframe, PerKeyframe]:
     """Group keyframes into rooms; return the number of the room of every keyframe, and the labels of the keyframes.
 
-    1. Two keyframes of one label and floor are in one room if they are consecutive in a session, or if one sees the place of
+    1. Borders between labels move to the doorways beside them; see `lexis.sight.borders`.
+    2. Two keyframes of one label and floor are in one room if they are consecutive in a session, or if one sees the place of
        the other. With several cameras, one image that shows the place is enough. Two keyframes on stairs are also in one
        room if they are horizontally close, because the flights of a staircase lie above one another.
-    2. A room between whose parts there is hardly any sight is split; see `lexis.sight.divided_rooms`. Sight through a narrow
+    3. A room between whose parts there is hardly any sight is split; see `lexis.sight.divided_rooms`. Sight through a narrow
        passage, such as a doorway, counts less; see `lexis.sight.passages`.
-    3. A room of fewer than `min_keyframes` keyframes is absorbed by the larger room of its floor that it sees, or is seen
+    4. A room of fewer than `min_keyframes` keyframes is absorbed by the larger room of its floor that it sees, or is seen
        from, most. Its keyframes take the label of that room. Stairs neither absorb a room nor are absorbed.
-    4. Rooms that share their space merge if the images cannot tell their labels apart; see `lexis.sight.alike_rooms`.
+    5. Rooms that share their space merge if the images cannot tell their labels apart; see `lexis.sight.alike_rooms`.
 
     Two rooms of one label with a wall between them thus stay two rooms, and a long room stays one room.
 
@@ -54,9 +56,12 @@ def cluster_by_sight(
         lines: the lines of sight of the keyframes, in which narrow passages are found.
         config: the least share of a visible space that counts as seeing a place, the least size of a room, and when rooms
             are split and merge.
-        correct: whether labels may be corrected; if not, steps 3 and 4 are left out.
+        correct: whether labels may be corrected; if not, steps 1, 4 and 5 are left out.
     """
     n = len(labels)
+    found = narrow_passages(lines, floors, positions, sessions, config.passage_m)
+    if correct:
+        labels = borders_in_passages(labels, floors, positions, sessions, found, config.border_m)
     pairs = np.concatenate([consecutive_pairs(sessions), _seeing(seen_by, config.share)])
     first, second = pairs.T
     alike = (labels[first] == labels[second]) & (floors[first] == floors[second])
@@ -64,7 +69,6 @@ def cluster_by_sight(
     graph = coo_array((np.ones(len(joined)), (joined[:, 0], joined[:, 1])), shape=(n, n))
     rooms = np.asarray(connected_components(graph, directed=False)[1])
     tied = ties(seen_by, sessions)
-    found = narrow_passages(lines, floors, positions, sessions, config.passage_m)
     past_passages = _weakened(tied, found, floors, positions, config.passage_weight)
     rooms = split_divided(rooms, floors != NO_FLOOR, positions, tied, past_passages, config)
     if not correct:
