@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int
+from scipy.ndimage import distance_transform_edt
 from scipy.spatial import cKDTree
 
 from lexis.floors import NO_FLOOR
@@ -195,12 +196,16 @@ def _free_distances(lines: Lines, places: Plan, directions: Plan, widest_m: floa
     if size is None:
         return result
     filled = _occupied(lines, origin, size)
+    # A passage is at most half of its width away from a wall. Two cells more are certainly enough, because places are
+    # compared by the middles of their cells.
+    reach_m = widest_m / 2 + 2 * CELL_M
+    narrow = np.flatnonzero(distance_transform_edt(~filled)[tuple(cells_at(origin, places).T)] * CELL_M <= reach_m)
     distances = np.arange(_WALKED_M, widest_m + _STRIDE_M, _STRIDE_M)
-    for way, distance in zip(directions, result.T, strict=True):
-        rows, columns = cells_at(origin, (places[:, None] + way * distances[:, None]).reshape(-1, 2)).T
-        blocked = filled[rows, columns].reshape(len(places), -1)
+    for direction, way in enumerate(directions):
+        rows, columns = cells_at(origin, (places[narrow, None] + way * distances[:, None]).reshape(-1, 2)).T
+        blocked = filled[rows, columns].reshape(len(narrow), len(distances))
         met = blocked.any(axis=1)
-        distance[met] = distances[blocked[met].argmax(axis=1)]
+        result[narrow[met], direction] = distances[blocked[met].argmax(axis=1)]
     return result
 
 
