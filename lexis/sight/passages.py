@@ -49,16 +49,17 @@ Plan = Float64[np.ndarray, "m 2"]
 
 
 @dataclass(frozen=True, eq=False)
-class Lines:
-    """The lines of sight from the cameras to the landmarks near their own height, seen from above."""
+class LinesOfSight:
+    """The lines of sight from the cameras to the landmarks at about their height, seen from above."""
 
     view: Int[np.ndarray, "m"]
     """Number of the image to which each line belongs, ascending."""
     keyframe: Int[np.ndarray, "m"]
+    """The keyframe to which each image belongs."""
     start: Plan
-    """Positions of the cameras in W."""
+    """Position of the camera in W."""
     end: Plan
-    """Positions of the landmarks in W."""
+    """Position of the landmark in W."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +71,7 @@ class Passages:
     """Positions x and y in W of the two ends of each passage [m]."""
 
 
-def lines_of_sight(spaces: Sequence[tuple[VisibleSpace, ...]], T_W_B: Poses, camera: Camera) -> Lines:
+def lines_of_sight(spaces: Sequence[tuple[VisibleSpace, ...]], T_W_B: Poses, camera: Camera) -> LinesOfSight:
     """Return the lines of sight of all cameras of all keyframes.
 
     Args:
@@ -87,13 +88,13 @@ def lines_of_sight(spaces: Sequence[tuple[VisibleSpace, ...]], T_W_B: Poses, cam
             start.append(np.broadcast_to(T_W_C[:2, 3], (len(seen), 2)))
             end.append(transform(T_W_C, seen)[:, :2])
     none = np.zeros(0, int)
-    return Lines(
+    return LinesOfSight(
         np.concatenate([none, *view]), np.concatenate([none, *keyframe]), np.concatenate(start), np.concatenate(end)
     )
 
 
 def narrow_passages(
-    lines: Lines, floors: PerKeyframe, positions: Positions, sessions: PerKeyframe, widest_m: float
+    lines: LinesOfSight, floors: PerKeyframe, positions: Positions, sessions: PerKeyframe, widest_m: float
 ) -> Passages:
     """Find the narrow passages on the steps between consecutive keyframes of one floor.
 
@@ -113,7 +114,7 @@ def narrow_passages(
     floor, ends = [np.zeros(0, int)], [np.zeros((0, 2, 2))]
     for each in np.unique(floors[steps[:, 0]]).tolist():
         here = floors[lines.keyframe] == each
-        of_floor = Lines(lines.view[here], lines.keyframe[here], lines.start[here], lines.end[here])
+        of_floor = LinesOfSight(lines.view[here], lines.keyframe[here], lines.start[here], lines.end[here])
         found = _on_floor(of_floor, positions[:, :2], steps[floors[steps[:, 0]] == each], widest_m)
         floor.append(np.full(len(found), each))
         ends.append(found)
@@ -123,7 +124,7 @@ def narrow_passages(
 def crossed(found: Passages, floors: PerKeyframe, positions: Positions, pairs: Pairs) -> Bool[np.ndarray, "p"]:
     """Return which straight lines between two keyframes cross a passage of the floor of the first keyframe.
 
-    Lines longer than `MAX_STEP_M` cross none: they are gaps in the recording, in which the robot may have gone anywhere.
+    Longer lines than `MAX_STEP_M` cross none: they are gaps in the recording, in which the robot may have gone anywhere.
     """
     result = np.zeros(len(pairs), bool)
     first, second = positions[pairs[:, 0], :2], positions[pairs[:, 1], :2]
@@ -148,10 +149,10 @@ def _beside(start: Plan, end: Plan, point: Plan) -> Float64[np.ndarray, "m"]:
     return np.asarray(rounded(ahead[:, 0] * there[:, 1] - ahead[:, 1] * there[:, 0]))
 
 
-def _on_floor(lines: Lines, positions: Plan, steps: Pairs, widest_m: float) -> Float64[np.ndarray, "k 2 2"]:
+def _on_floor(lines: LinesOfSight, positions: Plan, steps: Pairs, widest_m: float) -> Float64[np.ndarray, "k 2 2"]:
     """Return the ends of the passages on some steps, all of one floor."""
     origin, axes = _own_frame(positions[np.unique(steps)])
-    own = Lines(lines.view, lines.keyframe, (lines.start - origin) @ axes.T, (lines.end - origin) @ axes.T)
+    own = LinesOfSight(lines.view, lines.keyframe, (lines.start - origin) @ axes.T, (lines.end - origin) @ axes.T)
     path = (positions - origin) @ axes.T
     step, places = _places(path, steps)
     angles = np.arange(_DIRECTIONS) * np.pi / _DIRECTIONS
@@ -188,7 +189,9 @@ def _places(path: Plan, steps: Pairs) -> tuple[Int[np.ndarray, "m"], Plan]:
     return step, path[steps[step, 0]] + share[:, None] * ahead[step]
 
 
-def _free_distances(lines: Lines, places: Plan, directions: Plan, widest_m: float) -> Float64[np.ndarray, "m directions"]:
+def _free_distances(
+    lines: LinesOfSight, places: Plan, directions: Plan, widest_m: float
+) -> Float64[np.ndarray, "m directions"]:
     """Return how far it is from each place to the next occupied cell in each direction; infinite beyond `widest_m`."""
     result = np.full((len(places), len(directions)), np.inf)
     around = np.concatenate([places - widest_m, places + widest_m, lines.start, lines.end])
@@ -196,10 +199,10 @@ def _free_distances(lines: Lines, places: Plan, directions: Plan, widest_m: floa
     if size is None:
         return result
     filled = _occupied(lines, origin, size)
-    # A passage is at most half of its width away from a wall. Two cells more are certainly enough, because places are
-    # compared by the middles of their cells.
-    reach_m = widest_m / 2 + 2 * CELL_M
-    narrow = np.flatnonzero(distance_transform_edt(~filled)[tuple(cells_at(origin, places).T)] * CELL_M <= reach_m)
+    # In a passage, an occupied cell is at most half of the width away. Two cells are added, because distances are taken from
+    # the middles of cells.
+    near = distance_transform_edt(~filled) * CELL_M <= widest_m / 2 + 2 * CELL_M
+    narrow = np.flatnonzero(near[tuple(cells_at(origin, places).T)])
     distances = np.arange(_WALKED_M, widest_m + _STRIDE_M, _STRIDE_M)
     for direction, way in enumerate(directions):
         rows, columns = cells_at(origin, (places[narrow, None] + way * distances[:, None]).reshape(-1, 2)).T
@@ -209,7 +212,9 @@ def _free_distances(lines: Lines, places: Plan, directions: Plan, widest_m: floa
     return result
 
 
-def _occupied(lines: Lines, origin: Float64[np.ndarray, "2"], size: tuple[int, int]) -> Bool[np.ndarray, "rows columns"]:
+def _occupied(
+    lines: LinesOfSight, origin: Float64[np.ndarray, "2"], size: tuple[int, int]
+) -> Bool[np.ndarray, "rows columns"]:
     """Return which cells of a grid are occupied."""
     passed, hit = np.zeros(size, np.int32), np.zeros(size, np.int32)
     views = np.flatnonzero(np.diff(lines.view, prepend=-1))[1:]  # where the lines of the next view start

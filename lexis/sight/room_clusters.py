@@ -14,7 +14,7 @@ from lexis.room_labels import Probabilities
 from lexis.sight.alike_rooms import merge_alike
 from lexis.sight.borders import borders_in_passages
 from lexis.sight.divided_rooms import split_divided, ties
-from lexis.sight.passages import Lines, Passages, crossed, narrow_passages
+from lexis.sight.passages import LinesOfSight, Passages, crossed, narrow_passages
 from lexis.types import Pairs, PerKeyframe, Positions
 
 _STAIRCASE_M = 3.0
@@ -28,7 +28,7 @@ def cluster_by_sight(
     sessions: PerKeyframe,
     probabilities: Probabilities,
     seen_by: csr_array,
-    lines: Lines,
+    lines: LinesOfSight,
     config: SightConfig,
     correct: bool = True,
 ) -> tuple[PerKeyframe, PerKeyframe]:

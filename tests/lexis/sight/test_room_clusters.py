@@ -9,11 +9,11 @@ from scipy.sparse import csr_array
 from lexis.config import SightConfig
 from lexis.floors import NO_FLOOR
 from lexis.room_labels import certain
-from lexis.sight.passages import Lines
+from lexis.sight.passages import LinesOfSight
 from lexis.sight.room_clusters import cluster_by_sight
 
 CONFIG = SightConfig()
-NO_LINES = Lines(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 2)), np.zeros((0, 2)))
+NO_LINES = LinesOfSight(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 2)), np.zeros((0, 2)))
 
 
 def cluster(labels, pairs, floors=None, positions=None, config=CONFIG, sessions=None):
