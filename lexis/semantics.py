@@ -134,7 +134,19 @@ def derive(
     cluster = _clustering(views, seen_by, probabilities, config, correct)
     stairs_name = config.labels.stairs_name
     rooms = segment(refined, positions, room_names, config.segmentation, cluster, views.sessions, stairs_name)
+    probabilities = _exchanged(probabilities, refined, rooms.labels)
     return Semantics(views.pooled, labels.baseline, rooms.labels, probabilities, rooms.floors, rooms.rooms)
+
+
+def _exchanged(probabilities: Probabilities, refined: Labels, corrected: Labels) -> Probabilities:
+    """Let the refined and the corrected label of each keyframe exchange their probabilities.
+
+    The corrected label thus counts as being as certain as the label of which it takes the place.
+    """
+    result, keyframes = probabilities.copy(), np.arange(len(refined))
+    result[keyframes, corrected] = probabilities[keyframes, refined]
+    result[keyframes, refined] = probabilities[keyframes, corrected]
+    return result
 
 
 def _refinement(views: Views, seen_by: Sequence[csr_array], config: Config) -> Refinement | None:

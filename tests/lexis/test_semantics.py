@@ -69,6 +69,19 @@ def test_labels_that_are_given_are_not_corrected_however_easily_rooms_merge(walk
     assert [room.label for room in found.rooms] == ["kitchen", "office"]
 
 
+def test_a_corrected_label_is_as_probable_as_the_label_in_whose_place_it_is(walk):
+    sight = SightConfig(near_m=20.0, merge_cut=0.01, merge_log_odds=100.0, own_weight=10.0)
+    usual, after = (
+        derive(views(*walk), NAMES, Config(segmentation=SegmentationConfig(method=method), sight=sight))
+        for method in ("distance", "sight")
+    )
+    assert len(after.rooms) == 1 and (after.labels != usual.labels).any()
+    each = np.arange(20)
+    np.testing.assert_array_equal(after.probabilities[each, after.labels], usual.probabilities[each, usual.labels])
+    np.testing.assert_array_equal(after.probabilities[each, usual.labels], usual.probabilities[each, after.labels])
+    np.testing.assert_allclose(after.probabilities.sum(axis=1), 1.0)
+
+
 def test_the_meaning_does_not_depend_on_where_the_world_s_origin_lies(walk):
     embeddings, T = walk
     elsewhere = se3.exp(np.array([0.0, 0.0, 2.0, 30.0, -20.0, 5.0]))
