@@ -144,7 +144,7 @@ class SightConfig(Settings, place="sight", error=ConfigError):
     merge_cut: Annotated[float, Gt(0)] = 0.08
     """Least normalised cut of sight between two rooms that merge. With a value above 2, no rooms merge, because a cut is at
     most 2. See `lexis.sight.alike_rooms`."""
-    merge_log_odds: Annotated[float, Ge(0)] = 3.5
+    merge_log_odds: Annotated[float, Ge(0)] = 2.5
     """Two rooms merge only if in both of them, the mean log odds of the room's own label over the label of the other room
     are below this."""
 

@@ -36,7 +36,7 @@ def test_two_halves_of_one_office_merge_under_the_more_probable_name():
 
 @pytest.mark.parametrize("clear", [OFFICE, OPEN])
 def test_rooms_stay_apart_if_the_images_of_one_of_them_are_clear(clear):
-    sure = {**DOUBTFUL, clear: np.eye(3)[clear] * 0.96 + 0.0133}
+    sure = {**DOUBTFUL, clear: np.eye(3)[clear] * 0.9 + 0.033}
     rooms, labels = merge([sure[label] for label in LABELS], across=0.1)
     assert partition(rooms) == [[0, 1, 2], [3, 4, 5, 6, 7]] and (labels == LABELS).all()
 
