@@ -22,12 +22,11 @@ from lexis.config import SightConfig
 from lexis.floors import NO_FLOOR
 from lexis.maths.ties import rounded
 from lexis.room_labels import Probabilities
+from lexis.sight.divided_rooms import normalised_cuts
 from lexis.types import PerKeyframe
 
 _LEAST_PROBABILITY = 1e-9
 """Constant that is added to probabilities before their logarithm is taken."""
-_NONE = 1e-9
-"""Sight that counts as none."""
 
 
 def merge_alike(
@@ -54,7 +53,7 @@ def merge_alike(
     sight, logs = (member @ tied @ member.T).toarray(), member @ np.log(probabilities + _LEAST_PROBABILITY)
     possible = (floor == floor[:, None]) & (floor != NO_FLOOR) & ~np.eye(len(label), dtype=bool)
     while True:
-        cut = np.where(possible, rounded(_normalised_cuts(sight)), 0.0)
+        cut = np.where(possible, rounded(normalised_cuts(sight)), 0.0)
         cut[rounded(_log_odds(logs / count[:, None], label)) >= config.merge_log_odds] = 0.0
         kept, merged = np.unravel_index(cut.argmax(), cut.shape)
         if cut[kept, merged] < config.merge_cut:
@@ -66,15 +65,6 @@ def merge_alike(
         sight[kept] += sight[merged]
         sight[:, kept] += sight[:, merged]
         sight[merged], sight[:, merged] = 0.0, 0.0  # no cut of the merged room is large enough then
-
-
-def _normalised_cuts(sight: Float64[np.ndarray, "rooms rooms"]) -> Float64[np.ndarray, "rooms rooms"]:
-    """Return the normalised cut of each pair of rooms.
-
-    It is the sight between them divided by all sight of the first room, plus the same quotient for the second room.
-    """
-    share = sight / np.maximum(sight.sum(axis=1, keepdims=True), _NONE)
-    return np.asarray(share + share.T)
 
 
 def _log_odds(

@@ -73,7 +73,7 @@ def split_divided(
             continue
         cut, part = _smallest_cut(csr_array(past_passages[members][:, members]))
         narrow = not reaches(cut * _length(positions[members]), config.split_m)
-        if narrow and not reaches(_normalised_cut(csr_array(tied[members][:, members]), part), config.merge_cut):
+        if narrow and not reaches(_cut_between(csr_array(tied[members][:, members]), part), config.merge_cut):
             rooms[members[part]] = rooms.max() + 1
             waiting += np.unique(rooms[members]).tolist()
     return rooms
@@ -88,10 +88,20 @@ def _length(positions: Float64[np.ndarray, "k 3"]) -> float:
     return float(np.linalg.norm(positions - end, axis=1).max())
 
 
-def _normalised_cut(tied: csr_array, part: Bool[np.ndarray, "k"]) -> float:
+def normalised_cuts(sight: Float64[np.ndarray, "rooms rooms"]) -> Float64[np.ndarray, "rooms rooms"]:
+    """Return the normalised cut of each pair of rooms, or of parts of a room.
+
+    It is the sight between them divided by all sight of the first room, plus the same quotient for the second room. `sight`
+    holds the sum of the ties between each two rooms, and inside each room on the diagonal.
+    """
+    share = sight / np.maximum(sight.sum(axis=1, keepdims=True), _NONE)
+    return np.asarray(share + share.T)
+
+
+def _cut_between(tied: csr_array, part: Bool[np.ndarray, "k"]) -> float:
     """Return the normalised cut between some nodes of a graph and the others."""
-    between, sight = tied[part][:, ~part].sum(), tied.sum(axis=0)
-    return float(between / max(sight[part].sum(), _NONE) + between / max(sight[~part].sum(), _NONE))
+    sides = csr_array(np.stack([part, ~part]).astype(float))
+    return float(normalised_cuts((sides @ tied @ sides.T).toarray())[0, 1])
 
 
 def _smallest_cut(tied: csr_array) -> tuple[float, Bool[np.ndarray, "k"]]:
