@@ -12,7 +12,7 @@ from jaxtyping import Float64, Int
 
 from lexis.config import VerificationConfig
 from lexis.features import mutual_matches
-from lexis.graph.pose_graph import PoseGraph
+from lexis.graph.pose_estimate import PoseEstimate
 from lexis.maths.pnp import inlier_rows, refine_rig_pose, solve_pnp
 from lexis.maths.projection import project_jacobian
 from lexis.maths.rig import camera_angles
@@ -78,7 +78,7 @@ class Locator:
         keyframes: Sequence[Keyframe],
         camera: Camera,
         config: VerificationConfig,
-        graph: PoseGraph | None = None,
+        graph: PoseEstimate | None = None,
     ) -> None:
         """With a `graph`, cameras of a rig that look in different directions by its estimate are not compared."""
         self._query = query

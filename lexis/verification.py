@@ -27,7 +27,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from lexis.config import VerificationConfig
-from lexis.graph.pose_graph import PoseGraph
+from lexis.graph.pose_estimate import PoseEstimate
 from lexis.locator import Locator
 from lexis.maths.se3 import between, log, rotation_angle
 from lexis.types import Camera, Keyframe, LoopArrays, LoopDecision, LoopEdge, LoopOutcome, Poses
@@ -51,14 +51,14 @@ class Verifier(Protocol):
     """A function that confirms or rejects the loop candidates of a new keyframe: `verify`, or one in its place."""
 
     def __call__(
-        self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig, /
+        self, query: Keyframe, candidates: Sequence[int], graph: PoseEstimate, camera: Camera, config: VerificationConfig, /
     ) -> Verification:
         """Return the confirmed loop edges; see `verify` for the arguments and the result."""
         ...
 
 
 def verify(
-    query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
+    query: Keyframe, candidates: Sequence[int], graph: PoseEstimate, camera: Camera, config: VerificationConfig
 ) -> Verification:
     """Return loop edges from a new keyframe to the candidates that pass verification, and a decision on each candidate.
 
@@ -76,7 +76,7 @@ def verify(
 
 
 def plausible(
-    located: Sequence[tuple[LoopDecision, LoopEdge | None]], graph: PoseGraph, config: VerificationConfig
+    located: Sequence[tuple[LoopDecision, LoopEdge | None]], graph: PoseEstimate, config: VerificationConfig
 ) -> Verification:
     """Keep the loop edges of one new keyframe that are close to the current estimate of the poses.
 
@@ -100,7 +100,7 @@ def plausible(
     return Verification(tuple(kept), tuple(decisions))
 
 
-def _compared(decision: LoopDecision, edge: LoopEdge, graph: PoseGraph, config: VerificationConfig) -> LoopDecision:
+def _compared(decision: LoopDecision, edge: LoopEdge, graph: PoseEstimate, config: VerificationConfig) -> LoopDecision:
     """Refuse a loop that is far from the current estimate.
 
     The tolerance grows with the path between the two keyframes, as drift does. An uncertain loop must also be close to the
@@ -128,7 +128,7 @@ def _is_uncertain(edge: LoopEdge, config: VerificationConfig) -> bool:
     return bool(rotation > config.sure_sigma_rad**2 or translation > config.sure_sigma_m**2)
 
 
-def _agreeing(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig) -> list[LoopEdge]:
+def _agreeing(edges: Sequence[LoopEdge], graph: PoseEstimate, config: VerificationConfig) -> list[LoopEdge]:
     """Return the loop edges of one query without those that contradict others, in the given order.
 
     Edges are compared if their earlier keyframes are neighbours on the path of one session (`_NEIGHBOURS_M`), and thus show

@@ -25,7 +25,7 @@ from jaxtyping import Bool, Float, Float64, Int
 from scipy.special import expit, ndtri
 
 from lexis.config import VerificationConfig
-from lexis.graph.pose_graph import PoseGraph
+from lexis.graph.pose_estimate import PoseEstimate
 from lexis.maths.se3 import between, exp, rotation_angle
 from lexis.types import Camera, Keyframe, LoopDecision, LoopEdge, Pose
 from lexis.verification import Verification, plausible
@@ -120,7 +120,7 @@ class CovisibilityVerifier:
         return CovisibilityVerifier(self._model, views_of, second._seed)
 
     def __call__(
-        self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
+        self, query: Keyframe, candidates: Sequence[int], graph: PoseEstimate, camera: Camera, config: VerificationConfig
     ) -> Verification:
         """Return loop edges, true or false, to candidates of `query`.
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lexis.config import VerificationConfig
-from lexis.graph.pose_graph import PoseGraph
+from lexis.graph.pose_estimate import PoseEstimate
 from lexis.maths.se3 import between
 from lexis.types import Camera, Keyframe, LoopEdge
 from lexis.verification import Verification, Verifier
@@ -50,7 +50,7 @@ class _Mistaken:
     mistakes: FalseLoops
 
     def __call__(
-        self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
+        self, query: Keyframe, candidates: Sequence[int], graph: PoseEstimate, camera: Camera, config: VerificationConfig
     ) -> Verification:
         """Return the confirmed loops and, for some queries, a false one as well."""
         verified = self.verifier(query, candidates, graph, camera, config)

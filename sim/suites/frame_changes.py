@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Int
 
 from lexis.config import VerificationConfig
-from lexis.graph.pose_graph import PoseGraph
+from lexis.graph.pose_estimate import PoseEstimate
 from lexis.maths.se3 import adjoint, exp, inverse, transform
 from lexis.types import Camera, Covariance, Keyframe, Observation, Percept, Pose, Poses
 from lexis.verification import Verification, Verifier
@@ -74,11 +74,11 @@ class _BetweenOtherBodies:
     frames: OtherFrames
 
     def __call__(
-        self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
+        self, query: Keyframe, candidates: Sequence[int], graph: PoseEstimate, camera: Camera, config: VerificationConfig
     ) -> Verification:
         """Return the loops of the run's verifier, converted to the frames of the SLAM."""
         T_B_N = self.frames.T_B_N
-        verified = self.verifier(query, candidates, _OriginalGraph(graph, self.frames), camera, config)
+        verified = self.verifier(query, candidates, _InOriginalFrames(graph, self.frames), camera, config)
         edges = (
             replace(
                 edge,
@@ -90,15 +90,14 @@ class _BetweenOtherBodies:
         return replace(verified, edges=tuple(edges))
 
 
-class _OriginalGraph(PoseGraph):
-    """The pose graph of a SLAM that works in other frames, converted to the frames of the run.
+class _InOriginalFrames:
+    """The pose estimate of a SLAM that works in other frames, converted to the frames of the run.
 
-    It has only what the verifier of the feature sensor reads: keyframes, estimated poses and path lengths. The keyframes
-    keep their odometry poses in the other frames.
+    The keyframes keep their odometry poses in the other frames.
     """
 
-    def __init__(self, graph: PoseGraph, frames: OtherFrames) -> None:
-        self.keyframes, self._graph = graph.keyframes, graph
+    def __init__(self, graph: PoseEstimate, frames: OtherFrames) -> None:
+        self._graph = graph
         self._left, self._right = inverse(frames.T_new_old), inverse(frames.T_B_N)
 
     @property
@@ -107,9 +106,23 @@ class _OriginalGraph(PoseGraph):
         return np.asarray(self._left @ self._graph.T_W_B @ self._right)
 
     @property
-    def path_m(self) -> Float64[np.ndarray, "n"]:
-        """Length of the odometry path to each keyframe [m]."""
-        return self._graph.path_m
+    def keyframes(self) -> Sequence[Keyframe]:
+        """The keyframes of the SLAM."""
+        return self._graph.keyframes
+
+    @property
+    def sessions(self) -> Int[np.ndarray, "n"]:
+        """The session of every keyframe."""
+        return self._graph.sessions
+
+    @property
+    def is_split(self) -> bool:
+        """Whether the pose graph of the SLAM has several components."""
+        return self._graph.is_split
+
+    def path_between(self, first: int, second: int) -> float:
+        """Return the length of the odometry path between two keyframes [m]."""
+        return self._graph.path_between(first, second)
 
 
 def _in_frame(T_B_N: Pose, covariance: Covariance) -> Covariance:

@@ -7,6 +7,7 @@ import numpy as np
 
 from lexis.config import PlaceRecognitionConfig, PoseGraphConfig, VerificationConfig
 from lexis.graph.graph_optimisation import loop_weights
+from lexis.graph.pose_estimate import PoseEstimate
 from lexis.graph.pose_graph import PoseGraph
 from lexis.place_recognition import PlaceRecogniser
 from lexis.types import Camera, Keyframe, LexisMap, LoopDecision, LoopEdge, RoomInstance
@@ -36,7 +37,7 @@ class ClosureLog:
         return candidates
 
     def verify(
-        self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
+        self, query: Keyframe, candidates: Sequence[int], graph: PoseEstimate, camera: Camera, config: VerificationConfig
     ) -> Verification:
         """Verify loop candidates as the recorded stage does; see `lexis.verification.verify`.
 

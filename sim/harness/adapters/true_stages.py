@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float64, Int
 from lexis.config import PlaceRecognitionConfig, VerificationConfig
 from lexis.evaluation.place_recognition import PLACE_M, PLACE_RAD
 from lexis.evaluation.relative import separation
+from lexis.graph.pose_estimate import PoseEstimate
 from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.se3 import between
 from lexis.place_recognition import old_keyframes
@@ -49,7 +50,7 @@ class TrueStages:
         return tuple(closest[: config.candidates].tolist())
 
     def verify(
-        self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
+        self, query: Keyframe, candidates: Sequence[int], graph: PoseEstimate, camera: Camera, config: VerificationConfig
     ) -> Verification:
         """Confirm the candidates that were truly taken at the place of the query, each with its true relative pose."""
         sigmas = np.repeat([config.rotation_sigma_rad, config.translation_sigma_m], 3)

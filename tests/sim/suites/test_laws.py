@@ -7,7 +7,8 @@ import pytest
 from helpers.flat_suite import FLAT, ORIGIN, PART, Oracle, flat, outcomes
 from helpers.open_flat import OPEN_FLAT
 
-from sim.harness import Estimate
+from lexis.config import Config, VerificationConfig
+from sim.harness import Estimate, Lexis, Scenario
 from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.harness.crash import COMPLETES
 from sim.harness.estimate import EstimatedLoops
@@ -89,6 +90,18 @@ def test_a_law_sees_lost_estimates_and_turned_poses(slam, said):
     again = replace(FLAT, parts=(replace(PART, checks=(SameEstimates("again", "Twice the same.", NoChange()),), n=1),))
     report = check_slam(slam, again)
     assert outcomes(report)["again"] == "fails" and said in str(report)
+
+
+def test_a_law_about_frames_holds_for_a_verifier_that_compares_the_loops_of_one_keyframe():
+    """The setting `max_contradiction` reads more of the pose graph than the defaults do."""
+
+    def comparing():
+        return Lexis("oracle", Config(verification=VerificationConfig(max_contradiction=16.8)))
+
+    revisits = Scenario(preset="home", seed=7, length_m=70.0, frame_rate_hz=2.0, fidelity="features", encoder="oracle")
+    base = evaluated_run(revisits, comparing)
+    assert np.unique(base.run.estimate.loops.query, return_counts=True)[1].max() > 1
+    assert LAWS["moved and rotated house"].examine(base, comparing).holds
 
 
 class OnlyLoops(Oracle):
