@@ -87,8 +87,8 @@ def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None
     """Run a SLAM; return the finished run, or the crash of the SLAM or of the program under test.
 
     A crash is an exception in a method of the SLAM, or a failure of the program. Exceptions from outside the SLAM's methods
-    are passed on. `SimError` and `EncoderError` are always passed on: the scenario or the estimate of the SLAM is not
-    valid, or a model cannot be loaded.
+    are passed on. So is `EstimateError`: the estimate of the SLAM is not valid. Until the SLAM has been started, so are
+    `SimError` and `EncoderError`: a setting is not valid, or a model cannot be loaded.
     """
     with noted() as last, chdir("."):  # a SLAM may change the working directory
         last.forget()
@@ -98,10 +98,9 @@ def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None
             raise
         except ProgramError as error:
             return Crash(scenario, error, None, last.slam_name)
-        except (SimError, EncoderError):
-            raise
         except USER_ERRORS as error:
-            if not last.in_slam:
+            cannot_start = isinstance(error, (SimError, EncoderError)) and not last.started
+            if cannot_start or not last.in_slam:
                 raise
             return Crash(scenario, error, last.done, last.slam_name)
 
@@ -111,7 +110,7 @@ def attempt_plans(finished: Run) -> Sequence[Trial] | Crash:
 
     Exceptions from outside `plan` are passed on. Raises `EstimateError` for a plan that is not valid.
     """
-    return _attempted(finished, partial(try_plans, finished), SimError)
+    return _attempted(finished, partial(try_plans, finished), EstimateError)
 
 
 def attempt_write(finished: Run, write: Callable[[], None]) -> Crash | None:

@@ -33,6 +33,8 @@ class LastRun:
     done: float | None = None
     """Share of the walk before the frame that the SLAM processes or has processed last, in [0, 1]; None until the SLAM is
     started."""
+    started: bool = False
+    """Whether the SLAM of the last run has been started, so that it gets observations."""
     in_slam: bool = False
     """Whether a method of the SLAM was called and has not returned, so that an exception is the SLAM's."""
     run: "Run | None" = None
@@ -53,7 +55,8 @@ class LastRun:
 
     def forget(self) -> None:
         """Forget the previous run, whose SLAM must not be blamed for what happens before the next run begins."""
-        self.scenario, self.slam, self.command, self.done, self.in_slam = None, None, "", None, False
+        self.scenario, self.slam, self.command, self.done = None, None, "", None
+        self.started, self.in_slam = False, False
         self.run, self.result, self.trials = None, None, ()
 
     @property

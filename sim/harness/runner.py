@@ -46,6 +46,7 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     last.done = 0.0
     with timed("slam_s"), last.calling_slam():
         _start(slam, scenario, session, model)
+    last.started = True
     given, delivered, refused = _processed(slam, session, timed, progress)
     last.done = 1.0
     with timed("slam_s"), last.calling_slam():

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from helpers.unchecked import unchecked
 
-from lexis.errors import ObservationError
+from lexis.errors import EncoderError, ObservationError
 from sim.errors import SimError
 from sim.faults.delivery import Dropped
 from sim.faults.stamps import StampJump
@@ -222,6 +222,26 @@ def test_an_exception_before_a_run_is_no_crash_of_the_run_before():
         assert not isinstance(attempt(lambda scenario, progress: run(scenario, Recorder(), progress), SCENARIO), Crash)
         crash = attempt(fails, SCENARIO)
     assert (crash.done, crash.slam) == (None, "")
+
+
+@pytest.mark.parametrize("error", [ValueError, EncoderError, SimError])
+def test_an_exception_of_any_kind_in_the_middle_of_a_run_is_a_crash(error):
+    class Failing(Recorder):
+        def process(self, observation):
+            raise error("unusable image")
+
+    crash = attempt(lambda scenario, progress: run(scenario, Failing(), progress), SCENARIO)
+    assert isinstance(crash, Crash) and crash.sentence == f"the SLAM raises {error.__name__}: unusable image"
+
+
+@pytest.mark.parametrize("error", [EncoderError, SimError])
+def test_a_model_or_setting_that_cannot_be_used_is_no_crash(error):
+    class Unloadable(Recorder):
+        def start(self, camera, room_names):
+            raise error("no checkpoint")
+
+    with pytest.raises(error, match="no checkpoint"):
+        attempt(lambda scenario, progress: run(scenario, Unloadable(), progress), SCENARIO)
 
 
 def test_an_exception_that_a_method_may_raise_is_not_the_fault_of_the_slam():
