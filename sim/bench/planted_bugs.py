@@ -11,7 +11,6 @@ from types import MappingProxyType
 import numpy as np
 from jaxtyping import Bool, Float64, Int
 
-from lexis.floors import NO_FLOOR
 from lexis.maths.paths import arc_length
 from lexis.maths.se3 import between
 from lexis.types import Camera, Observation
@@ -69,8 +68,7 @@ def planted(bug: Bug) -> Runner:
 
 def no_bug(run: Run) -> Estimate:
     """Return true poses, labels, rooms and floors."""
-    floors = np.where(run.on_stairs, NO_FLOOR, run.true_storeys)
-    return replace(run.estimate, T_W_B=run.true_poses, labels=run.true_labels, rooms=run.true_rooms, floors=floors)
+    return replace(run.estimate, T_W_B=run.true_poses, labels=run.true_labels, rooms=run.true_rooms, floors=run.true_floors)
 
 
 def small_errors(run: Run) -> Estimate:
@@ -116,12 +114,12 @@ def clutter(run: Run) -> Estimate:
 
 def floors(run: Run) -> Estimate:
     """Return the truth, but with every frame on the lowest floor."""
-    return replace(no_bug(run), floors=np.zeros_like(run.true_storeys))
+    return replace(no_bug(run), floors=np.zeros_like(run.true_floors))
 
 
 def third_floor(run: Run) -> Estimate:
     """Return the truth, but with every frame above the second floor on the second floor."""
-    return replace(no_bug(run), floors=np.minimum(run.true_storeys, 1))
+    return replace(no_bug(run), floors=np.minimum(run.true_floors, 1))
 
 
 def ring(run: Run) -> Estimate:

@@ -152,8 +152,8 @@ def _floors(run: Run) -> FloorFigures:
     if floors is None:
         return FloorFigures()
     return FloorFigures(
-        floor_accuracy(floors, run.true_storeys, run.on_stairs),
-        floor_count_error(floors, run.true_storeys, run.on_stairs),
+        floor_accuracy(floors, run.true_floors, run.on_stairs),
+        floor_count_error(floors, run.true_floors, run.on_stairs),
     )
 
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float64, Int
 
+from lexis.floors import NO_FLOOR
 from lexis.maths.ties import rounded
 from lexis.types import Pose
 from sim.harness.estimate import Estimate
@@ -100,8 +101,18 @@ class Run:
 
     @cached_property
     def true_storeys(self) -> Int[np.ndarray, "n"]:
-        """True storey of every frame, 0 for the lowest."""
+        """True storey of every frame, as an index into the storeys of the house, 0 for the lowest."""
         return np.array([self.session.truths[frame].storey for frame in self.estimate.frames.tolist()], int)
+
+    @cached_property
+    def true_floors(self) -> Int[np.ndarray, "n"]:
+        """True number of the floor of every frame; -1 on stairs.
+
+        Only the storeys that the walk visits are numbered, from 0 for the lowest: no SLAM can know that there is a storey
+        below it on which it has never been.
+        """
+        visited = {truth.storey for truth in self.delivered if truth.label != STAIRS}
+        return np.where(self.on_stairs, NO_FLOOR, np.searchsorted(sorted(visited), self.true_storeys))
 
     def most_similar(self, row: int, count: int) -> tuple[tuple[str, float], ...]:
         """Return the `count` room names most similar to the frame in a row of the estimate, with similarities, best first.

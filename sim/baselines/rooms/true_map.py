@@ -51,8 +51,12 @@ class TrueMap:
         return np.stack(levels)
 
     def floors_at(self, points: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "n"]:
-        """Return the index of the storey of every point (in W [m]); -1 on stairs."""
-        return np.where(self._stairs_at(points) >= 0, -1, floor_at(self.house, points))
+        """Return the number of the floor of every point (in W [m]); -1 on stairs.
+
+        The storeys on which there are points are numbered from 0 for the lowest.
+        """
+        on_stairs, storeys = self._stairs_at(points) >= 0, floor_at(self.house, points)
+        return np.where(on_stairs, -1, np.searchsorted(np.unique(storeys[~on_stairs]), storeys))
 
     def rooms_at(
         self, segments: Int[np.ndarray, "storeys nx ny"], points: Float64[np.ndarray, "n 3"]

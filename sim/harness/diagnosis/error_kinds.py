@@ -41,7 +41,7 @@ def are_alike(kinds: "Counter[str]", original: "Counter[str]") -> bool:
 
 
 def _of_floors(run: Run) -> Iterator[str]:
-    estimates, truth = run.estimate.floors, run.true_storeys
+    estimates, truth = run.estimate.floors, run.true_floors
     if estimates is not None:
         for estimate, floor in zip(estimates[~run.on_stairs].tolist(), truth[~run.on_stairs].tolist(), strict=True):
             if estimate != floor:

@@ -155,7 +155,7 @@ def _label(run: Run) -> Iterator[_Wrong]:
 
 
 def _floor(run: Run) -> Iterator[_Wrong]:
-    estimates, truth = run.estimate.floors, run.true_storeys
+    estimates, truth = run.estimate.floors, run.true_floors
     if estimates is not None:
         wrong = np.flatnonzero((estimates != truth) & ~run.on_stairs)
         for k in wrong.tolist():

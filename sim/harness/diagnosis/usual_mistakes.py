@@ -30,7 +30,7 @@ def _floor_offset(run: Run) -> int:
     if floors is None:
         return 0
     judged = (floors >= 0) & ~run.on_stairs
-    offsets = np.unique(floors[judged] - run.true_storeys[judged])
+    offsets = np.unique(floors[judged] - run.true_floors[judged])
     return int(offsets[0]) if len(offsets) == 1 else 0
 
 

@@ -14,7 +14,6 @@ from jaxtyping import Float64, Int
 
 from lexis.config import PlaceRecognitionConfig, PoseGraphConfig, VerificationConfig
 from lexis.evaluation.place_recognition import right_matches
-from lexis.floors import NO_FLOOR
 from lexis.graph.graph_optimisation import GraphOptimiser
 from lexis.maths.paths import arc_length
 from lexis.maths.se3 import between
@@ -57,7 +56,7 @@ class GoodSlam:
             "T_W_B": poses,
             "labels": run.true_labels,
             "rooms": run.true_rooms,
-            "floors": np.where(run.on_stairs, NO_FLOOR, run.true_storeys),
+            "floors": run.true_floors,
         }
         made = {name: value for name, value in good.items() if getattr(run.estimate, name) is not None}
         result = evaluate(replace(run, estimate=replace(run.estimate, **made)), trials)

@@ -10,9 +10,11 @@ from lexis.evaluation.loops import true_revisits
 from lexis.maths.se3 import between
 from sim.faults.poses import Kidnap
 from sim.faults.stamps import StampJitter, StampJump
-from sim.harness import evaluate, run
-from sim.harness.adapters import OdometryOnly
+from sim.harness import Scenario, evaluate, run
+from sim.harness.adapters import GeometricRooms, OdometryOnly
+from sim.harness.diagnosis.usual_mistakes import usual_mistakes
 from sim.harness.estimate import EstimatedLoops
+from worlds.presets import sample_from_rooms
 
 LONG = replace(OPEN_FLAT, length_m=80.0)
 
@@ -47,3 +49,14 @@ def test_true_stamps_are_those_of_the_clock_unless_a_fault_of_the_clock_changes_
     kidnapped = run(replace(LONG, faults=(Kidnap(at_s=10.0, skip_s=5.0),)), OdometryOnly())
     np.testing.assert_array_equal(kidnapped.true_stamps, kidnapped.stamps)
     assert np.diff(kidnapped.true_stamps).max() < 4.0
+
+
+def test_floors_are_numbered_from_the_lowest_that_the_walk_visits():
+    """No SLAM can know of a storey below it on which it has never been."""
+    house = sample_from_rooms(("kitchen", "bedroom", "bathroom"), 103, storeys=2)
+    upstairs = Scenario(house=house, tour_kind="random", length_m=15.0, frame_rate_hz=2.0, fidelity="features", seed=0)
+    finished = run(upstairs, GeometricRooms())
+    assert set(finished.true_storeys.tolist()) == {1} and set(finished.estimate.floors.tolist()) == {0}
+    floors = evaluate(finished).floors
+    assert (floors.accuracy, floors.count_error) == (1.0, 0)
+    assert not list(usual_mistakes(finished))

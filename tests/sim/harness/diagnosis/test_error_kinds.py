@@ -38,7 +38,7 @@ TALL = replace(BEDROOMS, house=sample_from_rooms(("kitchen", "bedroom"), seed=4,
 
 def above(run):
     """A SLAM that estimates every frame to be one floor too high."""
-    return replace(no_bug(run), floors=run.true_storeys + 1)
+    return replace(no_bug(run), floors=run.true_floors + 1)
 
 
 def nowhere(run):

@@ -40,7 +40,7 @@ def turned(run):
 
 
 def from_one(run):
-    return replace(no_bug(run), floors=run.true_storeys + 1)
+    return replace(no_bug(run), floors=run.true_floors + 1)
 
 
 @pytest.mark.parametrize(
