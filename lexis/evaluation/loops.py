@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float64, Int
 from lexis.evaluation.place_recognition import PLACE_M, PLACE_RAD
 from lexis.evaluation.relative import pairs_within, separation
 from lexis.maths.se3 import between, rotation_angle
-from lexis.maths.ties import reaches
+from lexis.maths.ties import reaches, rounded
 from lexis.types import Poses
 
 TRUE_M, TRUE_RAD = 0.5, 0.2
@@ -82,13 +82,14 @@ def true_edges(
 
 def within_limits(errors: Float64[np.ndarray, "m 4 4"]) -> Bool[np.ndarray, "m"]:
     """Whether each edge is true, by the errors `T_true^-1 T_measured` of the relative poses."""
-    return np.asarray((np.linalg.norm(errors[:, :3, 3], axis=1) <= TRUE_M) & (rotation_angle(errors) <= TRUE_RAD))
+    off_m = rounded(np.linalg.norm(errors[:, :3, 3], axis=1))
+    return np.asarray((off_m <= TRUE_M) & (rounded(rotation_angle(errors)) <= TRUE_RAD))
 
 
 def true_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "k"]:
     """Ids of the revisits: keyframes within 1 m and 0.5 rad of a keyframe at least 10 s earlier, by their true poses."""
     later, earlier = _close_pairs(T_W_B, stamps)
-    _, angle = separation(T_W_B, later, earlier)
+    _, angle = separation(T_W_B[later], T_W_B[earlier])
     return np.unique(later[angle <= PLACE_RAD])
 
 
@@ -99,7 +100,7 @@ def opposite_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.
     within 0.5 rad. Revisits in the same direction (`true_revisits`) do not count.
     """
     later, earlier = _close_pairs(T_W_B, stamps)
-    _, angle = separation(T_W_B, later, earlier)
+    _, angle = separation(T_W_B[later], T_W_B[earlier])
     return np.setdiff1d(later[angle >= np.pi - PLACE_RAD], true_revisits(T_W_B, stamps))
 
 

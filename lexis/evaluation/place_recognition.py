@@ -42,7 +42,7 @@ def at_one_place(T_W_B: Poses) -> Bool[np.ndarray, "n n"]:
     """Whether each pair of true poses is within 1 m and 0.5 rad."""
     first, second = pairs_within(T_W_B, PLACE_M)
     near = np.zeros((len(T_W_B), len(T_W_B)), bool)
-    near[first, second] = separation(T_W_B, first, second)[1] <= PLACE_RAD
+    near[first, second] = separation(T_W_B[first], T_W_B[second])[1] <= PLACE_RAD
     return near
 
 
@@ -58,7 +58,7 @@ def right_matches(
     query, match = pairs_within(T_W_B, PLACE_M)
     old = is_old_enough(stamps[query] - stamps[match], path_m[query] - path_m[match], config)
     query, match = query[old], match[old]
-    near = separation(T_W_B, query, match)[1] <= PLACE_RAD
+    near = separation(T_W_B[query], T_W_B[match])[1] <= PLACE_RAD
     return query[near], match[near]
 
 

@@ -109,8 +109,8 @@ def _loops(run: Run) -> tuple[LoopMark, ...]:
 
 def _candidates(run: Run) -> tuple[CandidateMark, ...]:
     decisions = run.estimate.decisions or ()
-    query = np.array([decision.query for decision in decisions], int)
-    distances_m, angles_rad = separation(run.true_poses, query, np.array([decision.match for decision in decisions], int))
+    queries, matches = (np.array([getattr(each, name) for each in decisions], int) for name in ("query", "match"))
+    distances_m, angles_rad = separation(run.true_poses[queries], run.true_poses[matches])
     revisits = (distances_m <= PLACE_M) & (angles_rad <= PLACE_RAD)
     truths = zip(decisions, distances_m.tolist(), revisits.tolist(), strict=True)
     return tuple(

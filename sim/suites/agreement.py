@@ -6,10 +6,14 @@ import numpy as np
 from jaxtyping import Float64, Int
 
 from lexis.evaluation.partitions import overlap
+from lexis.evaluation.relative import separation
 from lexis.evaluation.rooms import adjusted_rand_index, each_alone
-from lexis.evaluation.trajectory import aligned
-from lexis.maths.se3 import between, rotation_angle
+from lexis.evaluation.trajectory import align
+from lexis.types import Poses
 from sim.harness.estimate import Estimate
+
+_AXIS_M = 1e-3
+"""Length of the axes by which poses are aligned [m]."""
 
 
 @dataclass(frozen=True)
@@ -80,8 +84,7 @@ def _loop_frames(estimate: Estimate) -> list[tuple[int, int]]:
     loops = estimate.loops
     if loops is None:
         return []
-    ends = np.sort(np.stack([estimate.frames[loops.query], estimate.frames[loops.match]], axis=1), axis=1)
-    return [(int(a), int(b)) for a, b in ends]
+    return list(zip(estimate.frames[loops.match].tolist(), estimate.frames[loops.query].tolist(), strict=True))
 
 
 def _largest_difference(
@@ -91,13 +94,20 @@ def _largest_difference(
     if first.T_W_B is None or second.T_W_B is None or not len(rows_a):
         return None
     a, b = np.asarray(first.T_W_B, float)[rows_a], np.asarray(second.T_W_B, float)[rows_b]
-    moved, turned = apart(a, aligned(b, a))
+    moved, turned = separation(a, _aligned(b, a))
     return float(turned.max()), float(moved.max())
 
 
-def apart(
-    first: Float64[np.ndarray, "n 4 4"], second: Float64[np.ndarray, "n 4 4"]
-) -> tuple[Float64[np.ndarray, "n"], Float64[np.ndarray, "n"]]:
-    """Return the distances [m] and the angles [rad] between pairs of poses: first[i] and second[i]."""
-    T = between(first, second)
-    return np.linalg.norm(T[:, :3, 3], axis=1), np.asarray(rotation_angle(T))
+def _aligned(moving: Poses, fixed: Poses) -> Poses:
+    """Move poses rigidly onto other poses, by their positions and the tips of their axes.
+
+    Positions alone do not tell how far a straight path is rotated about itself. The axes are short (`_AXIS_M`), so that they
+    decide only where positions do not.
+    """
+    return np.asarray(align(_tips(moving), _tips(fixed)) @ moving)
+
+
+def _tips(poses: Poses) -> Float64[np.ndarray, "points 3"]:
+    """Return the positions of poses, and the tips of their three axes."""
+    origins = poses[:, :3, 3]
+    return np.concatenate([origins, *(origins + _AXIS_M * poses[:, :3, axis] for axis in range(3))])

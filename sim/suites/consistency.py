@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64, Int
 
 from lexis.evaluation.loops import REVISIT_S
+from lexis.evaluation.relative import separation
 from lexis.graph.trusted_loops import is_trusted
 from lexis.maths.paths import arc_length
 from lexis.maths.se3 import between
@@ -16,7 +17,6 @@ from sim.harness.estimate import EstimatedLoops
 from sim.harness.figures import EvaluatedRun
 from sim.harness.finished_run import Run
 from sim.harness.upright import upright
-from sim.suites.agreement import apart
 from sim.suites.checks import CheckFinding, NewSlam
 from sim.suites.staircases import CLIMB_M, NEAR_M, staircases_are_rooms, stairs_are_climbed
 
@@ -64,7 +64,7 @@ def steps_follow_odometry(run: Run) -> CheckFinding:
     odometry = run.odometry_poses
     steps = between(odometry[:-1], odometry[1:])
     length_m = np.linalg.norm(steps[:, :3, 3], axis=1)
-    moved, turned = apart(steps, between(poses[:-1], poses[1:]))
+    moved, turned = separation(steps, between(poses[:-1], poses[1:]))
     near = (moved <= _STEP_M + _STEP_SHARE * length_m) & (turned <= _STEP_RAD + _STEP_RAD_M * length_m)
     return CheckFinding(
         bool(near.all()),
@@ -131,7 +131,7 @@ class LastLoopsFit:
         poses, loops, weights = estimates
         path = arc_length(run.odometry_poses[:, :3, 3])
         trusted = is_trusted(weights)
-        last = trusted & (path[np.maximum(loops.query, loops.match)] >= path[-1] - self.end_m)
+        last = trusted & (path[loops.query] >= path[-1] - self.end_m)
         others = trusted & ~last
         if not last.any() or not others.any():
             return CheckFinding(None, "the SLAM trusts no loop closure at the end of the walk, or none before")
@@ -174,7 +174,7 @@ def _weighted_loops(run: Run) -> tuple[Poses, EstimatedLoops, Float64[np.ndarray
 
 def _loop_errors(loops: EstimatedLoops, poses: Poses) -> tuple[Float64[np.ndarray, "loops"], Float64[np.ndarray, "loops"]]:
     """Return the distances [m] and angles [rad] between loop closures and the relative poses in the trajectory."""
-    return apart(np.asarray(loops.T_match_query, float), between(poses[loops.match], poses[loops.query]))
+    return separation(np.asarray(loops.T_match_query, float), between(poses[loops.match], poses[loops.query]))
 
 
 def rooms_are_uniform(run: Run) -> CheckFinding:

@@ -42,5 +42,5 @@ def share(found: Bool[np.ndarray, "n"]) -> float | None:
 
 
 def _same_place(T_W_B: Poses, a: Int[np.ndarray, "q"], b: Int[np.ndarray, "q"]) -> Bool[np.ndarray, "q"]:
-    metres, radians = separation(T_W_B, a, b)
+    metres, radians = separation(T_W_B[a], T_W_B[b])
     return np.asarray((metres <= PLACE_M) & (radians <= PLACE_RAD))

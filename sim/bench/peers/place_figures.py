@@ -142,7 +142,7 @@ def figures(walk: PlaceWalk, method: str, scores: Scores, least: float) -> Place
 
 def whereabouts(walk: PlaceWalk, queries: Int[np.ndarray, "m"], matches: Int[np.ndarray, "m"]) -> Int[np.ndarray, "m"]:
     """Where each false match is, as an index into `PLACES`."""
-    distances, angles = separation(walk.T_W_B, queries, matches)
+    distances, angles = separation(walk.T_W_B[queries], walk.T_W_B[matches])
     cases = (
         (distances <= PLACE_M) & (angles >= np.pi - PLACE_RAD),
         walk.rooms[queries] == walk.rooms[matches],

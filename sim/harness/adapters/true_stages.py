@@ -75,8 +75,9 @@ class TrueStages:
 
         A keyframe shows the place of the query if it was truly taken near the query and in nearly the same direction.
         """
-        frames = _frames(others)
-        distances_m, angles_rad = separation(self.T_W_B, np.full_like(frames, query.observation_index), frames)
+        there = self.T_W_B[_frames(others)]
+        here = np.broadcast_to(self.T_W_B[query.observation_index], there.shape)
+        distances_m, angles_rad = separation(here, there)
         return distances_m, (distances_m <= PLACE_M) & (angles_rad <= PLACE_RAD)
 
 

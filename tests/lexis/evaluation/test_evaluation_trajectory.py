@@ -7,6 +7,7 @@ from evo.core.trajectory import PoseTrajectory3D
 from evo.tools import file_interface
 from scipy.spatial.transform import Rotation
 
+from lexis.evaluation.relative import pairs_within
 from lexis.evaluation.trajectory import align, ate_rmse, rpe_translation
 from lexis.files.tum_trajectory import write_tum
 
@@ -82,3 +83,15 @@ def test_relative_errors_do_not_see_the_world_frame_but_see_drift(rng):
 def test_figures_that_cannot_exist_are_none():
     assert ate_rmse(np.zeros((2, 3)), np.zeros((2, 3))) is None
     assert rpe_translation(np.zeros((0, 4, 4)), np.zeros((0, 4, 4)), 1.0) is None
+
+
+@pytest.mark.parametrize("step_m", [0.2, 0.5])
+def test_figures_of_an_even_walk_do_not_depend_on_where_the_house_lies(step_m, rng):
+    """Frames at even distances are exactly at the limits, where the last digit of a coordinate must not decide."""
+    truth = np.tile(np.eye(4), (60, 1, 1))
+    truth[:, 0, 3] = step_m * np.arange(60)
+    estimate = truth.copy()
+    estimate[:, :3, 3] += np.cumsum(rng.normal(0.0, 0.02, (60, 3)), axis=0)
+    shifted = [truth + np.eye(4)[[0]].T * np.eye(4)[3] * 0.1 * k for k in range(8)]
+    assert len({round(rpe_translation(estimate, each, 8.0), 12) for each in shifted}) == 1
+    assert len({len(pairs_within(each, 1.0)[0]) for each in shifted}) == 1

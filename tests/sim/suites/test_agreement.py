@@ -58,3 +58,15 @@ def test_frames_are_matched_by_their_index(estimates):
 def test_estimates_without_a_common_frame_agree_on_nothing(estimates):
     found = agreement(estimates, replace(estimates, frames=estimates.frames + 1))
     assert found.frames == 0.0 and found.labels is found.position_m is None
+
+
+@pytest.mark.parametrize("stride_m", [0.5, 0.0])
+def test_an_estimate_of_a_straight_path_or_of_a_single_place_agrees_with_itself(estimates, stride_m):
+    """The positions do not tell how far such an estimate is rotated."""
+    poses = np.tile(np.eye(4), (N, 1, 1))
+    poses[:, :3, 3] = stride_m * np.arange(N)[:, None] * [0.6, 0.8, 0.0]
+    straight = replace(estimates, T_W_B=poses)
+    elsewhere = np.eye(4)
+    elsewhere[:3, :3], elsewhere[:3, 3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]], [5, 6, 7]
+    found = agreement(straight, replace(straight, T_W_B=elsewhere @ poses))
+    assert found.position_m < 1e-6 and found.rotation_rad < 1e-6
