@@ -43,6 +43,7 @@ def _lead_in(*alternatives: str) -> re.Pattern[str]:
 _TO_A_THING = _lead_in(
     rf"where (?:is|are|was|were)(?= {_THE} )",
     rf"where {_CAN} {_WHO} (?:find|see|put|leave|keep|look for|get to|go for)(?= {_THE} )",
+    rf"{_WHO} (?:can|could|do|did) not (?:find|see)",
     rf"{_WANT}(?= {_THE} )",
     rf"{_WHO} (?:am|are|is) (?:looking|searching) for",
     rf"(?:{_WANT} to )?(?:go|get|come|drive|head|walk|move|run|navigate|travel) (?:over )?(?:to|into)",

@@ -16,7 +16,7 @@ THING_FORMS = (
     "the {}", "where is the {}", "Where is the {}?", "I need the {}", "I want the {}", "take me to the {}", "go to the {}",
     "Please take me to the {}.", "is there a {}", "show me the {}", "find me a {}", "I'm looking for the {}",
     "could you bring me to the {} please", "a room with a {}", "I want to go to the {}", "a photo of a {}",
-    "which way to the {}",
+    "which way to the {}", "I can't find the {}", "we cannot find a {}",
 )  # fmt: skip
 ACTIVITY_FORMS = (
     "where can I {}", "where do we {}", "I need to {}", "I'd like to {}", "a place to {}", "a quiet place to {}",
