@@ -185,14 +185,14 @@ def _cosines(query: Keyframe, embeddings: Float[np.ndarray, "k cameras d"]) -> F
 def old_enough(
     query: int, stamps: Float64[np.ndarray, "n"], path_m: Float64[np.ndarray, "n"], config: PlaceRecognitionConfig
 ) -> Bool[np.ndarray, "n"]:
-    """Whether each keyframe is old enough to be a loop candidate for the keyframe `query`; see `is_old_enough`.
+    """Whether each keyframe is old enough to be a loop candidate for one of them; see `is_old_enough`.
 
     The result is True for the first keyframes up to some keyframe, and False for all later ones.
 
     Args:
-        query: id of a keyframe.
-        stamps: stamps of all keyframes [s].
-        path_m: odometry path from the first keyframe to each keyframe [m].
+        query: row of the keyframe in `stamps` and `path_m`, for which candidates are searched.
+        stamps: stamps of keyframes, in the order of the walk [s].
+        path_m: odometry path from the first of these keyframes to each of them [m].
         config: its `min_gap_s` and `min_gap_m` are used.
     """
     return is_old_enough(stamps[query] - stamps, path_m[query] - path_m, config)

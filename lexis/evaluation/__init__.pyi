@@ -9,7 +9,7 @@ from .labels import accuracy_per_room as accuracy_per_room
 from .labels import graded_accuracy as graded_accuracy
 from .loops import LoopScores as LoopScores
 from .loops import score_loops as score_loops
-from .place_recognition import Counts as Counts
+from .place_recognition import MatchCounts as MatchCounts
 from .place_recognition import count_matches as count_matches
 from .planning import spl as spl
 from .planning import success_rate as success_rate

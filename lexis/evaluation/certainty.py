@@ -7,6 +7,9 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Bool, Float, Float64
 
+_BINS = 15
+"""Number of intervals of equal width for the calibration error, as in the article."""
+
 
 @dataclass(frozen=True)
 class Reliability:
@@ -35,12 +38,12 @@ def reliability(
     return tuple(rows)
 
 
-def calibration_error(stated: Float[np.ndarray, "n"], right: Bool[np.ndarray, "n"], bins: int = 15) -> float:
+def calibration_error(stated: Float[np.ndarray, "n"], right: Bool[np.ndarray, "n"]) -> float:
     """Return the expected calibration error of one or more predictions.
 
     It is the mean gap between stated probabilities and shares of right predictions in intervals of equal width, weighted by
     the predictions of each interval (Guo et al., "On calibration of modern neural networks", ICML 2017).
     """
-    index = np.minimum((stated * bins).astype(int), bins - 1)
-    gaps = [abs(float((stated - right)[index == b].sum())) for b in range(bins)]
+    index = np.minimum((stated * _BINS).astype(int), _BINS - 1)
+    gaps = [abs(float((stated - right)[index == b].sum())) for b in range(_BINS)]
     return sum(gaps) / len(stated)

@@ -17,7 +17,7 @@ PLACE_M, PLACE_RAD = 1.0, 0.5
 
 
 @dataclass(frozen=True)
-class Counts:
+class MatchCounts:
     """Numbers of place recognition queries by outcome: true positives, false positives, and possible true positives."""
 
     tp: int
@@ -28,9 +28,9 @@ class Counts:
     """Number of queries that could be true positives, because at least N of the keyframes that are old enough are right
     matches."""
 
-    def __add__(self, other: "Counts") -> "Counts":
+    def __add__(self, other: "MatchCounts") -> "MatchCounts":
         """Return the counts of two sets of queries together."""
-        return Counts(self.tp + other.tp, self.fp + other.fp, self.possible + other.possible)
+        return MatchCounts(self.tp + other.tp, self.fp + other.fp, self.possible + other.possible)
 
     @property
     def precision(self) -> float | None:
@@ -62,13 +62,13 @@ def right_matches(
     return query[near], match[near]
 
 
-def count_matches(candidates: Sequence[tuple[int, Sequence[int]]], right: csr_array, n: int) -> Counts:
+def count_matches(candidates: Sequence[tuple[int, Sequence[int]]], right: csr_array, n: int) -> MatchCounts:
     """Count true and false positives among the queries, at N = `n` required matches.
 
     The paper: "If N matches were situated within a distance/angle threshold, we counted it as a true positive; otherwise, a
     false positive". Here, a query is a true positive if at least N of all matches proposed for it are right. It is a false
     positive otherwise, also if fewer than N matches were proposed. A query without proposals counts as neither. Most queries
-    of a walk are at a place for the first time and cannot be true positives; `Counts.possible` counts those that can. A
+    of a walk are at a place for the first time and cannot be true positives; `MatchCounts.possible` counts those that can. A
     proposed keyframe that is not old enough, such as the query itself, is not right, and a keyframe that is proposed twice
     counts once.
 
@@ -80,4 +80,4 @@ def count_matches(candidates: Sequence[tuple[int, Sequence[int]]], right: csr_ar
     right_of = np.split(right.indices, right.indptr[1:-1])
     found = [len(set(proposed) & set(right_of[query].tolist())) for query, proposed in candidates if len(proposed)]
     tp = sum(count >= n for count in found)
-    return Counts(tp, len(found) - tp, possible=sum(len(right_of[query]) >= n for query, _ in candidates))
+    return MatchCounts(tp, len(found) - tp, possible=sum(len(right_of[query]) >= n for query, _ in candidates))

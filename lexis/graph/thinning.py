@@ -30,9 +30,9 @@ from lexis.types import CameraView, Features, Keyframe, Landmarks, LoopEdge, Pos
 
 STAYS = -1
 """Value in place of an anchor, for a keyframe that stays in the optimisation."""
-PLACE_M = 1.0
+SHOWN_M = 1.0
 """Largest distance between two keyframes that show the same place [m]."""
-PLACE_RAD = 0.5
+SHOWN_RAD = 0.5
 """Largest angle between two keyframes that show the same place [rad]."""
 VISIT_M = 10.0
 """Least odometry path between two visits of a place [m]. Keyframes that are closer on the path belong to one visit; they are
@@ -78,8 +78,8 @@ class Retired:
     def add_all(self, ids: Ids, anchors: Ids, T_W_B: Poses) -> dict[int, int]:
         """Add the keyframes `ids`, which retire now, and their `anchors`.
 
-        A keyframe that was anchored to one of `ids` is now anchored to the anchor of the latter. Returns the new anchors by
-        the ids of their keyframes. `T_W_B` are the current poses of all keyframes.
+        If an anchor of other keyframes retires, these are anchored to its own anchor. Returns the new anchors by the ids of
+        their keyframes. `T_W_B` are the current poses of all keyframes.
         """
         successor = dict(zip(ids.tolist(), anchors.tolist(), strict=True))
         rows = np.flatnonzero(np.isin(self.anchors, ids))
@@ -181,11 +181,11 @@ def _same_place(
 
     The pairs are sorted by the later node.
     """
-    pairs = np.sort(cKDTree(T_W_B[:, :3, 3]).query_pairs(PLACE_M, output_type="ndarray"), axis=1)
+    pairs = np.sort(cKDTree(T_W_B[:, :3, 3]).query_pairs(SHOWN_M, output_type="ndarray"), axis=1)
     pairs = pairs[np.lexsort(pairs.T)]
     earlier, later = pairs[reaches(path_m[pairs[:, 1]] - path_m[pairs[:, 0]], VISIT_M)].T
     T_earlier_later = between(T_W_B[earlier], T_W_B[later])
-    alike = rounded(rotation_angle(T_earlier_later)) <= PLACE_RAD
+    alike = rounded(rotation_angle(T_earlier_later)) <= SHOWN_RAD
     return later[alike], earlier[alike], np.linalg.norm(T_earlier_later[alike, :3, 3], axis=1)
 
 

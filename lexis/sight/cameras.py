@@ -11,7 +11,7 @@ _Summand = TypeVar("_Summand", np.ndarray, csr_array)
 
 
 def mean(of_cameras: Sequence[_Summand]) -> _Summand:
-    """Return the mean of one array or sparse matrix for each camera; for a single camera, this is its array itself."""
+    """Return the mean of one array or sparse matrix for each camera; with a single camera, its array unchanged."""
     first, *others = of_cameras
     total = first
     for other in others:

@@ -44,7 +44,7 @@ through the cell."""
 _LEAST_HITS = 2
 """Least number of views that see a landmark in an occupied cell, because single landmarks may be wrong."""
 
-Plan = Float64[np.ndarray, "m 2"]
+PlanPositions = Float64[np.ndarray, "m 2"]
 """Positions x and y on a floor [m]."""
 
 
@@ -56,9 +56,9 @@ class LinesOfSight:
     """Number of the image to which each line belongs, ascending."""
     keyframe: Int[np.ndarray, "m"]
     """The keyframe to which each image belongs."""
-    start: Plan
+    start: PlanPositions
     """Position of the camera in W."""
-    end: Plan
+    end: PlanPositions
     """Position of the landmark in W."""
 
 
@@ -143,13 +143,13 @@ def crossed(found: Passages, floors: PerKeyframe, positions: Positions, pairs: P
     return result
 
 
-def _beside(start: Plan, end: Plan, point: Plan) -> Float64[np.ndarray, "m"]:
+def _beside(start: PlanPositions, end: PlanPositions, point: PlanPositions) -> Float64[np.ndarray, "m"]:
     """Return on which side of the line from `start` to `end` each point is, as a positive or negative number, or 0."""
     ahead, there = end - start, point - start
     return np.asarray(rounded(ahead[:, 0] * there[:, 1] - ahead[:, 1] * there[:, 0]))
 
 
-def _on_floor(lines: LinesOfSight, positions: Plan, steps: Pairs, widest_m: float) -> Float64[np.ndarray, "k 2 2"]:
+def _on_floor(lines: LinesOfSight, positions: PlanPositions, steps: Pairs, widest_m: float) -> Float64[np.ndarray, "k 2 2"]:
     """Return the ends of the passages on some steps, all of one floor."""
     origin, axes = _own_frame(positions[np.unique(steps)])
     own = LinesOfSight(lines.view, lines.keyframe, (lines.start - origin) @ axes.T, (lines.end - origin) @ axes.T)
@@ -173,14 +173,14 @@ def _on_floor(lines: LinesOfSight, positions: Plan, steps: Pairs, widest_m: floa
     return np.asarray(np.stack(ends, axis=1) @ axes + origin)
 
 
-def _own_frame(path: Plan) -> tuple[Float64[np.ndarray, "2"], Float64[np.ndarray, "2 2"]]:
+def _own_frame(path: PlanPositions) -> tuple[Float64[np.ndarray, "2"], Float64[np.ndarray, "2 2"]]:
     """Return the origin and the axes (as rows) of a frame that moves with the path: from its first to its farthest place."""
     farthest = path[rounded(np.linalg.norm(path - path[0], axis=1)).argmax()] - path[0]
     x, y = (farthest / np.linalg.norm(farthest)).tolist()
     return path[0], np.array([[x, y], [-y, x]])
 
 
-def _places(path: Plan, steps: Pairs) -> tuple[Int[np.ndarray, "m"], Plan]:
+def _places(path: PlanPositions, steps: Pairs) -> tuple[Int[np.ndarray, "m"], PlanPositions]:
     """Return places on the steps, at most the width of a cell apart, and to which step each place belongs, ascending."""
     ahead = path[steps[:, 1]] - path[steps[:, 0]]
     count = np.ceil(np.linalg.norm(ahead, axis=1) / CELL_M).astype(int)
@@ -190,7 +190,7 @@ def _places(path: Plan, steps: Pairs) -> tuple[Int[np.ndarray, "m"], Plan]:
 
 
 def _free_distances(
-    lines: LinesOfSight, places: Plan, directions: Plan, widest_m: float
+    lines: LinesOfSight, places: PlanPositions, directions: PlanPositions, widest_m: float
 ) -> Float64[np.ndarray, "m directions"]:
     """Return how far it is from each place to the next occupied cell in each direction; infinite beyond `widest_m`."""
     result = np.full((len(places), len(directions)), np.inf)

@@ -17,7 +17,7 @@ from scipy.sparse import csr_array
 
 from lexis.config import Config, PlaceRecognitionConfig
 from lexis.errors import one_line
-from lexis.evaluation.place_recognition import Counts, at_one_place, count_matches
+from lexis.evaluation.place_recognition import MatchCounts, at_one_place, count_matches
 from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.se3 import between, rotation_angle
 from lexis.place_recognition import old_enough, propose, revisit_log_odds
@@ -59,7 +59,7 @@ class PlaceRow:
     """
 
     method: str
-    counts: tuple[Counts, Counts, Counts]
+    counts: tuple[MatchCounts, MatchCounts, MatchCounts]
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,9 +136,9 @@ def compare_places(answers: Sequence[Answers]) -> Iterator[PlaceRow]:
         yield PlaceRow(name, (_total(answers, name, 1), _total(answers, name, 3), _total(answers, name, 5)))
 
 
-def _total(answers: Sequence[Answers], method: str, n: int) -> Counts:
+def _total(answers: Sequence[Answers], method: str, n: int) -> MatchCounts:
     found = (count_matches(walk.proposed[method], csr_array(walk.eligible & walk.right), n) for walk in answers)
-    return sum(found, start=Counts(0, 0, 0))
+    return sum(found, start=MatchCounts(0, 0, 0))
 
 
 def fit_revisits(answers: Sequence[Answers]) -> PlaceRecognitionConfig:

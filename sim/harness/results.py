@@ -92,7 +92,7 @@ class LoopFigures:
 
 @dataclass(frozen=True)
 class MatchFigures:
-    """Figures on proposed revisits, as in Fig. 5 of the LEXIS paper; see `lexis.evaluation.place_recognition.Counts`.
+    """Figures on proposed revisits, as in Fig. 5 of the LEXIS paper; see `lexis.evaluation.place_recognition.MatchCounts`.
 
     A proposed frame is right if it is at most 1 m and 0.5 rad away, at least 10 s earlier, and at least 5 m earlier on the
     path by odometry.

@@ -18,7 +18,7 @@ from sim.harness.figures import EvaluatedRun
 from sim.harness.finished_run import Run
 from sim.harness.upright import upright
 from sim.suites.checks import CheckFinding, NewSlam
-from sim.suites.staircases import CLIMB_M, NEAR_M, staircases_are_rooms, stairs_are_climbed
+from sim.suites.staircases import ALONG_M, NEAR_M, staircases_are_rooms, stairs_are_climbed
 
 _STEP_M, _STEP_RAD = 0.25, 0.1
 """Largest allowed difference between the estimated motion and the odometry's motion from one frame of the estimate to the
@@ -258,7 +258,7 @@ CONSISTENCY = (
     Consistent(
         "labels on stairs",
         "Frames in the middle of a climb are labelled as stairs. Frames whose path is level before and after them, for "
-        f"{CLIMB_M} m each, are not, except on half landings.",
+        f"{ALONG_M} m each, are not, except on half landings.",
         stairs_are_climbed,
     ),
     Consistent(

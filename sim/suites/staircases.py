@@ -10,7 +10,7 @@ from sim.harness.upright import upright
 from sim.suites.checks import CheckFinding
 from worlds.labels import STAIRS
 
-CLIMB_M = 1.25
+ALONG_M = 1.25
 """Length of the path before and after a frame that tells whether the frame is on stairs [m]."""
 _STEEP = 0.45
 """A frame is certainly on stairs if the path is at least as steep as this before and after the frame [m/m]. The stairs of
@@ -20,7 +20,7 @@ _LANDING_M = 3.0
 is level is on a half landing if the path rises over this length before the frame and again over this length after it, or if
 it falls both times."""
 _LEVEL_M = 0.2
-"""A frame is certainly not on stairs if the heights `CLIMB_M` before and after it differ by at most this from its own
+"""A frame is certainly not on stairs if the heights `ALONG_M` before and after it differ by at most this from its own
 height [m]."""
 NEAR_M = 1.0
 """Two frames on stairs are certainly on one staircase if their horizontal distance is at most this [m]."""
@@ -34,8 +34,8 @@ def stairs_are_climbed(run: Run) -> CheckFinding:
     labelled = labels == run.room_names.index(STAIRS)
     positions = run.odometry_poses[:, :3, 3]
     path = arc_length(positions)
-    rise, further = (_rises(path, positions[:, 2], length_m) for length_m in (CLIMB_M, _LANDING_M))
-    climbs = (rise.prod(axis=0) > 0) & (np.abs(rise) >= _STEEP * CLIMB_M).all(axis=0)
+    rise, further = (_rises(path, positions[:, 2], length_m) for length_m in (ALONG_M, _LANDING_M))
+    climbs = (rise.prod(axis=0) > 0) & (np.abs(rise) >= _STEEP * ALONG_M).all(axis=0)
     landing = (further.prod(axis=0) > 0) & (np.abs(further) > _LEVEL_M).all(axis=0)
     level = (np.abs(rise) <= _LEVEL_M).all(axis=0) & ~landing
     missed, wrong = int((climbs & ~labelled).sum()), int((level & labelled).sum())

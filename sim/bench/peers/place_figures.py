@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float64, Int
 from scipy.sparse import csr_array
 
 from lexis.config import PlaceRecognitionConfig
-from lexis.evaluation.place_recognition import PLACE_M, PLACE_RAD, Counts, count_matches
+from lexis.evaluation.place_recognition import PLACE_M, PLACE_RAD, MatchCounts, count_matches
 from lexis.evaluation.relative import separation
 from sim.baselines.places.place_method import Scores
 from sim.bench.peers.place_walks import PlaceWalk
@@ -83,7 +83,7 @@ class PlaceFigures:
         """Number of queries that were answered."""
         return self.row.tp_1 + self.row.fp_1
 
-    def counts_of(self, answered: int) -> tuple[Counts, ...]:
+    def counts_of(self, answered: int) -> tuple[MatchCounts, ...]:
         """Return the counts at N = 1, 3 and 5 if only this number of queries is answered: those with the best scores.
 
         Queries without any candidate cannot be answered, so that fewer may be.
@@ -91,7 +91,7 @@ class PlaceFigures:
         hits = self.hits[np.argsort(-self.best, kind="stable")[: min(answered, int(np.isfinite(self.best).sum()))]]
         possible = (self.row.possible_1, self.row.possible_3, self.row.possible_5)
         found = [int((hits >= n).sum()) for n in REQUIRED]
-        return tuple(Counts(tp, len(hits) - tp, each) for tp, each in zip(found, possible, strict=True))
+        return tuple(MatchCounts(tp, len(hits) - tp, each) for tp, each in zip(found, possible, strict=True))
 
 
 @dataclass(frozen=True, eq=False)

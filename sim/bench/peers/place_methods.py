@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import logit
 
 from lexis.config import PlaceRecognitionConfig
-from lexis.evaluation.place_recognition import Counts
+from lexis.evaluation.place_recognition import MatchCounts
 from sim.baselines.places.bag_of_words import BagOfWords
 from sim.baselines.places.by_embedding import EmbeddingSimilarity, SequenceMatching
 from sim.baselines.places.descriptors import training_descriptors
@@ -91,7 +91,7 @@ def compare_place_methods(walks: Iterable[PlaceWalk]) -> Iterator[PlaceFigures]:
 class PlaceTotal:
     """Figures of one method over all walks of a preset: counts are sums; recalls are means over walks with revisits."""
 
-    counts: tuple[Counts, ...]
+    counts: tuple[MatchCounts, ...]
     """Counts for N = 1, 3 and 5."""
     false_places: tuple[int, ...]
     """Numbers of false positives at N = 1 by the place of the best match; see `PLACES`."""
@@ -101,7 +101,7 @@ class PlaceTotal:
     """Precision against recall over the queries of all walks."""
 
 
-def equally_often(found: Sequence[PlaceFigures]) -> dict[str, dict[str, tuple[Counts, ...]]]:
+def equally_often(found: Sequence[PlaceFigures]) -> dict[str, dict[str, tuple[MatchCounts, ...]]]:
     """Count the matches of LEXIS if it answers as many queries of each walk as each other method, by preset and method.
 
     LEXIS answers the queries of which it is most certain. With equally many answers, a method with more true matches has
@@ -109,13 +109,13 @@ def equally_often(found: Sequence[PlaceFigures]) -> dict[str, dict[str, tuple[Co
     and summed over walks. The figures `found` are in the order of `compare_place_methods`: LEXIS is first for every walk.
     """
     lexis = next(iter(METHODS))
-    sums: dict[str, dict[str, tuple[Counts, ...]]] = {}
+    sums: dict[str, dict[str, tuple[MatchCounts, ...]]] = {}
     for each in found:
         if each.row.method == lexis:
             own = each
             continue
         methods = sums.setdefault(each.row.preset, {})
-        before = methods.get(each.row.method, (Counts(0, 0, 0),) * len(REQUIRED))
+        before = methods.get(each.row.method, (MatchCounts(0, 0, 0),) * len(REQUIRED))
         methods[each.row.method] = tuple(map(add, before, own.counts_of(each.answered)))
     return sums
 
@@ -132,7 +132,7 @@ def _total(found: Sequence[PlaceFigures]) -> PlaceTotal:
     def of(name: str) -> list[int]:
         return [getattr(each.row, name) for each in found]
 
-    counts = tuple(Counts(*(sum(of(f"{name}_{n}")) for name in ("tp", "fp", "possible"))) for n in REQUIRED)
+    counts = tuple(MatchCounts(*(sum(of(f"{name}_{n}")) for name in ("tp", "fp", "possible"))) for n in REQUIRED)
     false = tuple(sum(of(name)) for name in FALSE_FIELDS)
     recalls = tuple(mean_and_std(getattr(each.row, f"recall_at_{n}") for each in found)[0] for n in REQUIRED)
     return PlaceTotal(counts, false, recalls, curve(found))

@@ -26,7 +26,7 @@ from sim.commands.progress import tracked
 from sim.errors import SimError
 
 if TYPE_CHECKING:
-    from lexis.evaluation.place_recognition import Counts
+    from lexis.evaluation.place_recognition import MatchCounts
     from sim.bench.peers.difficulty_sweep import Difficulty
     from sim.bench.peers.place_methods import PlaceTotal
     from sim.bench.peers.place_walks import PlaceWalk
@@ -168,7 +168,7 @@ def _matches(methods: "Mapping[str, PlaceTotal]", title: str) -> Table:
 
 
 def _matches_as_often(
-    methods: "Mapping[str, PlaceTotal]", as_often: "Mapping[str, tuple[Counts, ...]]", title: str
+    methods: "Mapping[str, PlaceTotal]", as_often: "Mapping[str, tuple[MatchCounts, ...]]", title: str
 ) -> Table:
     table = Table("method", *(f"{n}, {whose}" for n in _AT_N for whose in ("LEXIS", "method")), title=title)
     for name, counts in as_often.items():

@@ -7,8 +7,8 @@ from lexis.evaluation.rooms import SHARE
 from sim.harness.diagnosis.first_wrong import misplaced
 from sim.harness.finished_run import Run
 
-NO_FLOOR, TOO_HIGH, TOO_LOW = "placed on no floor", "placed on a floor too high", "placed on a floor too low"
-NO_ROOM, SPLIT = "in no estimated room", "split from the rest of their room"
+ON_NO_FLOOR, TOO_HIGH, TOO_LOW = "placed on no floor", "placed on a floor too high", "placed on a floor too low"
+IN_NO_ROOM, SPLIT = "in no estimated room", "split from the rest of their room"
 TWINS, STRANGERS = "merged with a room of the same label", "merged with a room of another label"
 STRAY = "on the wrong side of a border between rooms"
 """Kind of frames that belong to another room's instance while their own room is not merged: mostly frames near doorways."""
@@ -45,7 +45,7 @@ def _of_floors(run: Run) -> Iterator[str]:
     if estimates is not None:
         for estimate, floor in zip(estimates[~run.on_stairs].tolist(), truth[~run.on_stairs].tolist(), strict=True):
             if estimate != floor:
-                yield NO_FLOOR if estimate < 0 else TOO_HIGH if estimate > floor else TOO_LOW
+                yield ON_NO_FLOOR if estimate < 0 else TOO_HIGH if estimate > floor else TOO_LOW
 
 
 def _of_rooms(run: Run, labels: Mapping[str, str]) -> Iterator[str]:
@@ -54,7 +54,7 @@ def _of_rooms(run: Run, labels: Mapping[str, str]) -> Iterator[str]:
         room = int(truth[row])
         match how:
             case "nowhere":
-                yield NO_ROOM
+                yield IN_NO_ROOM
             case "merged" if not _lies_mostly_in(run, room, estimate):
                 yield STRAY
             case "merged":

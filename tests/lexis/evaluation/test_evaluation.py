@@ -16,7 +16,7 @@ from lexis.evaluation.coverage import path_covered
 from lexis.evaluation.floors import floor_accuracy, floor_count_error
 from lexis.evaluation.labels import accuracy, accuracy_per_room, graded_accuracy
 from lexis.evaluation.loops import opposite_edges, opposite_revisits, score_loops, true_revisits
-from lexis.evaluation.place_recognition import Counts, at_one_place, count_matches, right_matches
+from lexis.evaluation.place_recognition import MatchCounts, at_one_place, count_matches, right_matches
 from lexis.evaluation.planning import spl, success_rate
 from lexis.evaluation.relative import separation
 from lexis.evaluation.rooms import score_rooms
@@ -218,15 +218,15 @@ def test_place_recognition_asks_for_n_right_matches():
     candidates = [(5, (0, 1, 2, 3, 4)), (3, (0, 1)), (4, ())]
     earlier = np.tri(6, k=-1, dtype=bool)
     counts = [count_matches(candidates, csr_array(earlier & at_one_place(truth)), n) for n in (1, 3, 5)]
-    assert counts == [Counts(1, 1, possible=1), Counts(1, 1, possible=1), Counts(0, 2, possible=0)]
+    assert counts == [MatchCounts(1, 1, possible=1), MatchCounts(1, 1, possible=1), MatchCounts(0, 2, possible=0)]
     assert [count.precision for count in counts] == [0.5, 0.5, 0.0]
-    assert Counts(0, 0, possible=1).precision is None
+    assert MatchCounts(0, 0, possible=1).precision is None
 
 
 def test_a_keyframe_that_is_not_old_enough_is_no_right_match():
     earlier = csr_array(np.tri(3, k=-1, dtype=bool))
     itself = [(query, (query,)) for query in range(3)]
-    assert count_matches(itself, earlier, 1) == Counts(0, 3, possible=2)
+    assert count_matches(itself, earlier, 1) == MatchCounts(0, 3, possible=2)
     repeated = [(2, (0, 0, 0))]
     assert [count_matches(repeated, earlier, n).tp for n in (1, 2, 3)] == [1, 0, 0]
 

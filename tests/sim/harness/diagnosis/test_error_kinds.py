@@ -9,8 +9,8 @@ import pytest
 from sim.bench.planted_bugs import floors, no_bug, planted, revisits, twins
 from sim.harness import Claim, FailureTest, Scenario, evaluate, reduce, run
 from sim.harness.diagnosis.error_kinds import (
-    NO_FLOOR,
-    NO_ROOM,
+    IN_NO_ROOM,
+    ON_NO_FLOOR,
     SPLIT,
     STRANGERS,
     STRAY,
@@ -56,11 +56,11 @@ def everything(run):
     [
         (TALL, floors, "floors.accuracy", TOO_LOW),
         (TALL, above, "floors.accuracy", TOO_HIGH),
-        (TALL, nowhere, "floors.accuracy", NO_FLOOR),
+        (TALL, nowhere, "floors.accuracy", ON_NO_FLOOR),
         (BEDROOMS, twins, "rooms.merges", TWINS),
         (BEDROOMS, everything, "rooms.pq", STRANGERS),
         (BEDROOMS, revisits, "rooms.splits", SPLIT),
-        (BEDROOMS, nowhere, "rooms.pq", NO_ROOM),
+        (BEDROOMS, nowhere, "rooms.pq", IN_NO_ROOM),
     ],
 )
 def test_each_bug_has_its_kind_of_error(scenario, bug, figure, kind):
