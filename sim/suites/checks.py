@@ -6,8 +6,9 @@ review of challenges and opportunities", ACM Computing Surveys 51, 2018). Each l
 this tolerance.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Literal, NamedTuple, Protocol
 
 from lexis.errors import one_line
@@ -33,6 +34,12 @@ from worlds.errors import WorldsError
 NewSlam = Callable[[], SlamUnderTest] | Program
 """A function that makes a SLAM that has not run yet; or a program under test, which reads recordings of the scenarios."""
 _QUANTITIES = ("labels", "rooms", "floors", "loops", "T_W_B")
+_NEEDED_BY: Mapping[str, str] = MappingProxyType(
+    {name: name for name in ("labels", "rooms", "floors", "loops")}
+    | {"trajectory": "T_W_B", "place_recognition": "candidates"}
+)
+"""Field of `Estimate` that figures need, by the first part of their names. A figure that is null although the field is
+estimated does not apply to the scenario, such as the recall of loops on a walk without revisits."""
 _SHARES = ("frames", "labels", "rooms", "floors", "loops")
 """The figures of `EstimateAgreement` that are not distances or angles."""
 
@@ -47,6 +54,9 @@ class CheckFinding(NamedTuple):
     """The measured values, for the report."""
     is_crash: bool = False
     """Whether the SLAM raised an exception, or a program failed, so that there is nothing to check."""
+    is_withheld: bool = False
+    """Whether the check cannot be decided because the SLAM does not estimate what it is about. If the SLAM estimates this in
+    another scenario of the part, the check counts as failed here."""
 
 
 class Check(Protocol):
@@ -93,8 +103,12 @@ class ClaimCheck:
 
     def examine(self, base: EvaluatedRun, new_slam: NewSlam) -> CheckFinding:
         """Compare the figure of the unchanged run with the limit."""
-        outcome = self.claim.outcome(base.result)
-        return CheckFinding(None if outcome == "unknown" else outcome == "holds", self.claim.described(base.result))
+        outcome, measured = self.claim.outcome(base.result), self.claim.described(base.result)
+        if outcome == "unknown":
+            groups = {figure.split(".")[0] for figure in self.claim.figures} & _NEEDED_BY.keys()
+            lacks = any(not _has(base.run.estimate, _NEEDED_BY[group]) for group in groups)
+            return CheckFinding(None, measured, is_withheld=lacks)
+        return CheckFinding(outcome == "holds", measured)
 
 
 @dataclass(frozen=True)

@@ -140,9 +140,20 @@ class CheckVerdict:
         return "\n".join(lines)
 
     def _holds(self, scenario: Examination) -> bool | None:
-        """Return whether the check holds in a scenario; None if it was not made there, or could not be decided."""
+        """Return whether the check holds in a scenario; None if it was not made there, or could not be decided.
+
+        An estimate that the SLAM withholds in this scenario, but not in all others, counts as a failure. Otherwise, a SLAM
+        that estimates nothing where it is lost would be judged by its good runs alone.
+        """
         finding = scenario.findings.get(self.check)
-        return None if finding is None else finding.holds
+        if finding is None or not finding.is_withheld:
+            return None if finding is None else finding.holds
+        return False if self._is_decided_somewhere else None
+
+    @cached_property
+    def _is_decided_somewhere(self) -> bool:
+        findings = (each.findings.get(self.check) for each in self.examined)
+        return any(finding is not None and finding.holds is not None for finding in findings)
 
     def _houses(self, scenarios: Iterable[Examination]) -> Iterator[tuple[Examination, ...]]:
         """Yield those of the scenarios that belong to one group, group by group."""

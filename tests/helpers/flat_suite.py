@@ -79,9 +79,8 @@ def outcomes(report):
 
 
 def verdict_on(*held, rate=0.9, group=1, n=20):
-    """The verdict about a check that holds in these scenarios."""
+    """The verdict about a check that holds in these scenarios, or that found something there."""
     part = replace(PART, n=n, group=group)
-    found = tuple(
-        Examination("flat", k, OPEN_FLAT, None, {"check": CheckFinding(holds, "")}) for k, holds in enumerate(held)
-    )
+    findings = (each if isinstance(each, CheckFinding) else CheckFinding(each, "") for each in held)
+    found = tuple(Examination("flat", k, OPEN_FLAT, None, {"check": finding}) for k, finding in enumerate(findings))
     return CheckVerdict(part, "check", "", rate, found)

@@ -12,7 +12,7 @@ from sim.errors import SimError
 from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.harness.claims import Claim
 from sim.harness.crash import COMPLETES
-from sim.suites.checks import CheckFinding
+from sim.suites.checks import CheckFinding, ClaimCheck, evaluated_run
 from sim.suites.examination import Examination, examine, jobs_of
 from sim.suites.figure_table import figure_table
 from sim.suites.openness_chart import openness_chart
@@ -42,6 +42,28 @@ def test_a_part_that_was_not_begun_is_not_examined_rather_than_not_estimated():
 def test_a_check_that_a_crash_prevents_is_not_examined_rather_than_not_estimated():
     report = check_slam(Broken, FLAT)
     assert outcomes(report) == dict.fromkeys(outcomes(report), "not examined") | {COMPLETES: "fails"}
+
+
+def test_an_estimate_that_is_withheld_counts_as_a_failure_if_it_is_not_always_withheld():
+    """A SLAM that estimates nothing where it is lost must not be judged by its good runs alone."""
+    held, withheld = CheckFinding(True, ""), CheckFinding(None, "", is_withheld=True)
+    unsuited = CheckFinding(None, "")
+    assert verdict_on(*[held] * 10, *[withheld] * 20, n=30).outcome == "fails"
+    assert verdict_on(*[held] * 10, *[unsuited] * 20, n=30).counts == (10.0, 10)
+    assert verdict_on(*[withheld] * 20).outcome == "not applicable"
+    assert verdict_on(held, withheld, rate=None).outcome == "fails"
+
+
+def test_a_figure_is_withheld_if_the_slam_does_not_estimate_what_it_needs():
+    base = evaluated_run(OPEN_FLAT, GeometricRooms)
+    found = {
+        name: ClaimCheck(Claim.parse(name + " > 0.5"), 0.9).examine(base, GeometricRooms)
+        for name in ("labels.accuracy", "rooms.pq", "loops.recall", "trajectory.ate_m")
+    }
+    assert {name for name, finding in found.items() if finding.is_withheld} == {"labels.accuracy", "loops.recall"}
+    short = evaluated_run(replace(OPEN_FLAT, length_m=10.0), GeometricRooms)
+    figure = ClaimCheck(Claim.parse("trajectory.rpe_24m_m > 0.5"), 0.9).examine(short, GeometricRooms)
+    assert figure.holds is None and not figure.is_withheld  # the walk is shorter than 24 m
 
 
 def test_a_failure_that_becomes_certain_after_a_success_counts():
