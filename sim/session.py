@@ -21,7 +21,7 @@ from sim.prefetch import prefetched
 from sim.render.lens import Distortion, rendered_camera
 from sim.render.scene import Scene
 from sim.tours.tour import Tour
-from sim.truth import Truth
+from sim.truth import Truth, camera_positions
 from sim.world_states import FrameRenderer, WorldStates
 from worlds.house import House
 from worlds.truth import NOWHERE, floor_at, room_at
@@ -60,7 +60,7 @@ class Session:
     ) -> None:
         self.house, self.tour, self.odometry, self.camera = house, tour, odometry, camera
         self.faults, self._seed = tuple(faults), seed
-        truths = _truths(house, tour)
+        truths = _truths(house, tour, camera)
         self._distortion = distortion
         self._keeps_images = keeps_images
         self._kept: list[tuple[Image, ...]] = []
@@ -167,8 +167,8 @@ def _as_recorded(poses: Poses) -> Poses:
     return poses_of(pose_rows(poses))
 
 
-def _truths(house: House, tour: Tour) -> tuple[Truth, ...]:
-    positions = tour.T_W_B[:, :3, 3]
+def _truths(house: House, tour: Tour, camera: Camera) -> tuple[Truth, ...]:
+    positions = camera_positions(tour.T_W_B, camera)
     rooms, storeys = room_at(house, positions), floor_at(house, positions)
     if (outside := rooms == NOWHERE).any():
         frame = int(np.argmax(outside))

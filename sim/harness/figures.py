@@ -44,6 +44,7 @@ from sim.harness.runner import run
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import CommandSlam, SlamUnderTest
 from sim.harness.trial import Trial
+from sim.truth import camera_positions
 from worlds.truth import ambiguity_at, floor_area, openness
 
 _ROUNDING_M = 1e-9
@@ -131,7 +132,7 @@ def _labels(run: Run) -> LabelFigures:
     if labels is None:
         return LabelFigures(accuracy_baseline=before)
     names = run.room_names
-    allowed_rooms = ambiguity_at(run.house, run.true_poses[:, :3, 3])
+    allowed_rooms = ambiguity_at(run.house, camera_positions(run.true_poses, run.session.camera))
     label_of_room = np.array([names.index(room.label) for room in run.house.rooms])
     allowed = np.stack([allowed_rooms[:, label_of_room == k].any(axis=1) for k in range(len(names))], axis=1)
     return LabelFigures(

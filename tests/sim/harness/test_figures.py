@@ -14,7 +14,10 @@ from sim.harness import Scenario, evaluate, run
 from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.harness.diagnosis.usual_mistakes import usual_mistakes
 from sim.harness.estimate import EstimatedLoops
+from sim.harness.scenario_sessions import picture_session
+from sim.render.rig import RigConfig
 from worlds.presets import sample_from_rooms
+from worlds.truth import room_at
 
 LONG = replace(OPEN_FLAT, length_m=80.0)
 
@@ -60,3 +63,13 @@ def test_floors_are_numbered_from_the_lowest_that_the_walk_visits():
     floors = evaluate(finished).floors
     assert (floors.accuracy, floors.count_error) == (1.0, 0)
     assert not list(usual_mistakes(finished))
+
+
+def test_a_frame_belongs_to_the_room_of_its_camera_also_if_the_camera_is_in_front_of_the_body():
+    ahead = replace(OPEN_FLAT, rig=RigConfig(lever_arm_m=(0.15, 0.0, 0.0)))
+    session = picture_session(ahead)
+    bodies = session.tour.T_W_B
+    cameras = (bodies @ session.camera.T_B_C)[:, :3, 3]
+    rooms = np.array([truth.room for truth in session.truths])
+    np.testing.assert_array_equal(rooms, room_at(session.house, cameras))
+    assert (rooms != room_at(session.house, bodies[:, :3, 3])).any()
