@@ -182,13 +182,13 @@ def test_revisits_and_places_are_those_of_all_pairs(n, seed):
     truth = np.array([pose(0.25 * x, yaw) for x, yaw in zip(rng.integers(0, 12, n), rng.uniform(0, 7, n), strict=True)])
     truth, stamps = truth.reshape(n, 4, 4), rng.permutation(2.5 * np.arange(n))
     later, earlier = plain_pairs(truth, stamps)
-    angle = separation(truth, later, earlier)[1]
+    angle = separation(truth[later], truth[earlier])[1]
     same, opposite = np.unique(later[angle <= 0.5]), later[angle >= np.pi - 0.5]
     np.testing.assert_array_equal(true_revisits(truth, stamps), same)
     np.testing.assert_array_equal(opposite_revisits(truth, stamps), np.setdiff1d(opposite, same))
     near = np.linalg.norm(truth[:, None, :3, 3] - truth[:, :3, 3], axis=2) <= 1.0
     first, second = np.nonzero(near)
-    near[first, second] = separation(truth, first, second)[1] <= 0.5
+    near[first, second] = separation(truth[first], truth[second])[1] <= 0.5
     np.testing.assert_array_equal(at_one_place(truth), near)
     path_m = np.sort(rng.uniform(0.0, 30.0, n))
     old = [old_enough(query, stamps, path_m, PlaceRecognitionConfig()) for query in range(n)]
