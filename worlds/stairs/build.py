@@ -124,6 +124,7 @@ def _spiral(spec: HouseSpec, floors_m: Sequence[float], level: int, room: RoomSp
     if (head_room := spiral.rise - SLAB_THICKNESS_M) < MIN_HEAD_ROOM_M:
         valid = f"a rise of at least {MIN_HEAD_ROOM_M + SLAB_THICKNESS_M:.2f} m"
         raise HouseError(f"spiral {room.id!r}: the floor above leaves {head_room:.2f} m of head room; valid: {valid}")
+    goes_on = any(is_same_cell(room, other) for storey in spec.storeys[level + 2 :] for other in storey.rooms)
     line = spiral.line(*(frame.plan(*end.middle[:2])[1] for end in (foot, head)))
     line = [_outwards(line[1], line[0]), *line, _outwards(line[-2], line[-1])]
     return Stairs(
@@ -132,7 +133,7 @@ def _spiral(spec: HouseSpec, floors_m: Sequence[float], level: int, room: RoomSp
         "spiral",
         spiral.steps(frame, floors_m[level]),
         slab_parts(spiral.floors(), frame, floors_m[level]),
-        rail_parts(spiral.rails(), frame, floors_m[level]),
+        rail_parts(spiral.rails(goes_on), frame, floors_m[level]),
         np.round([(*frame.world(u, v), floors_m[level] + z) for u, v, z in line], 9),
     )
 

@@ -128,13 +128,17 @@ class Spiral:
             Slab((self.front_m, u - _POLE_M), (v - half, v + half), self.rise),
         ]
 
-    def rails(self) -> list[Rail]:
-        """Return the railings of the upper floor and its landing, except where the steps arrive."""
+    def rails(self, goes_on: bool) -> list[Rail]:
+        """Return the railings of the upper floor and its landing, except where the steps arrive.
+
+        If another spiral `goes_on` from the landing, there is no railing where its steps begin.
+        """
         (u, v), half, edge, top = self.centre, _LANDING_M / 2, self.front_m, self.rise
+        beside_landing = Rail((edge, v + half, top), (u - _POLE_M, v + half, top))
         return [
             Rail((edge, INSET_M, top), (edge, v - half, top)),
             Rail((edge, v + half, top), (edge, self.width - INSET_M, top)),
-            Rail((edge, v + half, top), (u - _POLE_M, v + half, top)),
+            *([] if goes_on else [beside_landing]),
         ]
 
     def steps(self, frame: CellFrame, floor_m: float) -> tuple[Part, ...]:

@@ -12,6 +12,7 @@ from shapely.geometry import Point, box
 from lexis.config import LabelConfig
 from lexis.floors import assign_floors
 from lexis.stairs import lift_rides, on_stairs
+from sim.tours.smooth import evenly
 from sim.tours.tour import plan_tour
 from worlds.errors import HouseError
 from worlds.house import Furniture, build_house
@@ -70,6 +71,17 @@ def test_the_walking_line_passes_over_every_step_with_head_room(house):
         for x, y, z in line[first - 1 :]:
             above = [part for part in parts if top(part) > z + 0.5 and footprint(part).contains(Point(x, y))]
             assert min((part.centre[2] - part.size[2] / 2 - z for part in above), default=np.inf) >= MIN_HEAD_ROOM_M
+
+
+@pytest.mark.parametrize("seed", [3, 7])
+def test_nobody_walks_through_a_railing_of_a_spiral_in_three_storeys(seed):
+    house = build_house(variant(sample_house("uh2-apt", seed, clutter=0.2), climb="spiral"))
+    rails = [part for flight in house.stairs for part in flight.railing]
+    assert len(house.stairs) == 2 and rails
+    for flight in house.stairs:
+        for x, y, z in evenly(flight.walking_line, 0.02):
+            at_body = [rail for rail in rails if rail.centre[2] - rail.size[2] / 2 < z + 1.9 and top(rail) > z + 0.05]
+            assert all(footprint(rail).distance(Point(x, y)) > 0.1 for rail in at_body)
 
 
 def test_furniture_on_any_step_of_a_spiral_is_refused(house):
