@@ -14,6 +14,8 @@ from sim.faults.closing_doors import built_leaves
 from worlds.checks.collisions import overlaps
 from worlds.checks.furniture_checks import boxes_around
 from worlds.free_space import Obstacles
+from worlds.furniture.catalogue import kind_of
+from worlds.furniture.kinds import OnCeiling, OnWall
 from worlds.furniture.placing.room_plan import FLAT_M
 from worlds.house import Furniture, House
 
@@ -81,8 +83,10 @@ def _height(house: House, piece: Furniture) -> float:
 
 
 def _rides(house: House, other: Furniture, piece: Furniture) -> bool:
+    """Whether a piece stands on another one. What hangs on a wall or a ceiling stays where it is."""
+    hangs = isinstance(kind_of(other.kind).place, OnWall | OnCeiling)
     above = other.storey == piece.storey and _ON_FLOOR_M <= _height(house, other) <= piece.size[2] + _ON_FLOOR_M
-    return above and bool(piece.footprint.covers(shapely.Point(other.position[:2])))
+    return above and not hangs and bool(piece.footprint.covers(shapely.Point(other.position[:2])))
 
 
 def _overlap(moved: Sequence[Furniture], obstacles: Obstacles) -> bool:

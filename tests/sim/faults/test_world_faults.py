@@ -17,6 +17,8 @@ from sim.render.camera import wide_camera
 from sim.session import Session
 from sim.tours.tour import Tour, TourConfig, plan_tour
 from worlds.checks import PlanGrid, furniture_problems
+from worlds.furniture.catalogue import kind_of
+from worlds.furniture.kinds import OnCeiling, OnWall
 from worlds.house import build_house
 from worlds.presets import PRESETS, sample_from_rooms, sample_house
 from worlds.walkable import Walkable
@@ -101,11 +103,16 @@ def test_moved_furniture_stands_clear_in_its_room(house, tour):
 
 @pytest.mark.parametrize("preset", PRESETS)
 def test_a_house_with_moved_furniture_passes_the_checks_of_a_house(preset):
-    """No two things overlap, nothing stands where a door swings or in a window, and nothing leaves its room."""
+    """No two things overlap, nothing stands where a door swings or in a window, nothing leaves its room, and what hangs on a
+    wall stays there."""
     for seed in (1, 2, 3, 4, 300):
         house = build_house(sample_house(preset, seed))
         after = with_furniture_moved(house, np.zeros((0, 3)), 1.0, 1.5, 0.5, np.random.default_rng(seed))
         assert poses(after) != poses(house.furniture)
+        hanging = [isinstance(kind_of(piece.kind).place, OnWall | OnCeiling) for piece in after]
+        assert [p for p, hangs in zip(poses(after), hanging, strict=True) if hangs] == [
+            p for p, hangs in zip(poses(house.furniture), hanging, strict=True) if hangs
+        ]
         grid = PlanGrid.of(house.spec)
         assert set(furniture_problems(replace(house, furniture=after), grid)) <= set(furniture_problems(house, grid))
 
