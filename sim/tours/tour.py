@@ -22,6 +22,7 @@ from sim.tours.smooth import smooth_path
 from sim.tours.start import with_start_manoeuvre
 from sim.tours.sway import draw_sway
 from sim.tours.view import view_along
+from worlds.free_space import BODY_HIGH_M
 from worlds.house import House
 from worlds.walkable import Walkable
 
@@ -70,15 +71,13 @@ class Tour:
 def plan_tour(house: House, walkable: Walkable, rng: np.random.Generator, config: TourConfig | None = None) -> Tour:
     """Plan a tour that a body of the radius `walkable.radius_m` can walk without collision.
 
-    Raises `SimError` if no tour is possible in the house, or no tour of the requested length, and for a camera that would be
-    above a ceiling.
+    Raises `SimError` if no tour is possible in the house, or no tour of the requested length, and for a camera above the
+    height up to which paths are free.
     """
     config = config or TourConfig()
-    ceiling_m = min(storey.ceiling_m - storey.floor_m for storey in house.storeys)
-    if config.eye_height_m >= ceiling_m:
-        raise SimError(
-            f"tour: eye_height_m is {config.eye_height_m:g}; valid: below {ceiling_m:g}, the lowest ceiling of the house"
-        )
+    if config.eye_height_m >= BODY_HIGH_M:
+        given = f"tour: eye_height_m is {config.eye_height_m:g}"
+        raise SimError(f"{given}; valid: below {BODY_HIGH_M:g}, the height up to which paths are free of obstacles")
     planner, sway_rng = Planner.of(house, walkable, config, rng), rng.spawn(1)[0]
     path = _path(planner, config)
     if config.reverse:

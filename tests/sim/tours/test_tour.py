@@ -241,8 +241,8 @@ def test_bad_settings_name_what_is_valid():
     for endless in (np.inf, np.nan):
         with pytest.raises(SimError, match=r"length_m is (inf|nan); valid"):
             TourConfig(length_m=endless)
-    with pytest.raises(SimError, match=r"^tour: eye_height_m is 2\.6; valid: below 2\.6, the lowest ceiling of the house"):
-        tour_of("home", 11, eye_height_m=2.6)
+    with pytest.raises(SimError, match=r"^tour: eye_height_m is 1\.9; valid: below 1\.9, the height up to which paths"):
+        tour_of("home", 11, eye_height_m=1.9)
     assert tour_of("random", 14, kind="loop").length_m > 20.0
     with pytest.raises(SimError, match=r"circuit_m is 900; valid: up to \d+ in this house"):
         tour_of("random", 14, kind="loop", circuit_m=900.0)
