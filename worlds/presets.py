@@ -86,8 +86,8 @@ def sample_from_rooms(
     if others.count("balcony") > storeys:
         raise WorldsError(f"{others.count('balcony')} balconies were asked for; valid: at most one per storey ({storeys})")
     rngs = _generators(seed)
-    habits = LayoutShares(open_plan=0.5, twins=0.3)
-    programmes = programmes_of(by_storey(others, storeys, ("bedroom", "children's room"), rngs[0]), habits, None, rngs[0])
+    shares = LayoutShares(open_plan=0.5, twins=0.3)
+    programmes = programmes_of(by_storey(others, storeys, ("bedroom", "children's room"), rngs[0]), shares, None, rngs[0])
     programmes = tuple(replace(p, spine=spine or "corridor") for p in programmes)
     return _finished(f"rooms-{seed}", seed, programmes, PlanStyle(), rngs, openness, clutter)
 
@@ -139,7 +139,7 @@ def _check_storeys(storeys: int, indoors: int) -> None:
         raise WorldsError(f"{storeys} storeys were asked for; valid: 1 to {MAX_STOREYS_ASKED}")
     if indoors < storeys:
         raise WorldsError(
-            f"{indoors} indoor rooms besides the corridor cannot fill {storeys} storeys; ask for at least one per storey"
+            f"{indoors} indoor rooms besides the corridor cannot fill {storeys} storeys; valid: at least one for each storey"
         )
 
 

@@ -40,6 +40,7 @@ def variant(
         repaint: new `appearance.seed`; all geometry stays.
         add_storey: whether the plan of the top storey is repeated on top, with new room ids and therefore new furniture.
         climb: what takes the place of all stairs: "lift" or "spiral". Each keeps its first opening on every storey.
+            For a spiral, these openings have to be in one side, as those of U-shaped stairs are.
 
     Room ids stay, because the random numbers of a room depend on its id. Before a house is mirrored or rotated, its windows
     and furniture are written into the spec, so that they stay at their walls. The textures of rooms are painted anew; they

@@ -146,7 +146,11 @@ VARIANT = Action(
         argument("--repaint", type=seed, metavar="SEED", help="draw other materials and colours"),
         argument("--add-storey", action="store_true", help="repeat the plan of the top storey on top"),
         argument("--list-furniture", action="store_true", help=_LIST),
-        argument("--climb", choices=("lift", "spiral"), help="put lifts or spiral stairs in place of all stairs"),
+        argument(
+            "--climb",
+            choices=("lift", "spiral"),
+            help="put lifts or spiral stairs in place of all stairs; spirals need U-shaped stairs",
+        ),
         *_APPEARANCE,
         _OUT,
     ),

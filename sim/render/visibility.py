@@ -80,10 +80,13 @@ class Visibility:
     def __init__(self, house: House) -> None:
         self.outdoors = len(house.rooms)
         self.all: Cells = frozenset(range(self.outdoors + 1))
-        self._names = {room.id: self.outdoors if room.outdoor else i for i, room in enumerate(house.rooms)}
+        self._cell_of_room = {room.id: self.outdoors if room.outdoor else i for i, room in enumerate(house.rooms)}
         slab = house.spec.slab_m
         self._boxes = [
-            (self._names[room.id], _Box(x0, y0, room.floor_m, x1, y1, math.inf if room.outdoor else room.ceiling_m + slab))
+            (
+                self._cell_of_room[room.id],
+                _Box(x0, y0, room.floor_m, x1, y1, math.inf if room.outdoor else room.ceiling_m + slab),
+            )
             for room in house.rooms
             for x0, y0, x1, y1 in rectangles(room.polygon)
         ]
@@ -94,7 +97,7 @@ class Visibility:
 
     def cell_of_room(self, room: str) -> int:
         """Return the index of a room's cell; the cell of the outdoors for outdoor rooms and for ids of no room."""
-        return self._names.get(room, self.outdoors)
+        return self._cell_of_room.get(room, self.outdoors)
 
     def cells_of(self, points: Float64[np.ndarray, "*n 3"]) -> Cells:
         """Return the cells into which the bounding box of points in W [m] reaches; if it is in none, the outdoor cell."""
@@ -129,7 +132,7 @@ class Visibility:
             for boundary, opening in pieces:
                 if opening is None:
                     continue
-                a, b = (self._names[house.room_by_id[room].id] if room else self.outdoors for room in boundary.rooms)
+                a, b = (self._cell_of_room[house.room_by_id[room].id] if room else self.outdoors for room in boundary.rooms)
                 height = house.wall_height(level, boundary)
                 low, high = opening.gap_m(height)
                 (x0, y0), (x1, y1) = boundary.point(boundary.low), boundary.point(boundary.high)

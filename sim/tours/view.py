@@ -20,8 +20,8 @@ _DIGITS = 7
 """Number of decimals to which angles are rounded. The last bits of trigonometric functions differ between processors, and
 the pace must not depend on these bits."""
 _LIFT_SLOPE = 2.0
-"""Least ratio of climb to horizontal path in a lift. The path is known exactly here, so that the limit can be clear of
-stairs, whose single steps are steep; LEXIS detects rides by a lower one (`lexis.stairs`)."""
+"""Least ratio of climb to horizontal path in a lift. It is above the slope of single steps of stairs. LEXIS uses a lower
+limit (`lexis.stairs`), because its poses are noisy."""
 _AMBIGUOUS_RAD = 1e-3
 """A turn to the right counts as a turn to the left if it differs from 180 degrees by less than this angle [rad]. Otherwise,
 rounding errors would decide the direction of a half turn."""

@@ -21,7 +21,9 @@ class BuildingKind:
     more: tuple[str, ...]
     """Labels from which further rooms are drawn."""
     style: PlanStyle
-    habits: LayoutShares
+    """Dimensions of the floor plans."""
+    shares: LayoutShares
+    """How often kitchens and living rooms are open to each other, and rooms of one label equal."""
     halls: tuple[str | None, ...] = (None,)
     """Possible labels of the hall at the start of the ground storey's corridor; one is drawn. None: no hall."""
     upstairs: tuple[str, ...] = ()
@@ -36,8 +38,11 @@ class BuildingKind:
 
 
 _HOME_STYLE = PlanStyle(spine_m=(1.5, 2.1), stairs=(None, None, "U", "L", "straight"))
-_OFFICE_STYLE = PlanStyle((1.6, 2.2), (3.8, 4.8), (2.6, 2.8, 3.0), one_sided_m=(8.0, 14.0))
-_CLINIC_STYLE = PlanStyle((2.2, 2.8), (4.0, 5.2), (2.8, 3.0, 3.2), ("U", "L"), (6.0, 10.0), 30.0, 0.8)
+_OFFICE_STYLE = PlanStyle(spine_m=(1.6, 2.2), depth_m=(3.8, 4.8), heights_m=(2.6, 2.8, 3.0), one_sided_m=(8.0, 14.0))
+_CLINIC_STYLE = PlanStyle(
+    spine_m=(2.2, 2.8), depth_m=(4.0, 5.2), heights_m=(2.8, 3.0, 3.2), stairs=("U", "L"), one_sided_m=(6.0, 10.0),
+    winged_m=30.0, wings=0.8,
+)  # fmt: skip
 
 BUILDING_KINDS: dict[str, BuildingKind] = {
     "home": BuildingKind(

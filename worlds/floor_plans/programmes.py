@@ -110,7 +110,7 @@ class LayoutShares:
     """Share of rooms that get exactly the same shape as the first room with their label."""
 
 
-def programme_groups(labels: Sequence[str], habits: LayoutShares, rng: np.random.Generator) -> tuple[BayGroup, ...]:
+def programme_groups(labels: Sequence[str], shares: LayoutShares, rng: np.random.Generator) -> tuple[BayGroup, ...]:
     """Group the rooms of a storey into bays, and the bays into groups. Return these in random order.
 
     A bay is a main room, the host, with the small rooms carved from it. The bays of a group stay side by side in one band (a
@@ -124,12 +124,12 @@ def programme_groups(labels: Sequence[str], habits: LayoutShares, rng: np.random
     4. Twins are put into groups, because only in one band do they get the same shape. Any other bay is a group of one.
     """
     left = [labels[i] for i in rng.permutation(len(labels))]
-    chain = _take_chain(left, habits, rng)
+    chain = _take_chain(left, shares, rng)
     small = [label for label in left if label in SMALL or (label == "bathroom" and rng.random() < 0.35)]
     for label in small:
         left.remove(label)
     joined = list(chain.bays) if chain else []
-    singles = _twins([_bay(label, rng) for label in left], habits, rng)
+    singles = _twins([_bay(label, rng) for label in left], shares, rng)
     bays = _carve(joined + singles, len(joined), small, rng)
     groups = _twin_groups(bays[len(joined) :])
     if chain is not None:
@@ -163,7 +163,7 @@ def _draw_area(label: str, rng: np.random.Generator) -> float:
     return round(float(rng.uniform(*usual)), 2)
 
 
-def _take_chain(left: list[str], habits: LayoutShares, rng: np.random.Generator) -> BayGroup | None:
+def _take_chain(left: list[str], shares: LayoutShares, rng: np.random.Generator) -> BayGroup | None:
     """Remove a kitchen, a dining room and a living room from `left`, as far as present, and make a group of them.
 
     If `left` has fewer than two of these labels, nothing is removed and the result is None.
@@ -176,21 +176,21 @@ def _take_chain(left: list[str], habits: LayoutShares, rng: np.random.Generator)
     if rng.random() < 0.5:
         chain.reverse()
     others: tuple[OpeningKind, ...] = ("cased", "arch", "half wall", "counter", "door")
-    joint: OpeningKind = "open" if rng.random() < habits.open_plan else others[int(rng.integers(len(others)))]
+    joint: OpeningKind = "open" if rng.random() < shares.open_plan else others[int(rng.integers(len(others)))]
     return BayGroup(tuple(_bay(label, rng) for label in chain), joint)
 
 
-def _twins(bays: list[Bay], habits: LayoutShares, rng: np.random.Generator) -> list[Bay]:
+def _twins(bays: list[Bay], shares: LayoutShares, rng: np.random.Generator) -> list[Bay]:
     """Turn some bays with the same label into twins (equal shapes); three quarters of them get the same furniture, too."""
     first: dict[str, Bay] = {}
     out = []
     for bay in bays:
         label = bay.labels[0]
-        if label in first and rng.random() < habits.twins:
+        if label in first and rng.random() < shares.twins:
             same_looks = rng.random() < 0.75
             out.append(replace(first[label], seed=first[label].seed if same_looks else int(rng.integers(_SEEDS))))
             continue
-        if label not in first and [b.labels[0] for b in bays].count(label) > 1 and habits.twins > 0.0:
+        if label not in first and [b.labels[0] for b in bays].count(label) > 1 and shares.twins > 0.0:
             bay = first[label] = replace(bay, twin=int(rng.integers(_SEEDS)), seed=int(rng.integers(_SEEDS)))
         out.append(bay)
     return out

@@ -44,17 +44,17 @@ def draw_programmes(
     small = storeys == 1 and rooms <= 6 and "living room" in labels and len(indoors) > 1
     if small and rng.random() < (0.5 if rooms > 3 else 1.0):
         return _around_a_living_room(labels, kind, rng)
-    return programmes_of(by_storey(labels, storeys, kind.upstairs, rng), kind.habits, hall, rng), kind.style
+    return programmes_of(by_storey(labels, storeys, kind.upstairs, rng), kind.shares, hall, rng), kind.style
 
 
 def programmes_of(
-    labels: Sequence[Sequence[str]], habits: LayoutShares, hall: str | None, rng: np.random.Generator
+    labels: Sequence[Sequence[str]], shares: LayoutShares, hall: str | None, rng: np.random.Generator
 ) -> tuple[StoreyProgramme, ...]:
     """Return the programme of every storey, lowest first, for the labels of its rooms.
 
     Only the ground storey gets `hall`.
     """
-    return tuple(_storey(own, habits, rng, None if level else hall) for level, own in enumerate(labels))
+    return tuple(_storey(own, shares, rng, None if level else hall) for level, own in enumerate(labels))
 
 
 def by_storey(labels: Sequence[str], storeys: int, upstairs: Sequence[str], rng: np.random.Generator) -> list[list[str]]:
@@ -158,9 +158,9 @@ def _repeating(
         return None
     if not 0.0 < _area(above) <= _area(above if equal else ground):
         return None
-    upper = _storey(above, kind.habits, rng, None)
+    upper = _storey(above, kind.shares, rng, None)
     upper = replace(upper, seed=int(rng.integers(_SEEDS)), groups=seeded(upper.groups, rng))
-    first = replace(upper, hall=hall) if equal else _storey(ground, kind.habits, rng, hall)
+    first = replace(upper, hall=hall) if equal else _storey(ground, kind.shares, rng, hall)
     return (first, *[upper] * (storeys - 1))
 
 
@@ -170,18 +170,18 @@ def _around_a_living_room(
     """Return the programme and style of a small home whose rooms stand along the living room, not a corridor."""
     others = list(labels)
     others.remove("living room")
-    storey = _storey(others, kind.habits, rng, None)
+    storey = _storey(others, kind.shares, rng, None)
     opens: tuple[OpeningKind, ...] = ("open", "cased", "arch", "half wall")
     groups = []
     for group in storey.groups:
-        public = group.bays[0].labels[0] in ("kitchen", "dining room") and rng.random() < max(kind.habits.open_plan, 0.5)
+        public = group.bays[0].labels[0] in ("kitchen", "dining room") and rng.random() < max(kind.shares.open_plan, 0.5)
         entry = opens[int(rng.integers(len(opens)))] if public else "door"
         groups.append(replace(group, bays=tuple(replace(bay, entry=entry) for bay in group.bays)))
     style = replace(kind.style, spine_m=(3.5, 4.6), one_sided_m=(5.0, 8.0), wings=0.0, spine_m2=16.0)
     return (replace(storey, groups=tuple(groups), spine="living room"),), style
 
 
-def _storey(labels: Sequence[str], habits: LayoutShares, rng: np.random.Generator, hall: str | None) -> StoreyProgramme:
+def _storey(labels: Sequence[str], shares: LayoutShares, rng: np.random.Generator, hall: str | None) -> StoreyProgramme:
     inside = [label for label in labels if label not in OUTDOOR_LABELS]
-    groups = programme_groups(inside, habits, rng)
+    groups = programme_groups(inside, shares, rng)
     return StoreyProgramme(groups, hall=hall, garden="garden" in labels, balcony="balcony" in labels)
