@@ -9,8 +9,10 @@ from jaxtyping import Bool, Float, Float64, Int
 from lexis.evaluation.place_recognition import PLACE_M, PLACE_RAD
 from lexis.evaluation.relative import separation
 from lexis.evaluation.trajectory import aligned
+from lexis.maths.se3 import between
 from lexis.maths.ties import rounded
 from lexis.room_names import numbered
+from sim.harness.diagnosis.usual_mistakes import usual_mistakes
 from sim.harness.finished_run import Run
 from sim.harness.loops import edge_truth
 from sim.harness.results import RunResult
@@ -41,6 +43,7 @@ def report_data(
         candidates=_candidates(run),
         failure=failure,
         estimates_poses=run.estimate.T_W_B is not None,
+        mistakes=tuple(usual_mistakes(run)),
     )
 
 
@@ -103,8 +106,10 @@ def _loops(run: Run) -> tuple[LoopMark, ...]:
     if loops is None:
         return ()
     weights = np.ones(len(loops.query)) if loops.weights is None else loops.weights
-    marks = zip(loops.query.tolist(), loops.match.tolist(), edge_truth(run).tolist(), weights.tolist(), strict=True)
-    return tuple(LoopMark(*mark) for mark in marks)
+    truth = between(run.true_poses[loops.match], run.true_poses[loops.query])
+    errors = separation(truth, loops.T_match_query)
+    columns = (loops.query, loops.match, edge_truth(run), weights, *errors)
+    return tuple(LoopMark(*mark) for mark in zip(*(column.tolist() for column in columns), strict=True))
 
 
 def _candidates(run: Run) -> tuple[CandidateMark, ...]:

@@ -127,7 +127,10 @@ class LoopMark:
     match: int
     true: bool
     weight: float
-    """Final weight of the loop edge under the optimiser's robust kernel, in [0, 1]."""
+    """Final weight of the loop edge under the optimiser's robust kernel, in [0, 1]; 1 if the SLAM states no weights."""
+    error_m: float = 0.0
+    error_rad: float = 0.0
+    """Errors of the measured relative pose [m, rad]."""
 
 
 @dataclass(frozen=True)
@@ -211,6 +214,8 @@ class ReportData:
     candidates: tuple[CandidateMark, ...] = ()
     failure: ShownFailure | None = None
     """Why the run counts as a failure; None for a run without a verdict."""
+    mistakes: tuple[str, ...] = ()
+    """Sentences on mistakes of the estimate that its figures do not explain, such as floors that are numbered from 1."""
     estimates_poses: bool = True
     """Whether the SLAM estimates poses. If not, the estimated poses of the keyframes are those of the odometry."""
 

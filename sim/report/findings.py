@@ -1,5 +1,6 @@
 """The summary of a report: a few sentences that say what went wrong in a run, where, and how badly."""
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -32,7 +33,7 @@ class Finding:
 
 def findings(data: ReportData) -> list[Finding]:
     """Return the findings about a run: first bad news, then good news, both in the order of the SLAM's stages."""
-    stages = (_coverage, _faults, _confusions, _refinement, _rooms, _floors, _loops, _trajectory, _plans)
+    stages = (_mistakes, _coverage, _faults, _confusions, _refinement, _rooms, _floors, _loops, _trajectory, _plans)
     return sorted((finding for stage in stages for finding in stage(data)), key=lambda finding: finding.good)
 
 
@@ -82,6 +83,10 @@ def _coverage(data: ReportData) -> Iterator[Finding]:
         yield Finding(False, text)
     elif text := _extent(data.result):
         yield Finding(True, text)
+
+
+def _mistakes(data: ReportData) -> Iterator[Finding]:
+    return (Finding(False, text) for text in data.mistakes)
 
 
 def _faults(data: ReportData) -> Iterator[Finding]:
@@ -167,14 +172,15 @@ def _loops(data: ReportData) -> Iterator[Finding]:
     else:
         worst = false[0]
         ends = data.keyframes.true_poses[[worst.query, worst.match], :3, 3]
+        wrong = f"{worst.error_m:.1f} m and {math.degrees(worst.error_rad):.0f}°"
         ignored = worst.weight < TRUSTED_WEIGHT
         held = ", but the optimiser gives little weight to any of them" if ignored else ""
         edges = f"{len(false)} of {counted(len(data.loops), 'loop edge')} {_suiting(len(false))}"
         yield Finding(
             ignored,
             f"{edges} false{held}; the strongest has weight {worst.weight:.2f} and "
-            f"connects keyframe {worst.query} to keyframe {worst.match}, truly {np.linalg.norm(ends[0] - ends[1]):.1f} m "
-            "away.",
+            f"connects keyframe {worst.query} to keyframe {worst.match}, which are truly "
+            f"{np.linalg.norm(ends[0] - ends[1]):.1f} m apart; its relative pose is wrong by {wrong}.",
             worst.query,
         )
 
@@ -184,7 +190,7 @@ def _trajectory(data: ReportData) -> Iterator[Finding]:
     if len(table.stamps) < LEAST_POSES or not data.estimates_poses:
         return
     worst = int(np.argmax(table.estimated_errors))
-    off, drift = table.estimated_errors[worst], table.odometry_errors[worst]
+    off, drift = round(table.estimated_errors[worst], 2), round(table.odometry_errors[worst], 2)
     place = f"keyframe {worst} in {table.true_rooms[worst]}"
     yield Finding(
         bool(off <= drift), f"The largest position error is {off:.2f} m, at {place} (odometry there: {drift:.2f} m).", worst

@@ -16,6 +16,7 @@ from lexis.types import Percept
 from sim.errors import EstimateError, ProgramError, SimError
 from sim.harness.claims import Claim
 from sim.harness.crash import Crash, attempt, attempt_plans
+from sim.harness.diagnosis.usual_mistakes import usual_mistakes
 from sim.harness.estimate import Estimate, EstimatedLoops
 from sim.harness.figures import EvaluatedRun, evaluate
 from sim.harness.finished_run import Run
@@ -102,13 +103,15 @@ class ClaimCheck:
         return f"{self.claim} in {percent(self.rate)} of the scenarios"
 
     def examine(self, base: EvaluatedRun, new_slam: NewSlam) -> CheckFinding:
-        """Compare the figure of the unchanged run with the limit."""
+        """Compare the figure of the unchanged run with the limit; if it fails, also tell mistakes that may explain it."""
         outcome, measured = self.claim.outcome(base.result), self.claim.described(base.result)
+        if outcome == "fails":
+            return CheckFinding(False, "; ".join([measured, *usual_mistakes(base.run)]))
         if outcome == "unknown":
             groups = {figure.split(".")[0] for figure in self.claim.figures} & _NEEDED_BY.keys()
             lacks = any(not _has(base.run.estimate, _NEEDED_BY[group]) for group in groups)
             return CheckFinding(None, measured, is_withheld=lacks)
-        return CheckFinding(outcome == "holds", measured)
+        return CheckFinding(True, measured)
 
 
 @dataclass(frozen=True)

@@ -5,23 +5,32 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from lexis.maths.se3 import between, rotation_angle
-from lexis.types import Poses
+from lexis.evaluation.loops import true_edges
+from lexis.maths.se3 import between, inverse, rotation_angle
+from lexis.types import Camera, Poses
 from sim.harness.finished_run import Run
 
 _DIFFERS_RAD, _AGREES_RAD = 0.4, 0.1
-"""Angles [rad] between the rotations of the SLAM and of the odometry since the first frame, as medians. The numbers of the
-quaternions are in another order if the angle exceeds the first one, and with the numbers reordered stays below the second
-one, by which odometry hardly drifts."""
+"""Angles [rad] between the rotations of the SLAM and of the odometry since the first frame, as medians. Rotations are in
+another convention if the angle exceeds the first one, and once converted stays below the second one, by which odometry
+hardly drifts."""
+_CONSTANT_RAD = 1e-3
+"""Largest angle between the first rotation and any other one, for rotations that count as equal [rad]."""
+_FEW_TRUE, _MOST_TRUE = 0.5, 0.8
+"""Shares of true loops as they are, at most, and once inverted, at least, for loops that count as inverted."""
 
 
 def usual_mistakes(run: Run) -> Iterator[str]:
     """Yield a sentence for every mistake that is found in an estimate."""
     if offset := _floor_offset(run):
         yield f"Every floor is {abs(offset)} too {'high' if offset > 0 else 'low'}; floors are numbered from 0, the lowest."
-    poses = run.estimate.T_W_B
-    if poses is not None and _turns_with_other_order(poses, run.odometry_poses):
-        yield "The quaternions seem to be written as qw qx qy qz; valid: qx qy qz qw, which would agree with the odometry."
+    if run.estimate.T_W_B is not None:
+        yield from _of_rotations(run.estimate.T_W_B, run.odometry_poses, run.session.camera)
+    if _has_inverted_loops(run):
+        yield (
+            "The relative poses of the loops seem to be inverted; valid: T_match_query, the pose of the later body in the "
+            "frame of the earlier one."
+        )
 
 
 def _floor_offset(run: Run) -> int:
@@ -34,15 +43,44 @@ def _floor_offset(run: Run) -> int:
     return int(offsets[0]) if len(offsets) == 1 else 0
 
 
-def _turns_with_other_order(estimated: Poses, odometry: Poses) -> bool:
-    """Whether the rotations are those of the odometry if the quaternions that are read as x y z w are w x y z."""
+def _of_rotations(estimated: Poses, odometry: Poses, camera: Camera) -> Iterator[str]:
+    """Yield what is wrong with rotations that do not follow the odometry, if they would in another convention."""
+    if _median_rad(estimated, odometry) <= _DIFFERS_RAD:
+        return
+    if (rotation_angle(between(estimated[:1], estimated)) < _CONSTANT_RAD).all():
+        yield "All rotations are equal, although the robot turns; valid: the orientations of the body."
+    for converted, problem in (
+        (_with_other_order(estimated), "The quaternions seem to be written as qw qx qy qz; valid: qx qy qz qw"),
+        (
+            estimated @ inverse(camera.T_B_C),
+            "The poses seem to be those of the camera; valid: T_W_C @ inverse(T_B_C)",
+        ),
+        (inverse(estimated), "The poses seem to be inverted; valid: T_W_B, which maps points of the body to the world"),
+    ):
+        if _median_rad(np.asarray(converted), odometry) < _AGREES_RAD:
+            yield f"{problem}, which would agree with the odometry."
+
+
+def _with_other_order(estimated: Poses) -> Poses:
+    """Return the poses with rotations from the quaternions w x y z, where they were read as x y z w."""
     quaternions = Rotation.from_matrix(estimated[:, :3, :3]).as_quat()
     reordered = estimated.copy()
     reordered[:, :3, :3] = Rotation.from_quat(np.roll(quaternions, -1, axis=1)).as_matrix()
-    return _median_rad(estimated, odometry) > _DIFFERS_RAD and _median_rad(reordered, odometry) < _AGREES_RAD
+    return reordered
 
 
 def _median_rad(estimated: Poses, odometry: Poses) -> float:
     """Return the median angle between the rotations of both trajectories since their first frame [rad]."""
     since_first = (between(poses[:1], poses) for poses in (estimated, odometry))
     return float(np.median(rotation_angle(between(*since_first))))
+
+
+def _has_inverted_loops(run: Run) -> bool:
+    loops = run.estimate.loops
+    if loops is None or not len(loops.query):
+        return False
+    given, inverted = (
+        true_edges(loops.query, loops.match, T, run.true_poses).mean()
+        for T in (loops.T_match_query, np.asarray(inverse(loops.T_match_query)))
+    )
+    return bool(given <= _FEW_TRUE and inverted >= _MOST_TRUE)

@@ -220,6 +220,11 @@ def test_faults_that_changed_no_frame_are_told(rng):
         assert [text.partition(";")[0] for text in texts] == ([told] if told else [])
 
 
+def test_a_mistaken_convention_is_told_first(rng):
+    told = findings(replace(example(rng, wrong=8), mistakes=("Every floor is 1 too high.",)))[0]
+    assert (told.good, told.text) == (False, "Every floor is 1 too high.")
+
+
 def test_a_position_error_above_that_of_the_odometry_is_no_good_news(rng):
     data = example(rng, wrong=0)
     table = data.keyframes
@@ -235,7 +240,7 @@ def test_findings_name_the_planted_faults_and_nothing_on_a_perfect_run(rng):
     assert all(finding.good for finding in findings(data))
     faulty = replace(
         example(rng, wrong=8),
-        loops=(LoopMark(30, 2, True, 0.9), LoopMark(35, 1, False, 0.8), LoopMark(20, 3, False, 0.1)),
+        loops=(LoopMark(30, 2, True, 0.9), LoopMark(35, 1, False, 0.8, 1.2, 1.0), LoopMark(20, 3, False, 0.1)),
         paths=(PlanPath("kitchen", "library", np.zeros((2, 3)), False),),
     )
     bad = " ".join(finding.text for finding in findings(faulty) if not finding.good)
@@ -244,6 +249,7 @@ def test_findings_name_the_planted_faults_and_nothing_on_a_perfect_run(rng):
         "2 of 3 loop edges are false",
         "weight 0.80",
         "keyframe 35 to keyframe 1",
+        "wrong by 1.2 m and 57°",
         "from kitchen to library",
     ):
         assert fault in bad

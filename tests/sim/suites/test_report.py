@@ -66,6 +66,21 @@ def test_a_figure_is_withheld_if_the_slam_does_not_estimate_what_it_needs():
     assert figure.holds is None and not figure.is_withheld  # the walk is shorter than 24 m
 
 
+class FloorsFromOne(GeometricRooms):
+    """Counts floors from 1."""
+
+    def finish(self):
+        estimate = super().finish()
+        return replace(estimate, floors=estimate.floors + 1)
+
+
+def test_a_claim_that_fails_tells_the_mistake_that_explains_it():
+    found = ClaimCheck(Claim.parse("floors.accuracy > 0.5"), 0.9).examine(
+        evaluated_run(OPEN_FLAT, FloorsFromOne), FloorsFromOne
+    )
+    assert not found.holds and "; Every floor is 1 too high" in found.measured
+
+
 def test_a_failure_that_becomes_certain_after_a_success_counts():
     assert verdict_on(*[True] * 8, rate=0.5, n=80).outcome == "holds"
     assert verdict_on(*[True] * 8, *[False] * 60, rate=0.5, n=80).outcome == "fails"

@@ -1,13 +1,15 @@
 """Conventions that are mistaken are told, and what is right or wrong in other ways is not."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from lexis.maths.se3 import between, inverse
 from sim.bench.planted_bugs import floors, no_bug, planted
-from sim.harness import Scenario
+from sim.harness import EstimatedLoops, Scenario
 from sim.harness.diagnosis.usual_mistakes import usual_mistakes
 from worlds.presets import sample_from_rooms
 
@@ -39,6 +41,32 @@ def turned(run):
     return replace(estimate, T_W_B=poses)
 
 
+def of_camera(run):
+    """A SLAM that returns the poses of its camera."""
+    estimate = no_bug(run)
+    return replace(estimate, T_W_B=estimate.T_W_B @ run.session.camera.T_B_C)
+
+
+def inverted(run):
+    estimate = no_bug(run)
+    return replace(estimate, T_W_B=inverse(estimate.T_W_B))
+
+
+def without_rotations(run):
+    estimate = no_bug(run)
+    poses = estimate.T_W_B.copy()
+    poses[:, :3, :3] = np.eye(3)
+    return replace(estimate, T_W_B=poses)
+
+
+def with_loops(run, turned_round):
+    """A SLAM with true loops, whose relative poses lead from the earlier to the later frame, or the wrong way round."""
+    estimate = no_bug(run)
+    query = np.arange(20, len(estimate.frames), 9)
+    truth = between(run.true_poses[query - 20], run.true_poses[query])
+    return replace(estimate, loops=EstimatedLoops(query, query - 20, inverse(truth) if turned_round else truth))
+
+
 def from_one(run):
     return replace(no_bug(run), floors=run.true_floors + 1)
 
@@ -51,6 +79,11 @@ def from_one(run):
         (turned, []),
         (from_one, ["Every floor is 1 too high"]),
         (reordered, ["The quaternions seem to be written as qw qx qy qz"]),
+        (of_camera, ["The poses seem to be those of the camera"]),
+        (inverted, ["The poses seem to be inverted"]),
+        (without_rotations, ["All rotations are equal"]),
+        (partial(with_loops, turned_round=False), []),
+        (partial(with_loops, turned_round=True), ["The relative poses of the loops seem to be inverted"]),
     ],
 )
 def test_only_a_mistaken_convention_is_told(bug, told):
