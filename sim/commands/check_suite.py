@@ -106,6 +106,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
     from sim.suites.report import check_slam, runnable
 
     _refuse_scenario_options(arguments)
+    _refuse_to_replace_what_is_read(arguments)
     new_slam, workers = _new_slam(arguments), arguments.workers or os.cpu_count() or 1
     suite, reference = _suite(arguments), _reference(arguments)
     expected = _expected_failures(arguments)
@@ -147,6 +148,13 @@ def _expected_failures(arguments: argparse.Namespace) -> dict[str, str]:
     if arguments.known_failures is None:
         return given
     return known_failures(arguments.known_failures, arguments.suite, arguments.seed) | given
+
+
+def _refuse_to_replace_what_is_read(arguments: argparse.Namespace) -> None:
+    written = {path.resolve() for path in (arguments.json, arguments.picture) if path is not None}
+    for option, read in (("--against", arguments.against), ("--known-failures", arguments.known_failures)):
+        if read is not None and read.resolve() in written:
+            raise SimError(f"{option} {read}: would be replaced by the new results; valid: another file for these")
 
 
 def _check_output_files(arguments: argparse.Namespace) -> None:

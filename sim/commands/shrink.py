@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lexis.command_line import Commands, add_command, warn_of_replacement
+from lexis.command_line import Commands, add_command, interrupted_later, warn_of_replacement
 from sim.commands.arguments import folder
 from sim.commands.slams import add_slam, check_claimable, is_lexis, replay_of, runner_of, runner_of_class
 from sim.durations import duration_s
@@ -63,6 +63,9 @@ def _shrink(arguments: argparse.Namespace) -> int:
     if unknown := [name for name in arguments.keep if name not in STEPS]:
         raise SimError(f"--keep {unknown[0]!r:.80}: no such step; valid: {', '.join(STEPS)}")
     steps = {name: step for name, step in STEPS.items() if name not in arguments.keep}
+    source = path if path.is_dir() else path.parent
+    if arguments.out.exists() and arguments.out.samefile(source):
+        raise SimError(f"-o {arguments.out}: is the folder of the scenario that is read; valid: another folder")
     warn_of_replacement(arguments.out, *MARKERS)
     check_fails(scenario, test)
     tell = _print_progress if sys.stderr.isatty() else None
@@ -71,7 +74,8 @@ def _shrink(arguments: argparse.Namespace) -> int:
     blamed = blame(reduction, test, is_lexis(arguments), None if tell is None else _print_substitution)
     if tell is not None:
         print(file=sys.stderr)
-    write_failure(arguments.out, reduction, test, blamed, replay_of(arguments))
+    with interrupted_later():  # Ctrl-C ends the search early, but must not lose what was found
+        write_failure(arguments.out, reduction, test, blamed, replay_of(arguments))
     old, new = reduction.sizes
     print(f"{old} -> {new}. {reduction.note}")
     print(str(blamed))

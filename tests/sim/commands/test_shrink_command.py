@@ -180,3 +180,13 @@ def test_what_cannot_be_shrunk_is_named_in_one_line(words, message, project, cap
     assert shrink(*words) == 2
     said = capsys.readouterr().err
     assert message in said and said.count("\n") == 1 and not (project / "failure").exists()
+
+
+def test_the_folder_of_the_scenario_is_not_replaced(tmp_path, capsys):
+    run = tmp_path / "run"
+    run.mkdir()
+    SCENARIO.save(run / "scenario.json")
+    for scenario in (run, run / "scenario.json"):
+        assert main(["shrink", str(scenario), *FAILS, "-o", str(run)]) == 2
+        assert "is the folder of the scenario that is read; valid: another folder" in capsys.readouterr().err
+    assert Scenario.load(run / "scenario.json") == SCENARIO

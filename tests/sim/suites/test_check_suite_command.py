@@ -159,3 +159,13 @@ def test_a_suite_ends_when_its_time_is_over(capsys, monkeypatch):
     slam = "sim.harness.adapters:OdometryOnly"
     assert main(["check", "--suite", "flat", "--workers", "1", "--slam", slam, "--budget", "0.001s"]) == 0
     assert "1 of 2 scenarios were examined" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("option", ["--against", "--known-failures"])
+def test_results_that_are_read_are_not_replaced(option, tmp_path, capsys):
+    earlier = tmp_path / "earlier.json"
+    earlier.write_text("{}")
+    suite = ["check", "--suite", "homes", "--slam", "sim.harness.adapters:OdometryOnly"]
+    assert main([*suite, option, str(earlier), "--json", str(earlier)]) == 2
+    assert "would be replaced by the new results; valid: another file" in capsys.readouterr().err
+    assert earlier.read_text() == "{}"
