@@ -1,13 +1,14 @@
 """Arguments and messages that several commands share: room names, settings, encoders, and the summary of a new map."""
 
 import argparse
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lexis.command_line import Parser
 from lexis.config import Config, read_config
 from lexis.encoder.options import EncoderOptions
-from lexis.errors import EncoderError, MapError
+from lexis.errors import EncoderError, LexisError, MapError
 from lexis.files.reading import FileKind, read_json
 from lexis.files.replace import check_outside, check_replaceable
 from lexis.graph.components import sessions_apart
@@ -42,8 +43,16 @@ def settings(arguments: argparse.Namespace) -> Config:
 
 
 def room_names(text: str) -> tuple[str, ...]:
-    """Return the names of `--rooms`: those in a JSON file, or those in the text. Raises LexisError for an unusable file."""
+    """Return the names of `--rooms`: those in a JSON file, or those in the text.
+
+    Raises LexisError for an unusable file, for another file, and for a recording, whose rooms are in a file of its folder.
+    """
     if not text.endswith(".json"):
+        inside = os.path.join(text, "rooms.json")  # os.path takes texts of any length, unlike pathlib
+        if os.path.isfile(inside):
+            raise LexisError(f"--rooms {text:.200}: is a folder; valid: {inside:.200}")
+        if os.path.isfile(text):
+            raise LexisError(f"--rooms {text:.200}: is a file; valid: a file that ends with .json, or names between commas")
         return tuple(name.strip() for name in text.split(","))
     data = read_json(Path(text), _ROOMS_FILE)
     labels = data.get("labels") if isinstance(data, dict) else None
