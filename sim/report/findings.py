@@ -21,6 +21,9 @@ _EXAMPLES = 3
 WELL_COVERED = 0.95
 """The map counts as complete if it covers at least this share of the walk. The report then mentions no missing share."""
 
+_REMOVING = ("dropped", "kidnap")
+"""Names of the faults that remove frames."""
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -61,9 +64,13 @@ def _extent(result: Mapping[str, Any]) -> str | None:
 
 
 def idle_faults(result: Mapping[str, Any]) -> str | None:
-    """Return a sentence on the faults that changed no frame, from the contents of result.json; None if there are none."""
-    frames = (result.get("faults") or {}).get("frames") or {}
-    if idle := [name for name, count in frames.items() if not count]:
+    """Return a sentence on the faults that changed no frame, from the contents of result.json; None if there are none.
+
+    A fault that removes frames has an effect even if it changes none of those that remain.
+    """
+    faults = result.get("faults") or {}
+    frames, lost = faults.get("frames") or {}, faults.get("delivered", 0) < (result.get("run") or {}).get("frames", 0)
+    if idle := [name for name, count in frames.items() if not count and not (lost and name in _REMOVING)]:
         which = f"fault {idle[0]}" if len(idle) == 1 else f"faults {', '.join(idle)}"
         return f"The {which} changed no frame; a fault that begins after the end of the walk has no effect."
     return None

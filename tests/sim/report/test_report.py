@@ -27,7 +27,7 @@ from sim.report.data import (
     SampleFrame,
     ShownFailure,
 )
-from sim.report.findings import Finding, coverage_gap, findings, rooms_without_keyframe
+from sim.report.findings import Finding, coverage_gap, findings, idle_faults, rooms_without_keyframe
 from sim.report.overlay import run_marks
 from sim.report.room_errors import RoomErrors, room_errors, surplus
 from worlds.truth import storey_of
@@ -210,6 +210,13 @@ def test_a_map_of_next_to_nothing_says_so_first(rng):
     whole = {**data.result, "coverage": {"rooms_visited": 9, "rooms": 9, "path_covered": 0.99}}
     assert coverage_gap(whole, ()) is None
     assert all(finding.good for finding in findings(replace(data, result=whole)))
+
+
+def test_a_fault_that_removes_frames_has_an_effect_even_if_no_frame_that_is_left_is_changed():
+    lost = {"run": {"frames": 148}, "faults": {"frames": {"kidnap": 0, "late": 0}, "delivered": 80}}
+    assert idle_faults(lost).startswith("The fault late changed no frame")
+    whole = {**lost, "faults": {"frames": {"kidnap": 0}, "delivered": 148}}
+    assert idle_faults(whole).startswith("The fault kidnap changed no frame")
 
 
 def test_faults_that_changed_no_frame_are_told(rng):
