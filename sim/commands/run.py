@@ -66,9 +66,9 @@ def _run_and_report(scenario: "Scenario", slam: "SlamUnderTest | None", out: Pat
         finished = run(scenario, slam, progress)
     trials = try_plans(finished)
     result = evaluate(finished, trials)
-    write_run(finished, result, trials, out)
     print_result(finished, result)
     print_gaps(finished, result)
+    write_run(finished, result, trials, out)
     if result.planning.success not in (None, 1.0):
         print("Not every plan reached its room: the report lists and draws those that failed.")
     print(f"report: {out / REPORT}")
