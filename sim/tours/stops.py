@@ -9,6 +9,7 @@ from jaxtyping import Float64, Int
 from scipy.sparse.csgraph import dijkstra
 
 from sim.errors import SimError
+from sim.wording import counted
 from worlds.house import House, Room
 from worlds.labels import STAIRS
 from worlds.walkable import Walkable
@@ -47,8 +48,8 @@ class Stops:
                 nodes += own
         if len(nodes) < 2:
             raise SimError(
-                f"house {house.spec.name!r}: a body of radius {walkable.radius_m:g} m can stop at {len(nodes)} "
-                "places; valid: a house with two places or more"
+                f"house {house.spec.name!r}: a body of radius {walkable.radius_m:g} m can stop at "
+                f"{counted(len(nodes), 'place')}; valid: a house with two places or more"
             )
         return Stops(np.array(nodes), dijkstra(walkable.graph, indices=nodes)[:, nodes], of_room)
 

@@ -251,5 +251,5 @@ def test_bad_settings_name_what_is_valid():
             unchecked(TourConfig, kind="loop", circuit_m=short)
     cell = RoomSpec(id="cell", label="storage room", polygon_m=((0.0, 0.0), (1.2, 0.0), (1.2, 1.2), (0.0, 1.2)))
     tiny = build_house(HouseSpec(storeys=(StoreySpec(rooms=(cell,), furniture=()),)))
-    with pytest.raises(SimError, match="can stop at 1 places; valid: a house with two"):
+    with pytest.raises(SimError, match="can stop at 1 place; valid: a house with two"):
         plan_tour(tiny, Walkable(tiny), np.random.default_rng(0))
