@@ -64,7 +64,8 @@ def _shrink(arguments: argparse.Namespace) -> int:
         raise SimError(f"--keep {unknown[0]!r:.80}: no such step; valid: {', '.join(STEPS)}")
     steps = {name: step for name, step in STEPS.items() if name not in arguments.keep}
     source = path if path.is_dir() else path.parent
-    if arguments.out.exists() and arguments.out.samefile(source):
+    is_shrunk = (source / WHY).exists()  # a search that goes on from its own result may replace it
+    if not is_shrunk and arguments.out.exists() and arguments.out.samefile(source):
         raise SimError(f"-o {arguments.out}: is the folder of the scenario that is read; valid: another folder")
     warn_of_replacement(arguments.out, *MARKERS)
     check_fails(scenario, test)
