@@ -81,7 +81,8 @@ def check_replaceable(path: Path, *markers: str) -> None:
         target = _resolved(path)
         remove_abandoned(target.parent)
         _check_may_replace(path, target, markers)
-        _check_own(path, target)
+        with suppress(FileNotFoundError):  # another process replaces the folder; it is checked again before it is replaced
+            _check_own(path, target)
     except OSError as error:
         raise LexisError(f"{path}: cannot be accessed: {error.strerror}; valid: a folder that can be made") from None
     if os.path.ismount(target):
