@@ -5,7 +5,7 @@ from jaxtyping import Float64
 
 from lexis.maths.paths import arc_length
 from lexis.maths.se3 import between, inverse
-from lexis.maths.ties import DECIMALS
+from lexis.maths.ties import MILLIONTH
 from lexis.types import Pose, Poses
 
 Points = Float64[np.ndarray, "n 3"]
@@ -55,7 +55,7 @@ def rpe_translation(estimate: Poses, truth: Poses, delta_m: float) -> float | No
     result is None if the path is shorter than `delta_m`.
     """
     path = arc_length(truth[:, :3, 3])
-    ends = np.searchsorted(path, path + delta_m - 10.0**-DECIMALS)  # as in `lexis.maths.ties.reaches`
+    ends = np.searchsorted(path, path + delta_m - MILLIONTH)  # as `lexis.maths.ties.reaches`
     starts = np.flatnonzero(ends < len(path))
     if not len(starts):
         return None

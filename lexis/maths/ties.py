@@ -10,6 +10,8 @@ from scipy.spatial import cKDTree
 
 DECIMALS = 6
 """Number of decimals to which values are rounded: a micrometre for positions, a millionth for cosine similarities."""
+MILLIONTH = 10.0**-DECIMALS
+"""Difference up to which a value that is below a limit still reaches it."""
 
 
 def rounded(values: Shaped[np.ndarray, "*shape"]) -> Float64[np.ndarray, "*shape"]:
@@ -19,7 +21,7 @@ def rounded(values: Shaped[np.ndarray, "*shape"]) -> Float64[np.ndarray, "*shape
 
 def reaches(values: Float[np.ndarray, "*shape"] | float, limit: float) -> Bool[np.ndarray, "*shape"]:
     """Whether each value is at least `limit` minus a millionth. Ten steps of 0.1 thus reach 1 despite rounding errors."""
-    return np.asarray(np.asarray(values) >= limit - 10.0**-DECIMALS)
+    return np.asarray(np.asarray(values) >= limit - MILLIONTH)
 
 
 def nearest_others(points: Float[np.ndarray, "n d"], count: int) -> Int[np.ndarray, "n k"]:

@@ -84,9 +84,10 @@ def _height(house: House, piece: Furniture) -> float:
 
 def _rides(house: House, other: Furniture, piece: Furniture) -> bool:
     """Whether a piece stands on another one. What hangs on a wall or a ceiling stays where it is."""
-    hangs = isinstance(kind_of(other.kind).place, OnWall | OnCeiling)
     above = other.storey == piece.storey and _ON_FLOOR_M <= _height(house, other) <= piece.size[2] + _ON_FLOOR_M
-    return above and not hangs and bool(piece.footprint.covers(shapely.Point(other.position[:2])))
+    if not above or isinstance(kind_of(other.kind).place, OnWall | OnCeiling):
+        return False
+    return bool(piece.footprint.covers(shapely.Point(other.position[:2])))
 
 
 def _overlap(moved: Sequence[Furniture], obstacles: Obstacles) -> bool:

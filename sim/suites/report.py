@@ -146,9 +146,9 @@ class CheckVerdict:
         that estimates nothing where it is lost would be judged by its good runs alone.
         """
         finding = scenario.findings.get(self.check)
-        if finding is None or not finding.is_withheld:
-            return None if finding is None else finding.holds
-        return False if self._is_decided_somewhere else None
+        if finding is None:
+            return None
+        return False if finding.is_withheld and self._is_decided_somewhere else finding.holds
 
     @cached_property
     def _is_decided_somewhere(self) -> bool:
