@@ -190,7 +190,7 @@ def old_enough(
     The result is True for the first keyframes up to some keyframe, and False for all later ones.
 
     Args:
-        query: row of the keyframe in `stamps` and `path_m`, for which candidates are searched.
+        query: row, in `stamps` and `path_m`, of the keyframe for which candidates are searched.
         stamps: stamps of keyframes, in the order of the walk [s].
         path_m: odometry path from the first of these keyframes to each of them [m].
         config: its `min_gap_s` and `min_gap_m` are used.

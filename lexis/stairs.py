@@ -37,8 +37,8 @@ def on_stairs(
     Odometry drift over that path is an order of magnitude smaller. At the foot and the top of a flight, half of the window
     covers the flight. With the defaults (2 m, stairs of 30-37 degrees), the climb therefore begins close to the first step
     and ends close to the last; on steep flights, it reaches up to 0.25 m beyond the steps. A keyframe there counts as on
-    the floor if the next keyframe is on a floor and as high. A ride in a lift divides the path into walks, so that no window
-    reaches across the ride.
+    the floor if the next keyframe is on a floor and has the same height. A ride in a lift divides the path into walks, so
+    that no window reaches across the ride.
 
     `sessions` are the sessions of the keyframes; None: they are all of one. A step in height between two sessions is no
     climb, because nobody walked from one to the other.

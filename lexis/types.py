@@ -309,8 +309,8 @@ class LexisMap:
     probabilities: Float64[np.ndarray, "n rooms"]
     """How probable it is that the room around each keyframe has each of `room_names`, from the images that show the place.
     The probabilities are calibrated on generated houses for the label method "sight". A keyframe on a climb is on stairs
-    with probability 1. Other methods give their own label the probability 1. Where a doorway, the end of a small room or the
-    merging of two rooms corrects a label, the old and the new label exchange their probabilities."""
+    with probability 1. Other methods give their own label the probability 1. Where a label is corrected, because it
+    changes in a doorway, a small room is absorbed, or two rooms merge, the old and the new label exchange theirs."""
     floors: Int[np.ndarray, "n"]
     """Floor number of every keyframe: 0 for the lowest floor, -1 on stairs."""
     rooms: tuple[RoomInstance, ...]

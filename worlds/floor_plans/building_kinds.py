@@ -23,7 +23,7 @@ class BuildingKind:
     style: PlanStyle
     """Dimensions of the floor plans."""
     shares: LayoutShares
-    """How often kitchens and living rooms are open to each other, and rooms of one label equal."""
+    """Shares of storeys with an open plan, and of rooms that have the shape of another room."""
     halls: tuple[str | None, ...] = (None,)
     """Possible labels of the hall at the start of the ground storey's corridor; one is drawn. None: no hall."""
     upstairs: tuple[str, ...] = ()
