@@ -161,7 +161,7 @@ class OpeningSpec(_Data):
 
 
 class WindowSpec(_Data):
-    """A window in a wall with no other room behind it."""
+    """A window in a wall of an indoor room with no other indoor room behind it."""
 
     room: Identifier
     start_m: Point = Field(description="one end on the wall's centre line [m]")

@@ -1,8 +1,8 @@
 """`StoreyPlan`: a storey with its room boundaries, before walls, windows, door leaves and furniture are made.
 
 The room boundaries are cut at the openings. A piece of boundary without an opening is a wall; a piece with an opening may
-have a door leaf. Walls with a room on one side only are outer walls, in which windows can lie. Furniture is placed last,
-because it must not cover windows.
+have a door leaf. Walls with no room or an outdoor room behind them are outer walls, in which windows can lie. Furniture is
+placed last, because it must not cover windows.
 """
 
 import functools
@@ -46,7 +46,8 @@ class StoreyPlan:
     """Height of the ceiling in W [m]."""
     pieces: BoundaryPieces
     outer: Mapping[str, Sequence[Boundary]]
-    """For each room with outer walls, by the room's id: the pieces of its outer walls that have no opening."""
+    """For each room with outer walls, by the room's id: the pieces of its outer walls that have no opening. A wall between
+    an indoor room and a garden or balcony is an outer wall of the indoor room."""
     windows: tuple[WindowSpec, ...]
     """Windows of the storey: the windows in the spec, or randomly drawn windows if the spec has None instead of a list."""
 
@@ -55,7 +56,7 @@ class StoreyPlan:
         """Plan `house.storeys[level]`. Raises `HouseError` where rooms overlap or an opening runs along neither x nor y."""
         storey = house.storeys[level]
         pieces = tuple(piece for line in boundaries(storey) for piece in split_at_openings(line, storey.openings))
-        outer = _outer_walls(pieces)
+        outer = _outer_walls(pieces, indoor_rooms(house))
         windows = _sampled_windows(house, storey, outer) if storey.windows is None else storey.windows
         return StoreyPlan(house, level, floor_m, ceiling_m, pieces, outer, windows)
 
@@ -111,11 +112,13 @@ def wall_height(boundary: Boundary, ceiling_height_m: float, indoors: frozenset[
     return FENCE_HEIGHT_M if indoors.isdisjoint(boundary.rooms) else ceiling_height_m
 
 
-def _outer_walls(pieces: BoundaryPieces) -> dict[str, list[Boundary]]:
+def _outer_walls(pieces: BoundaryPieces, indoors: frozenset[str]) -> dict[str, list[Boundary]]:
     outer: dict[str, list[Boundary]] = defaultdict(list)
     for boundary, opening in pieces:
-        if None in boundary.rooms and opening is None:
-            outer[boundary.rooms[0] or boundary.rooms[1] or ""].append(boundary)
+        rooms = [room for room in boundary.rooms if room is not None]
+        inside = [room for room in rooms if room in indoors] or rooms
+        if len(inside) == 1 and opening is None:
+            outer[inside[0]].append(boundary)
     return dict(outer)
 
 

@@ -2,7 +2,6 @@
 
 import math
 import zlib
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -91,8 +90,8 @@ class Window(Placed):
 def sample_windows(room: RoomSpec, outer: Sequence[Boundary], height_m: float, rng: Generator) -> tuple[WindowSpec, ...]:
     """Draw the windows of a room whose ceiling is `height_m` above the floor [m].
 
-    `outer` are the stretches of the room's walls with no room behind them. All windows of a room have the same size. Windows
-    keep their distance from corners and from each other; a window for which no free position is found is left out.
+    `outer` are the stretches of the room's walls with no indoor room behind them. All windows of a room have the same size.
+    Windows keep their distance from corners and from each other; a window for which no free position is found is left out.
     """
     look = _WINDOW_STYLES.get(room.label)
     if look is None or not outer:
@@ -152,30 +151,28 @@ def hang_windows(
     `HouseError` for a window that lies in no outer wall of its room, or whose sill is not below its upper edge.
     """
     rooms = {room.id: room for room in spec.storeys[level].rooms}
-    count: Counter[str] = Counter()
     for index, window in enumerate(windows):
         place = f"storeys[{level}].windows[{index}] ({window.room})"
         wall = _wall_of(window, outer.get(window.room, ()))
         if wall is None:
             raise HouseError(
-                f"{place}: {window.start_m} - {window.end_m} must lie in a wall of that room with no other room behind it"
+                f"{place}: {window.start_m} - {window.end_m} must lie in a wall of that room with no other indoor room "
+                "behind it"
             )
         if window.sill_m >= window.height_m:
             raise HouseError(f"{place}: its sill ({window.sill_m} m) is not below its upper edge ({window.height_m} m)")
-        style = _style(spec, rooms[window.room], count[window.room])
-        count[window.room] += 1
+        style = _style(spec, rooms[window.room])
         yield _hung(f"window/{level}/{index}", level, window, wall, floor_m, style)
 
 
-def _style(spec: HouseSpec, room: RoomSpec, index: int) -> int:
-    """Return the seed of the appearance of a room's window number `index`.
+def _style(spec: HouseSpec, room: RoomSpec) -> int:
+    """Return the seed of the appearance of a room's windows, which look alike.
 
-    The seed depends on this number, on the seed of the house's appearance, and on the room: on the room's own seed if it has
-    one, and otherwise on the house's seed and the room's id. Twin rooms (with equal seeds) thus have windows that look
-    alike.
+    The seed depends on the seed of the house's appearance, and on the room: on the room's own seed if it has one, and
+    otherwise on the house's seed and the room's id. Twin rooms (with equal seeds) thus have windows that look alike, too.
     """
     own = (spec.seed, room.id) if room.seed is None else (room.seed,)
-    return zlib.crc32(repr((own, spec.appearance.seed, index)).encode())
+    return zlib.crc32(repr((own, spec.appearance.seed)).encode())
 
 
 def _wall_of(spec: WindowSpec, outer: Sequence[Boundary]) -> Boundary | None:

@@ -1,11 +1,11 @@
-"""Windows: only in outer walls, clear of corners and of each other, drawn with the room's own seed."""
+"""Windows: only in the outer walls of indoor rooms, clear of corners and of each other, drawn with the room's own seed."""
 
 import itertools
 
 import numpy as np
 import pytest
 import shapely
-from helpers.opening_rooms import every_kind
+from helpers.opening_rooms import WALL_X, every_kind
 
 from worlds.errors import HouseError
 from worlds.house import build_house
@@ -30,13 +30,36 @@ def test_windows_are_in_outer_walls_and_apart(house):
         assert room.label not in BARE
         line = shapely.LineString([window.start, window.end])
         assert room.polygon.exterior.buffer(1e-6).covers(line)
-        others = [r for r in house.spec.storeys[window.storey].rooms if r.id != window.room]
+        rooms = house.spec.storeys[window.storey].rooms
+        others = [r for r in rooms if r.id != window.room and r.label not in OUTDOOR_LABELS]
         assert all(shapely.Polygon(r.polygon_m).distance(line) > 0.15 for r in others)
         assert min(shapely.Point(corner).distance(line) for corner in room.polygon.exterior.coords) > 0.15
         storey = house.storeys[window.storey]
         assert storey.floor_m + 0.4 < window.position[2] < window.position[2] + window.size[2] < storey.ceiling_m
     for a, b in itertools.combinations(house.windows, 2):
         assert a.storey != b.storey or a.footprint.distance(b.footprint) > 0.1
+
+
+def test_the_windows_of_a_room_look_alike(house):
+    for _, windows in itertools.groupby(house.windows, lambda window: (window.storey, window.room)):
+        assert len({(window.style, window.size[2]) for window in windows}) == 1
+
+
+@pytest.mark.parametrize("label", OUTDOOR_LABELS)
+def test_rooms_look_out_into_gardens_and_onto_balconies(label):
+    """A room whose only outer wall faces an outdoor room has its windows in this wall."""
+    room = RoomSpec(id="living", label="living room", polygon_m=((0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (0.0, 4.0)))
+    around = {
+        "west": ("corridor", ((-2.0, -2.0), (0.0, -2.0), (0.0, 6.0), (-2.0, 6.0))),
+        "east": ("corridor", ((5.0, -2.0), (7.0, -2.0), (7.0, 6.0), (5.0, 6.0))),
+        "north": ("corridor", ((0.0, 4.0), (5.0, 4.0), (5.0, 6.0), (0.0, 6.0))),
+        "south": (label, ((0.0, -2.0), (5.0, -2.0), (5.0, 0.0), (0.0, 0.0))),
+    }
+    others = tuple(RoomSpec(id=side, label=name, polygon_m=corners) for side, (name, corners) in around.items())
+    houses = [build_house(HouseSpec(seed=s, storeys=(StoreySpec(rooms=(room, *others), furniture=()),))) for s in range(5)]
+    windows = [window for house in houses for window in house.windows if window.room == "living"]
+    assert windows
+    assert all(window.start[1] == window.end[1] == 0.0 for window in windows)
 
 
 def test_the_object_stands_on_the_inner_face_and_looks_into_the_room(house):
@@ -90,5 +113,5 @@ def test_given_windows_are_kept_and_wrong_ones_refused():
     for bad in ({"room": "living room"}, {"end_m": (0.4, 4.5)}, {"end_m": (0.0, 14.5)}, {"sill_m": 2.2}):
         with pytest.raises(HouseError, match=r"storeys\[0\].windows\[0\]"):
             house_with(given.model_copy(update=bad))
-    with pytest.raises(HouseError, match="no other room behind it"):
-        house_with(WindowSpec(room="kitchen", start_m=(1.0, 0.0), end_m=(2.0, 0.0)))
+    with pytest.raises(HouseError, match="no other indoor room behind it"):
+        house_with(WindowSpec(room="kitchen", start_m=(WALL_X, 0.1), end_m=(WALL_X, 0.4)))
