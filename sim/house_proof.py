@@ -1,7 +1,7 @@
 """`lexis-sim house prove`: generates many houses of all families (presets) and checks each of them.
 
 Each house is validated, and generated again in another process. Both results have to be equal bit by bit, because a seed
-has to give the same house in every run.
+has to give the same house in every run. Rooms without an essential piece, such as kitchens without a sink, are counted.
 """
 
 import hashlib
@@ -15,7 +15,9 @@ from itertools import repeat
 
 import numpy as np
 
+from worlds.checks.essentials import missing_essentials
 from worlds.errors import WorldsError
+from worlds.furniture.placing.counts import USUAL
 from worlds.house import build_house
 from worlds.presets import sample_house
 from worlds.truth_json import truth_json
@@ -50,6 +52,10 @@ class Proof:
     """Processor time of generating and validating the house once [s]."""
     failure: str | None
     """Why the house is invalid or differs when generated again; None if it passed."""
+    rooms: int
+    """Number of rooms, if the house has at least the usual amount of furniture; otherwise 0."""
+    lacking: int
+    """Number of these rooms that lack an essential piece."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +63,8 @@ class _Made:
     seconds: float
     digest: str
     failure: str | None
+    rooms: int = 0
+    lacking: int = 0
 
 
 def cases(presets: Sequence[str], seed: int, count: int) -> list[Case]:
@@ -90,7 +98,7 @@ def prove(wanted: Sequence[Case], processes: int) -> Iterator[Proof]:
             again = second.map(_make, wanted, repeat(False), chunksize=_CHUNK)
             for case, one, other in zip(wanted, once, again, strict=True):
                 differs = "is another house when generated again" if one.digest != other.digest else None
-                yield Proof(case, one.seconds, one.failure or differs)
+                yield Proof(case, one.seconds, one.failure or differs, one.rooms, one.lacking)
         finally:
             first.shutdown(cancel_futures=True)
             second.shutdown(cancel_futures=True)
@@ -107,7 +115,10 @@ def _make(case: Case, validated: bool) -> _Made:
     except WorldsError as error:
         return _Made(time.process_time() - start, "", str(error))
     seconds = time.process_time() - start
-    return _Made(seconds, hashlib.sha256((spec.to_json() + json.dumps(truth)).encode()).hexdigest(), None)
+    digest = hashlib.sha256((spec.to_json() + json.dumps(truth)).encode()).hexdigest()
+    if case.clutter < USUAL:
+        return _Made(seconds, digest, None)
+    return _Made(seconds, digest, None, len(house.rooms), len({room for room, _ in missing_essentials(house)}))
 
 
 @dataclass(frozen=True)
@@ -117,6 +128,8 @@ class Summary:
     preset: str
     houses: int
     failed: int
+    rooms: int
+    lacking: int
     median_ms: float
     worst_ms: float
 
@@ -127,4 +140,5 @@ def summaries(proofs: Sequence[Proof]) -> Iterator[Summary]:
         here = [proof for proof in proofs if preset in (proof.case.preset, "all")]
         milliseconds = [1e3 * proof.seconds for proof in here]
         failed = sum(proof.failure is not None for proof in here)
-        yield Summary(preset, len(here), failed, float(np.median(milliseconds)), max(milliseconds))
+        rooms, lacking = sum(proof.rooms for proof in here), sum(proof.lacking for proof in here)
+        yield Summary(preset, len(here), failed, rooms, lacking, float(np.median(milliseconds)), max(milliseconds))

@@ -2,7 +2,8 @@
 
 `plan_checks` looks at rooms and stairs, `opening_checks` at openings and windows, `furniture_checks` (with `collisions`) at
 furniture and door leaves, and `reachability` (with `barriers`, which names what blocks the path) at paths on foot.
-`plan_grid` cuts the plan into cells so that the answers are exact.
+`plan_grid` cuts the plan into cells so that the answers are exact. `essentials` finds rooms that lack an essential piece,
+which is no fault of a house, but should be rare.
 """
 
 import lazy_loader

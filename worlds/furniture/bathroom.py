@@ -70,6 +70,7 @@ def shower(s: Size, rng: Generator) -> Parts:
     height=(0.78, 0.86),
     rooms={"bathroom": (1, 1), "toilet": (1, 1)},
     clearance=0.45,
+    essential=True,
 )
 def toilet_bowl(s: Size, rng: Generator) -> Parts:
     """A toilet: cistern, bowl, seat, and a raised or closed lid."""
@@ -95,6 +96,7 @@ def toilet_bowl(s: Size, rng: Generator) -> Parts:
     height=(0.98, 1.04),
     rooms={"bathroom": (1, 2), "laboratory": 0.3},
     clearance=0.55,
+    essential=True,
 )
 def washbasin(s: Size, rng: Generator) -> Parts:
     """A washbasin on a cabinet, with a tap and soap."""
@@ -260,7 +262,7 @@ def wall_cabinet(s: Size, rng: Generator) -> Parts:
     depth=(0.1, 0.12),
     height=(0.1, 0.12),
     rooms={"bathroom": 0.4},
-    place=OnTop(("laundry basket", "bathroom stool")),
+    place=OnTop(("bathroom stool",)),
 )
 def rubber_duck(s: Size, rng: Generator) -> Parts:
     """A yellow rubber duck."""

@@ -22,7 +22,15 @@ def _bedding(s: Size, rng: Generator, low: float, pillows: int) -> Parts:
     )
 
 
-@furniture("double bed", width=(1.5, 1.8), depth=(2.05, 2.15), height=(0.95, 1.15), rooms={"bedroom": (1, 1)}, clearance=0.4)
+@furniture(
+    "double bed",
+    width=(1.5, 1.8),
+    depth=(2.05, 2.15),
+    height=(0.95, 1.15),
+    rooms={"bedroom": (1, 1)},
+    clearance=0.4,
+    essential=True,
+)
 def double_bed(s: Size, rng: Generator) -> Parts:
     """A double bed: head board, mattress, duvet and two pillows."""
     wood = pick(rng, WOODS)
@@ -43,6 +51,7 @@ def double_bed(s: Size, rng: Generator) -> Parts:
     rooms={"children's room": (1, 1)},
     place=AgainstWall(corner=True),
     clearance=0.3,
+    essential=True,
 )
 def single_bed(s: Size, rng: Generator) -> Parts:
     """A single bed: a frame with a coloured cover and one pillow."""

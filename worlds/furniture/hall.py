@@ -184,7 +184,15 @@ def standing_mirror(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("reception desk", width=(1.8, 2.4), depth=(0.7, 0.9), height=(1.05, 1.15), rooms={"lobby": (1, 1)}, clearance=0.7)
+@furniture(
+    "reception desk",
+    width=(1.8, 2.4),
+    depth=(0.7, 0.9),
+    height=(1.05, 1.15),
+    rooms={"lobby": (1, 1)},
+    clearance=0.7,
+    essential=True,
+)
 def reception_desk(s: Size, rng: Generator) -> Parts:
     """A reception desk: a high front with a company sign, and a lower work top behind it."""
     front = pick(rng, (*DARK_WOODS, *STONES))

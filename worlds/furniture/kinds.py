@@ -166,6 +166,9 @@ class Kind:
     """Whether the piece blocks a walking person; a rug, for example, does not."""
     clearance: float = 0.0
     """Depth of the floor in front of the piece that stays free [m]."""
+    essential: bool = False
+    """Whether a room that requires the piece is of no use without it, such as a kitchen without a sink. Essential pieces are
+    placed before all others."""
 
     def __post_init__(self) -> None:
         """Raise `WorldsError` for a value with which no piece can be placed."""
@@ -181,6 +184,10 @@ class Kind:
                 raise WorldsError(f"kind {self.name!r} names an unknown room {label!r}; valid: {', '.join(ROOM_LABELS)}")
             if not _is_count(count):
                 raise self._error(f"the count in {label!r}", count, _COUNT)
+
+    def is_required_in(self, label: str) -> bool:
+        """Return whether the number of pieces in rooms with `label` is declared as a range, such as (1, 2)."""
+        return isinstance(self.rooms.get(label), tuple)
 
     def _check_fields(self, declared: "Kind | Place") -> None:
         for field in fields(declared):

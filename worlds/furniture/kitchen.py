@@ -57,6 +57,7 @@ def kitchen_counter(s: Size, rng: Generator) -> Parts:
     rooms={"kitchen": (1, 1), "laboratory": (1, 1)},
     place=AgainstWall(beside=_ROW),
     clearance=0.7,
+    essential=True,
 )
 def kitchen_sink(s: Size, rng: Generator) -> Parts:
     """A base cabinet with a steel basin and a swan-necked tap."""
@@ -81,6 +82,7 @@ def kitchen_sink(s: Size, rng: Generator) -> Parts:
     rooms={"kitchen": (1, 1)},
     place=AgainstWall(beside=_ROW),
     clearance=0.8,
+    essential=True,
 )
 def stove(s: Size, rng: Generator) -> Parts:
     """A stove: an oven with a window and knobs, and four hotplates on top."""
@@ -110,6 +112,7 @@ def stove(s: Size, rng: Generator) -> Parts:
     rooms={"kitchen": (1, 1), "pantry": 0.4, "garage": 0.15},
     place=AgainstWall(beside=_ROW, corner=True),
     clearance=0.6,
+    essential=True,
 )
 def fridge(s: Size, rng: Generator) -> Parts:
     """A fridge above a freezer, with notes on the door."""

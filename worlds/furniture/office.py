@@ -319,6 +319,7 @@ def wall_screen(s: Size, rng: Generator) -> Parts:
     height=(1.1, 1.2),
     rooms={"print room": (1, 2), "open-plan office": 0.6, "office": 0.12},
     clearance=0.7,
+    essential=True,
 )
 def photocopier(s: Size, rng: Generator) -> Parts:
     """A photocopier with paper trays, a control panel and a document feeder."""

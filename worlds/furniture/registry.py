@@ -18,6 +18,7 @@ def furniture(
     place: Place = AgainstWall(),  # noqa: B008 - frozen
     solid: bool | None = None,
     clearance: float = 0.0,
+    essential: bool = False,
 ) -> Callable[[Build], Build]:
     """Register the decorated build function as a kind of furniture; see `Kind` for the arguments.
 
@@ -38,7 +39,8 @@ def furniture(
             )
             raise WorldsError(f"furniture kind {name!r} is {where}; valid: a name that is not in worlds.furniture.CATALOGUE")
         on_floor = isinstance(place, AgainstWall | OnFloor | Around)
-        KINDS[name] = Kind(name, width, depth, height, rooms, build, place, on_floor if solid is None else solid, clearance)
+        blocks = on_floor if solid is None else solid
+        KINDS[name] = Kind(name, width, depth, height, rooms, build, place, blocks, clearance, essential)
         return build
 
     return declare

@@ -51,6 +51,7 @@ def _machine(s: Size, body: tuple[float, float, float], door: tuple[float, float
     rooms={"laundry room": (1, 2), "bathroom": 0.25, "kitchen": 0.08},
     place=AgainstWall(beside=_MACHINES),
     clearance=0.6,
+    essential=True,
 )
 def washing_machine(s: Size, rng: Generator) -> Parts:
     """A washing machine with a dark round window at the front."""
@@ -364,7 +365,15 @@ def workbench(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("car", width=(1.65, 1.8), depth=(3.6, 4.2), height=(1.4, 1.5), rooms={"garage": (1, 1)}, place=OnFloor("centre"))
+@furniture(
+    "car",
+    width=(1.65, 1.8),
+    depth=(3.6, 4.2),
+    height=(1.4, 1.5),
+    rooms={"garage": (1, 1)},
+    place=OnFloor("centre"),
+    essential=True,
+)
 def car(s: Size, rng: Generator) -> Parts:
     """A car: body, cabin, four wheels, lights and number plates."""
     paint = pick(rng, (*BRIGHT[:4], STEEL, WHITE, BLACK))

@@ -3,7 +3,8 @@
 Each room is furnished in this order. Steps 1 and 2 place everything that a usual home has. If the clutter is lower than
 usual, some of these pieces are left out at the end.
 
-1. Pieces that stand by themselves, the required and the large ones first, each followed by its required seats.
+1. Pieces that stand by themselves, each followed by its required seats: first one piece of each required kind, so that
+   the kitchen counters leave space for a sink and a stove, and then the others, the large ones first.
 2. Details: other seats, and things on top of pieces, on walls and under the ceiling.
 3. Pieces that need more than the usual clutter, in the order of the least clutter at which they are present.
 
@@ -16,6 +17,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import islice
 from typing import NamedTuple
 
 from numpy.random import Generator
@@ -93,13 +95,15 @@ class _Furnisher:
 
         All pieces of a usual home are included, even at a lower clutter.
         """
-        for kind in self._kinds.standing:
-            for piece in self._usual(kind, None):
-                for seat in self._kinds.seats.get(kind.name, ()):
-                    self._usual(seat, piece)
+        numbered = {kind: self._appearances(kind, None) for kind in self._kinds.standing}
+        for kind, each in numbered.items():
+            if kind.is_required_in(self._plan.label):
+                self._stand(kind, islice(each, 1))
+        for kind, each in numbered.items():
+            self._stand(kind, each)
         for kind in self._kinds.details:
             for host in self._hosts(kind):
-                self._usual(kind, host)
+                self._usual(kind, host, self._appearances(kind, host))
         while self._more:
             self._add_queued(heapq.heappop(self._more))
         return self._pieces
@@ -108,10 +112,18 @@ class _Furnisher:
         names = host_names(kind)
         return [piece for name in names for piece in self._by_kind[name]] if names else (None,)
 
-    def _usual(self, kind: Kind, host: Piece | None) -> list[Piece]:
+    def _appearances(self, kind: Kind, host: Piece | None) -> Iterator[tuple[float, int]]:
+        return appearances(kind, self._plan.label, self._plan.shape.area_m2, self._draws(kind, 0, host))
+
+    def _stand(self, kind: Kind, each: Iterator[tuple[float, int]]) -> None:
+        """Place the usual pieces of a kind that stands by itself, each followed by its required seats."""
+        for piece in self._usual(kind, None, each):
+            for seat in self._kinds.seats.get(kind.name, ()):
+                self._usual(seat, piece, self._appearances(seat, piece))
+
+    def _usual(self, kind: Kind, host: Piece | None, each: Iterator[tuple[float, int]]) -> list[Piece]:
         """Place the pieces of a kind that a usual home has (per host); queue the first piece that needs more clutter."""
         placed: list[Piece] = []
-        each = appearances(kind, self._plan.label, self._plan.shape.area_m2, self._draws(kind, 0, host))
         for since, number in each:
             if since > USUAL:
                 self._queue(since, kind, number, host, each)
@@ -140,7 +152,7 @@ class _Furnisher:
             self._queue(max(since, piece.since), kind, number, host, rest)
             break
         for guest in self._kinds.guests.get(kind.name, ()):
-            each = appearances(guest, self._plan.label, self._plan.shape.area_m2, self._draws(guest, 0, piece))
+            each = self._appearances(guest, piece)
             for since, number in each:
                 self._queue(max(since, piece.since), guest, number, piece, each)
                 break
@@ -201,7 +213,7 @@ def _room_kinds(label: str, catalogue: tuple[Kind, ...]) -> RoomKinds:
     """Return the kinds of the catalogue that belong in rooms with `label`. Raises `WorldsError` for an invalid kind."""
     check_kinds(catalogue)
     here = sorted((kind for kind in catalogue if label in kind.rooms), key=lambda kind: _rank(kind, label))
-    seats = [kind for kind in here if isinstance(kind.place, Around) and _is_required(kind, label)]
+    seats = [kind for kind in here if isinstance(kind.place, Around) and kind.is_required_in(label)]
     standing = tuple(kind for kind in here if _stage(kind) == 1)
     details = tuple(kind for kind in here if _stage(kind) > 1 and kind not in seats)
     return RoomKinds(standing, _by_host(seats), details, _by_host(here))
@@ -220,18 +232,16 @@ def host_names(kind: Kind) -> tuple[str, ...]:
     return ()
 
 
-def _rank(kind: Kind, label: str) -> tuple[int, bool, bool, float]:
+def _rank(kind: Kind, label: str) -> tuple[int, bool, bool, bool, float]:
     """Return the sort key for the order of placing; kinds that come later have less space to choose from.
 
     Kinds are sorted by their place (floor, around a piece, on top, wall, ceiling). Within a place, required kinds come
-    first, then solid kinds for the centre of the room, then kinds with a large footprint.
+    first, and among them the essential ones, then solid kinds for the centre of the room, then kinds with a large footprint.
     """
     central = kind.solid and isinstance(kind.place, OnFloor) and kind.place.spot == "centre"
-    return _stage(kind), not _is_required(kind, label), not central, -kind.width[1] * kind.depth[1]
-
-
-def _is_required(kind: Kind, label: str) -> bool:
-    return isinstance(kind.rooms[label], tuple)
+    required = kind.is_required_in(label)
+    essential = required and kind.essential
+    return _stage(kind), not required, not essential, not central, -kind.width[1] * kind.depth[1]
 
 
 def _stage(kind: Kind) -> int:
