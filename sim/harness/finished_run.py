@@ -75,8 +75,7 @@ class Run:
     def odometry_poses(self) -> Float64[np.ndarray, "n 4 4"]:
         """Poses of the body in the odometry frame, `T_O_B`, as the SLAM received them.
 
-        A pose that a fault has made NaN is replaced by the last finite pose before it or, if there is none, by the identity,
-        at which the odometry begins.
+        A pose that a fault has made NaN is replaced by the last finite pose before it or, if there is none, by the identity.
         """
         poses = np.array([self.given[frame].T_O_B for frame in self.estimate.frames.tolist()])
         known = np.where(np.isfinite(poses).all(axis=(1, 2)), np.arange(len(poses)), -1)

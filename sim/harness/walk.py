@@ -61,4 +61,4 @@ def _walk(scenario: Scenario, kinds: tuple[Kind, ...]) -> Walk:
     walkable = Walkable(house)
     tour = plan_tour(house, walkable, streams["tour"], tour_config(scenario))
     odometry = tour_odometry(tour, odometry_config(scenario), streams["odometry"])
-    return Walk(house, walkable, tour, odometry)
+    return Walk(house, walkable, tour, odometry.in_random_frame(streams["odometry frame"]))

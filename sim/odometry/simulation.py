@@ -10,7 +10,7 @@ Noise and biases grow with the distance travelled. The statistics of the drift t
 increments nor on the speed. Rotation counts as distance, too, so that the estimate also drifts while turning on the spot.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float64, Int
@@ -26,6 +26,8 @@ __all__ = ["ODOMETRY_PRESETS", "Odometry", "OdometryConfig", "simulate_odometry"
 
 METRES_PER_RADIAN = 0.3
 """Distance that makes errors grow as much as a rotation by one radian does [m/rad]."""
+ORIGIN_M = (10.0, 10.0, 3.0)
+"""Greatest distance of the origin of a random frame from that of the earlier frame, along x, y and z [m]."""
 _VARIANCE_FLOOR = 1e-10
 """Variance that is added to keep covariances invertible where the body stands still or does not drift [rad², m²]."""
 
@@ -35,16 +37,30 @@ class Odometry:
     """Output of the odometry at each reported stamp."""
 
     T_O_B: Float64[np.ndarray, "n 4 4"]
-    """Estimated poses in the odometry frame O. O equals W at the first pose, and drifts away from W afterwards."""
+    """Estimated poses in the odometry frame O, whose z axis points up."""
     increment_covariance: Float64[np.ndarray, "n 6 6"]
     """Covariance of the error `xi` of the motion since the previous pose, rotation first [rad², m²].
 
     The error is on the right: `T = T_true @ Exp(xi)`.
     """
 
+    def in_random_frame(self, rng: np.random.Generator) -> "Odometry":
+        """Return this odometry in another frame O, whose origin and heading are random and whose z axis points up.
+
+        A real odometry knows neither the frame of the building's plan nor the heights of its floors. The covariances stay as
+        they are, because they are those of motions in the axes of B.
+        """
+        T_new_old = np.eye(4)
+        T_new_old[:3, :3] = Rotation.from_rotvec([0.0, 0.0, rng.uniform(-np.pi, np.pi)]).as_matrix()
+        T_new_old[:3, 3] = rng.uniform(-1.0, 1.0, 3) * ORIGIN_M
+        return replace(self, T_O_B=T_new_old @ self.T_O_B)
+
 
 def tour_odometry(tour: Tour, config: OdometryConfig, rng: np.random.Generator) -> Odometry:
-    """Simulate odometry along a tour. It adds up at least `config.rate_hz` increments a second, and reports every frame."""
+    """Simulate odometry along a tour, with O equal to W at the first pose; every frame is reported.
+
+    The odometry adds up at least `config.rate_hz` increments in a second.
+    """
     pieces = np.ceil(np.diff(tour.stamps) * config.rate_hz - 1e-6).astype(int)
     frames = np.append(0, np.cumsum(pieces))
     stamps = np.interp(np.arange(frames[-1] + 1), frames, tour.stamps)
@@ -58,7 +74,7 @@ def simulate_odometry(
     rng: np.random.Generator,
     reported: Int[np.ndarray, "n"] | None = None,
 ) -> Odometry:
-    """Simulate odometry along true poses, with one increment between consecutive poses.
+    """Simulate odometry along true poses, with one increment between consecutive poses. O equals W at the first pose.
 
     `reported` has the indices of the poses to report, in ascending order from 0; None stands for all poses. Raises
     `SimError` if poses are not rigid, or if stamps or indices do not ascend.

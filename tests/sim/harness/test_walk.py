@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 
+from lexis.maths.se3 import inverse
 from sim.faults import parse_fault
 from sim.harness.scenario import Scenario
 from sim.harness.walk import shortest_walk_m, walk, with_walk_m
@@ -77,3 +78,17 @@ def test_a_walk_gets_the_length_that_is_asked_for_but_visits_all_rooms():
 @given(house=houses(max_rooms=2, max_storeys=1, furnished=True))
 def test_the_smallest_furnished_houses_that_are_drawn_admit_a_walk_of_40_m(house):
     assert walk(replace(PLAIN, house=house, length_m=40.0)).tour.length_m == pytest.approx(40.0, abs=3.0)
+
+
+def test_the_odometry_frame_is_upright_and_reveals_neither_the_plan_nor_the_height_of_the_floor():
+    """The odometry started in the frame of the plan once, so that a SLAM could have read floors from heights."""
+    transforms = []
+    for seed in range(8):
+        made = walk(replace(PLAIN, seed=seed, odometry="perfect", length_m=15.0))
+        T_O_W = made.odometry.T_O_B @ inverse(made.tour.T_W_B)
+        np.testing.assert_allclose(T_O_W, np.broadcast_to(T_O_W[0], T_O_W.shape), atol=1e-9)
+        np.testing.assert_allclose(T_O_W[0, 2, :3], [0.0, 0.0, 1.0], atol=1e-12)
+        transforms.append(T_O_W[0])
+    spread = np.ptp(transforms, axis=0)
+    assert np.all(spread[:3, 3] > [5.0, 5.0, 1.5])
+    assert spread[0, 0] > 1.0

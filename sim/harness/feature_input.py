@@ -1,0 +1,112 @@
+"""`FeatureInput`: what the harness gives to a SLAM in a run of fidelity "features", in place of images."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Int
+
+from lexis.config import VerificationConfig
+from lexis.perception import Encoder
+from lexis.types import Camera, Features, Keyframe, Landmarks, LoopEdge, Poses
+from lexis.verification import Verifier
+from sim.errors import SimError
+from sim.feature_sensor.covisibility_verifier import CovisibilityVerifier
+from sim.feature_sensor.model import FeatureModel
+from sim.feature_sensor.oracle import Oracle
+
+_NO_GATES = VerificationConfig(gate_m=1e9, gate_rad=4.0, uncertain_gate_m=1e9, max_edges=10**9)
+"""Settings with which a verifier compares no loop with an estimate of the poses."""
+
+
+@dataclass(frozen=True, eq=False)
+class FeatureInput:
+    """What the harness gives to a SLAM in a run of fidelity "features": the feature model and a loop verifier.
+
+    A run of this fidelity has no images, so the SLAM can neither encode images nor compare them to verify loops.
+    """
+
+    model: FeatureModel
+    source: str
+    """File or package that the model was read from, for error messages."""
+    oracle: bool
+    """Whether the embeddings are the oracle's, which contain the truth, instead of imitating the encoder of `model`."""
+    verifier: Verifier
+    """Verifier of the loop closures of LEXIS's pose graph. `verify` asks it about observations, without a pose graph."""
+    camera: Camera
+
+    def verify(self, query: int, matches: Sequence[int]) -> tuple[LoopEdge, ...]:
+        """Return the loop closures that a comparison of images would give between an observation and earlier ones.
+
+        Some true loops are missing, and some of those returned are false, as with real images. A SLAM has to recognise
+        false ones by its own estimate of the poses. Equal questions have equal answers in all runs of a scenario.
+
+        Args:
+            query: index of an observation.
+            matches: indices of the observations with which it is compared.
+
+        Returns:
+            Edges whose `query` and `match` are indices of observations.
+
+        Raises `SimError` for an index that is negative, and for a match that is the query itself.
+        """
+        if query < 0 or any(match < 0 or match == query for match in matches):
+            raise SimError(
+                f"verify: observation {query} is to be compared with {list(matches)!r:.60}; valid: indices of other "
+                "observations, from 0"
+            )
+        unestimated = _observations(1 << max(query, *matches, 0).bit_length())
+        return self.verifier(unestimated.keyframes[query], list(matches), unestimated, self.camera, _NO_GATES).edges
+
+    def renumbered(self, original: Callable[[int], int]) -> "FeatureInput":
+        """Return this input for a SLAM that gets observations under other indices.
+
+        `original` maps an index that the SLAM gets to the index in the run.
+        """
+        if not isinstance(self.verifier, CovisibilityVerifier):
+            raise SimError("feature input: its verifier cannot be renumbered; valid: the verifier of the feature sensor")
+        return replace(self, verifier=self.verifier.renumbered(original))
+
+    def check(self, encoder: Encoder) -> None:
+        """Raise `SimError` unless the embeddings of the run simulate `encoder`."""
+        if self.oracle != isinstance(encoder, Oracle):
+            raise SimError(f"encoder {encoder.name!r} does not fit the run; valid: the encoder that the scenario names")
+        if not self.oracle:
+            self.model.check(encoder, self.source)
+
+
+@dataclass(frozen=True, eq=False)
+class _Observations:
+    """A `PoseEstimate` without an estimate: every observation is a keyframe, whose id is the index of the observation."""
+
+    keyframes: Sequence[Keyframe]
+
+    @property
+    def T_W_B(self) -> Poses:
+        """Equal poses for all observations."""
+        return np.tile(np.eye(4), (len(self.keyframes), 1, 1))
+
+    @property
+    def sessions(self) -> Int[np.ndarray, "n"]:
+        """A single session."""
+        return np.zeros(len(self.keyframes), np.int64)
+
+    @property
+    def is_split(self) -> bool:
+        """Whether poses cannot be compared, which is not so."""
+        return False
+
+    def path_between(self, first: int, second: int) -> float:
+        """Return an unknown length."""
+        return math.inf
+
+
+@lru_cache(maxsize=32)
+def _observations(count: int) -> _Observations:
+    """Return `count` observations without content, as keyframes."""
+    features = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
+    landmarks = Landmarks(np.zeros((0, 3)), np.zeros(0, np.int64))
+    first = Keyframe(0, 0, 0.0, np.eye(4), np.eye(6), np.zeros(1, np.float32), features, landmarks)
+    return _Observations(tuple(replace(first, id=i, observation_index=i, stamp=float(i)) for i in range(count)))

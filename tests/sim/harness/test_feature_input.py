@@ -1,0 +1,77 @@
+"""`FeatureInput.verify` gives any SLAM the loop closures that a comparison of images would give."""
+
+import numpy as np
+import pytest
+
+from lexis.maths.se3 import between, rotation_angle
+from sim.errors import SimError
+from sim.harness.estimate import Estimate
+from sim.harness.runner import run
+from sim.harness.scenario import Scenario
+from worlds.presets import sample_from_rooms
+
+SCENARIO = Scenario(
+    house=sample_from_rooms(("kitchen", "bedroom", "living room"), seed=3), fidelity="features", frame_rate_hz=2.0,
+    length_m=60.0,
+)  # fmt: skip
+
+
+class Recorder:
+    """A SLAM that stores what it gets, and estimates nothing."""
+
+    def start(self, camera, room_names):
+        """Unused, because all runs are on features."""
+
+    def start_on_features(self, camera, room_names, features):
+        self.features, self.indices = features, []
+
+    def process(self, observation):
+        self.indices.append(observation.index)
+
+    def finish(self):
+        return Estimate(np.array(self.indices))
+
+
+@pytest.fixture(scope="module")
+def ran():
+    slam = Recorder()
+    return run(SCENARIO, slam).true_poses, slam.features
+
+
+def _edges(features, count):
+    return [edge for query in range(20, count, 3) for edge in features.verify(query, range(0, query - 15, 2))]
+
+
+def test_most_loops_are_true_and_all_join_the_given_observations(ran):
+    truth, features = ran
+    edges = _edges(features, len(truth))
+    assert len(edges) > 20
+    assert all(edge.match <= edge.query - 15 and edge.match % 2 == 0 for edge in edges)
+    true = between(truth[[edge.match for edge in edges]], truth[[edge.query for edge in edges]])
+    off = between(true, np.array([edge.T_match_query for edge in edges]))
+    near = (np.linalg.norm(off[:, :3, 3], axis=1) < 0.5) & (rotation_angle(off) < 0.2)
+    assert near.mean() > 0.8
+
+
+def test_answers_depend_neither_on_the_run_nor_on_earlier_questions(ran):
+    truth, features = ran
+    again = Recorder()
+    run(SCENARIO, again)
+    first, second = _edges(features, len(truth)), _edges(again.features, len(truth))[:5]
+    for one, other in zip(first, second, strict=False):
+        assert (one.query, one.match, one.inliers) == (other.query, other.match, other.inliers)
+        assert np.array_equal(one.T_match_query, other.T_match_query)
+
+
+def test_a_slam_that_numbers_observations_anew_gets_the_same_loops(ran):
+    truth, features = ran
+    query, matches = max((edge.query, edge.match) for edge in _edges(features, len(truth)))[0], [0, 1, 2, 3]
+    there = features.verify(query, matches)
+    here = features.renumbered(lambda index: index - 1000).verify(query + 1000, [match + 1000 for match in matches])
+    assert [edge.match + 1000 for edge in there] == [edge.match for edge in here]
+
+
+@pytest.mark.parametrize(("query", "matches"), [(-1, [0]), (3, [-1]), (3, [1, 3])])
+def test_indices_that_are_no_other_observations_are_refused(ran, query, matches):
+    with pytest.raises(SimError, match="valid: indices of other observations"):
+        ran[1].verify(query, matches)
