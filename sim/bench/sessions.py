@@ -18,7 +18,7 @@ from sim.errors import SimError
 from sim.feature_sensor.covisibility_verifier import CovisibilityVerifier
 from sim.harness import Scenario, run
 from sim.harness.adapters import Lexis
-from sim.harness.slam_under_test import FeatureInput
+from sim.harness.feature_input import FeatureInput
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec

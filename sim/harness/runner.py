@@ -8,12 +8,13 @@ from lexis.timing import StageTimer
 from sim.feature_sensor.model import MINI_FEATURES, FeatureModel
 from sim.fidelity import ORACLE
 from sim.harness.adapters.lexis import Lexis
+from sim.harness.feature_input import FeatureInput
 from sim.harness.finished_run import Given, Run
 from sim.harness.last_run import last_run
 from sim.harness.returned_estimate import checked_estimate
 from sim.harness.scenario import Scenario
 from sim.harness.scenario_sessions import feature_model, session_of
-from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput, SlamUnderTest, check_slam_methods
+from sim.harness.slam_under_test import AcceptsFeatures, SlamUnderTest, check_slam_methods
 from sim.harness.walk import walk
 from sim.session import Session
 from sim.truth import Truth
@@ -92,6 +93,8 @@ def _start(slam: SlamUnderTest, scenario: Scenario, session: Session, model: Fea
     names, camera = session.house.spec.room_labels, session.camera.copy()  # the SLAM may write into the camera
     if model is not None and isinstance(slam, AcceptsFeatures):
         source = str(scenario.feature_model or MINI_FEATURES)
-        slam.start_on_features(camera, names, FeatureInput(model, source, scenario.encoder == ORACLE, session.verifier()))
+        slam.start_on_features(
+            camera, names, FeatureInput(model, source, scenario.encoder == ORACLE, session.verifier(), camera)
+        )
     else:
         slam.start(camera, names)

@@ -2,19 +2,15 @@
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Protocol, runtime_checkable
 
-from lexis.perception import Encoder
 from lexis.types import Camera, Observation
-from lexis.verification import Verifier
 from sim.errors import SimError
-from sim.feature_sensor.covisibility_verifier import CovisibilityVerifier
-from sim.feature_sensor.model import FeatureModel
-from sim.feature_sensor.oracle import Oracle
 from sim.harness.estimate import Estimate
+from sim.harness.feature_input import FeatureInput
 from sim.harness.last_run import last_run
 from sim.wording import class_of
 
@@ -135,37 +131,6 @@ def write_printed(stdout: bytes, stderr: bytes, folder: Path) -> None:
     """Write what a program printed to `program.out` and `program.err`."""
     (folder / "program.out").write_bytes(stdout)
     (folder / "program.err").write_bytes(stderr)
-
-
-@dataclass(frozen=True, eq=False)
-class FeatureInput:
-    """What the harness gives to a SLAM in a run of fidelity "features": the feature model and a loop verifier.
-
-    A run of this fidelity has no images, so the SLAM can neither encode images nor compare them to verify loops.
-    """
-
-    model: FeatureModel
-    source: str
-    """File or package that the model was read from, for error messages."""
-    oracle: bool
-    """Whether the embeddings are the oracle's, which contain the truth, instead of imitating the encoder of `model`."""
-    verifier: Verifier
-
-    def renumbered(self, original: Callable[[int], int]) -> "FeatureInput":
-        """Return this input for a SLAM that gets observations under other indices.
-
-        `original` maps an index that the SLAM gets to the index in the run.
-        """
-        if not isinstance(self.verifier, CovisibilityVerifier):
-            raise SimError("feature input: its verifier cannot be renumbered; valid: the verifier of the feature sensor")
-        return replace(self, verifier=self.verifier.renumbered(original))
-
-    def check(self, encoder: Encoder) -> None:
-        """Raise `SimError` unless the embeddings of the run simulate `encoder`."""
-        if self.oracle != isinstance(encoder, Oracle):
-            raise SimError(f"encoder {encoder.name!r} does not fit the run; valid: the encoder that the scenario names")
-        if not self.oracle:
-            self.model.check(encoder, self.source)
 
 
 @runtime_checkable

@@ -10,8 +10,9 @@ from lexis.maths.se3 import inverse
 from lexis.types import Camera, Observation, Pose
 from sim.errors import SimError
 from sim.harness.estimate import Estimate, EstimatedLoops
+from sim.harness.feature_input import FeatureInput
 from sim.harness.returned_estimate import checked_estimate
-from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput, SlamUnderTest
+from sim.harness.slam_under_test import AcceptsFeatures, SlamUnderTest
 from sim.suites.stream_changes import StreamChange, copied
 
 

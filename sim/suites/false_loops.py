@@ -10,8 +10,9 @@ from lexis.graph.pose_estimate import PoseEstimate
 from lexis.maths.se3 import between
 from lexis.types import Camera, Keyframe, LoopEdge
 from lexis.verification import Verification, Verifier
+from sim.harness.feature_input import FeatureInput
 from sim.harness.scenario import Scenario
-from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput
+from sim.harness.slam_under_test import AcceptsFeatures
 from sim.suites.stream_changes import NoChange
 
 _SURE = np.repeat([0.01, 0.04], 3) ** 2

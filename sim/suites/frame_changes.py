@@ -14,7 +14,7 @@ from lexis.graph.pose_estimate import PoseEstimate
 from lexis.maths.se3 import adjoint, exp, inverse, transform
 from lexis.types import Camera, Covariance, Keyframe, Observation, Percept, Pose, Poses
 from lexis.verification import Verification, Verifier
-from sim.harness.slam_under_test import FeatureInput
+from sim.harness.feature_input import FeatureInput
 from sim.suites.stream_changes import NoChange
 
 

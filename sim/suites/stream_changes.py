@@ -16,8 +16,8 @@ import numpy as np
 from lexis.inputs import with_copied_geometry
 from lexis.maths.se3 import adjoint, between
 from lexis.types import Camera, Observation, Percept, Pose
+from sim.harness.feature_input import FeatureInput
 from sim.harness.scenario import Scenario
-from sim.harness.slam_under_test import FeatureInput
 from worlds.labels import STAIRS
 
 _SYNONYMS = MappingProxyType(

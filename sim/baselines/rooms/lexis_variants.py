@@ -8,7 +8,7 @@ from lexis.config import PAPER, Config
 from lexis.types import Camera, Observation
 from sim.harness.adapters import Lexis
 from sim.harness.estimate import Estimate
-from sim.harness.slam_under_test import FeatureInput
+from sim.harness.feature_input import FeatureInput
 
 LEXIS_VARIANTS: Mapping[str, Config] = MappingProxyType(
     {

@@ -8,8 +8,9 @@ from lexis.types import Camera, Observation
 from sim.harness import Scenario, SlamUnderTest, run
 from sim.harness.adapters import Lexis
 from sim.harness.estimate import Estimate
+from sim.harness.feature_input import FeatureInput
 from sim.harness.finished_run import Run
-from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput
+from sim.harness.slam_under_test import AcceptsFeatures
 
 
 class SideBySide:

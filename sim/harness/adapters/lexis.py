@@ -21,7 +21,7 @@ from sim.feature_sensor.oracle import Oracle
 from sim.fidelity import ORACLE
 from sim.harness.adapters.closure_log import ClosureLog
 from sim.harness.estimate import CandidateDecision, Estimate, EstimatedLoops
-from sim.harness.slam_under_test import FeatureInput
+from sim.harness.feature_input import FeatureInput
 
 
 class Lexis:
