@@ -4,7 +4,7 @@ Each field declares its valid values, and the error for another value names the 
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, fields, is_dataclass
 from functools import cache
 from numbers import Integral, Number, Real
@@ -68,6 +68,19 @@ class Settings:
 def settings_data(settings: Settings) -> dict[str, Any]:
     """Return all settings as nested plain data, for JSON or YAML; `settings_of` is the inverse."""
     return asdict(settings)  # type: ignore[call-overload, no-any-return]
+
+
+def changed_settings(settings: Settings) -> list[str]:
+    """Return the settings that differ from their defaults, each as a text such as "place_recognition.candidates=0"."""
+    return list(_changed(settings_data(settings), settings_data(type(settings)()), ""))
+
+
+def _changed(data: Mapping[str, Any], usual: Mapping[str, Any], prefix: str) -> Iterator[str]:
+    for name, value in data.items():
+        if isinstance(value, Mapping) and isinstance(usual[name], Mapping):
+            yield from _changed(value, usual[name], f"{prefix}{name}.")
+        elif value != usual[name]:
+            yield f"{prefix}{name}={value}"
 
 
 def settings_of(kind: type[_Settings], data: object, place: str = "") -> _Settings:

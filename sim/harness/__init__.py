@@ -6,7 +6,7 @@
     assert result.floors.accuracy > 0.9
 
 `scenario` describes a run; `run_settings` and `walk` derive its house, tour and odometry. `slam_under_test` is the
-interface of a SLAM, `estimate` holds what the SLAM returns, `returned_estimate` compares this with the run, and
+interface of a SLAM, `feature_input` replaces images in runs on features, `estimate` holds what the SLAM returns, `returned_estimate` compares this with the run, and
 `adapters` contains LEXIS and others. `runner` gives the observations of `scenario_sessions` to the SLAM, and returns a
 `finished_run`. `planning` lets a robot drive the SLAM's plans, each in a `trial`; `upright` turns estimated poses so that z
 points up. `figures` (with `loops`) computes the figures that `results` holds. `claims` reads statements about figures, such

@@ -42,7 +42,7 @@ from sim.harness.results import (
 )
 from sim.harness.runner import run
 from sim.harness.scenario import Scenario
-from sim.harness.slam_under_test import CommandSlam, SlamUnderTest
+from sim.harness.slam_under_test import SlamUnderTest, title_of
 from sim.harness.trial import Trial
 from sim.truth import camera_positions
 from worlds.truth import ambiguity_at, floor_area, openness
@@ -82,7 +82,7 @@ def evaluate(run: Run, trials: Sequence[Trial] = ()) -> RunResult:
         seed=scenario.seed,
         preset=None if scenario.house else scenario.preset,
         fidelity=scenario.fidelity,
-        slam=run.slam.command if isinstance(run.slam, CommandSlam) else type(run.slam).__name__,
+        slam=title_of(run.slam),
         encoder=run.estimate.encoder,
         odometry=scenario.odometry,
         house=_house(run),

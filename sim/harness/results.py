@@ -180,7 +180,7 @@ class RunResult:
     preset: str | None
     fidelity: str
     slam: str
-    """Name of the class of the SLAM under test, or the command of a program."""
+    """Name of the class of the SLAM under test, with the settings that it states, or the command of a program."""
     encoder: str | None
     """Name of the vision-language model, as the SLAM states it."""
     odometry: str

@@ -104,6 +104,31 @@ class PlansPaths(Protocol):
 
 
 @runtime_checkable
+class StatesSettings(Protocol):
+    """Interface of a SLAM that states its settings, so that results with different settings can be told apart."""
+
+    @property
+    def settings(self) -> str:
+        """The settings in a few words, such as "no loops"; an empty text for the usual ones."""
+
+
+_LONGEST_SETTINGS = 80
+"""Greatest number of characters of a SLAM's settings in its title."""
+
+
+def title_of(slam: object) -> str:
+    """Return the name of a SLAM's class, with the settings that the SLAM states in parentheses, or a program's command."""
+    if isinstance(slam, CommandSlam):
+        return slam.command
+    name = type(slam).__name__
+    stated = getattr(slam, "settings", "")
+    if not isinstance(stated, str) or not stated:
+        return name
+    short = stated if len(stated) <= _LONGEST_SETTINGS else f"{stated[: _LONGEST_SETTINGS - 1]}…"
+    return f"{name} ({short})"
+
+
+@runtime_checkable
 class SavesFiles(Protocol):
     """Interface of a SLAM that adds files of its own to the folder of a run."""
 

@@ -10,7 +10,7 @@ from annotated_types import Ge, Gt, Interval, MinLen
 
 from lexis.config import Config, KeyframeConfig, read_config
 from lexis.errors import ConfigError
-from lexis.settings import Settings, settings_data, settings_of
+from lexis.settings import Settings, changed_settings, settings_data, settings_of
 
 
 @dataclass(frozen=True)
@@ -107,3 +107,13 @@ def test_a_file_of_settings(tmp_path):
     file.write_text(json.dumps({"keyframes": {"spacing": 0.75}}))
     with pytest.raises(ConfigError, match=r"settings\.json: keyframes has no setting 'spacing'; valid: spacing_m, "):
         read_config(file)
+
+
+def test_changed_settings_are_named_as_in_a_file_and_give_the_settings_back():
+    config = Config(keyframes=KeyframeConfig(spacing_m=0.75))
+    assert changed_settings(Config()) == []
+    (text,) = changed_settings(config)
+    assert text == "keyframes.spacing_m=0.75"
+    place, value = text.split("=")
+    stage, name = place.split(".")
+    assert settings_of(Config, {stage: {name: float(value)}}) == config

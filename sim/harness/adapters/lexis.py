@@ -14,6 +14,7 @@ from lexis.perception import Encoder
 from lexis.place_recognition import PlaceRecogniser, propose
 from lexis.planning import PathPlanner
 from lexis.semantics import Labeller
+from lexis.settings import changed_settings
 from lexis.slam import Slam
 from lexis.types import Camera, LexisMap, LoopArrays, LoopDecision, Observation
 from lexis.verification import Verifier, verify
@@ -56,6 +57,11 @@ class Lexis:
         if isinstance(self._encoder, str):
             self._encoder = load(self._encoder)
         return self._encoder
+
+    @property
+    def settings(self) -> str:
+        """The settings of LEXIS that differ from their defaults."""
+        return ", ".join(changed_settings(self.config))
 
     def with_stages(
         self,

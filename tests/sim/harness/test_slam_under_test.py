@@ -14,6 +14,7 @@ from sim.errors import SimError
 from sim.faults.delivery import Dropped
 from sim.faults.stamps import StampJump
 from sim.harness import Estimate, EstimatedLoops, Scenario, check, run, try_plans, write_run
+from sim.harness.adapters import Lexis, OdometryOnly
 from sim.harness.crash import Crash, attempt
 from sim.harness.diagnosis.first_wrong import crash_frame, first_wrong
 from sim.harness.estimate import CandidateDecision
@@ -22,7 +23,7 @@ from sim.harness.last_run import LastRun, last_run, noted
 from sim.harness.report_data import report_data
 from sim.harness.results import FloorFigures, LabelFigures, LoopFigures, RoomFigures
 from sim.harness.scenario_sessions import picture_session
-from sim.harness.slam_under_test import check_slam_factory
+from sim.harness.slam_under_test import check_slam_factory, title_of
 from sim.report.findings import findings
 from worlds.presets import sample_from_rooms
 
@@ -442,3 +443,20 @@ def test_methods_may_name_their_arguments_otherwise_and_have_more_with_defaults(
             super().process(seen)
 
     assert check(SCENARIO, Slam()).slam == "Slam"
+
+
+@pytest.mark.parametrize(
+    ("settings", "title"),
+    [("no loops", "Tuned (no loops)"), ("", "Tuned"), ({"loops": 0}, "Tuned"), ("x" * 90, f"Tuned ({'x' * 79}…)")],
+)
+def test_stated_settings_stand_beside_the_name(settings, title):
+    class Tuned(OdometryOnly):
+        pass
+
+    Tuned.settings = settings
+    assert title_of(Tuned()) == title
+
+
+def test_a_result_says_with_which_settings_lexis_ran():
+    assert title_of(Lexis()) == "Lexis"
+    assert title_of(Lexis(loops=False)) == "Lexis (place_recognition.candidates=0)"
