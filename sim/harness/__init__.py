@@ -5,13 +5,14 @@
     result = check(Scenario(preset="home", seed=7), MySlam())
     assert result.floors.accuracy > 0.9
 
-`scenario` describes a run; `run_settings` and `walk` derive its house, tour and odometry. `slam_under_test` is the
-interface of a SLAM, `feature_input` replaces images in runs on features, `estimate` holds what the SLAM returns, `returned_estimate` compares this with the run, and
-`adapters` contains LEXIS and others. `runner` gives the observations of `scenario_sessions` to the SLAM, and returns a
-`finished_run`. `planning` lets a robot drive the SLAM's plans, each in a `trial`; `upright` turns estimated poses so that z
-points up. `figures` (with `loops`) computes the figures that `results` holds. `claims` reads statements about figures, such
-as "rooms.pq >= 0.6". `outputs` writes the folder of a run with its report, for which `report_data` prepares the data.
-`crash` runs a SLAM, and distinguishes a crash of the SLAM from a scenario that cannot be run.
+`scenario` describes a run; `run_settings` and `walk` derive its house, tour and odometry. `slam_under_test` is the interface
+of a SLAM, `feature_input` replaces images in runs on features, `estimate` holds what the SLAM returns, `returned_estimate`
+compares this with the run, and `adapters` contains LEXIS and others. `runner` gives the observations of `scenario_sessions`
+to the SLAM, and returns a `finished_run`. `planning` lets a robot drive the SLAM's plans, each in a `trial`; `upright` turns
+estimated poses so that z points up. `figures` (with `loops`) computes the figures that `results` holds. `claims` reads
+statements about figures, such as "rooms.pq >= 0.6". `outputs` writes the folder of a run with its report, for which
+`report_data` prepares the data. `crash` runs a SLAM, and distinguishes a crash of the SLAM from a scenario that cannot be
+run.
 
 Three packages explain a failure. `diagnosis` finds where in the run the SLAM first went wrong. `shrinking` finds the
 smallest scenario in which the SLAM fails in the same way. `failures` finds the causes, and writes all this into a folder.

@@ -359,7 +359,7 @@ def _house(result: RunResult) -> Hashable:
 
     Scenarios of one house and one seed may differ in openness, light or furniture.
     """
-    return result.seed, result.preset, result.house.floors, result.house.area_m2
+    return result.seed, result.preset, result.house.rooms, result.house.floors, result.house.area_m2
 
 
 def _counted(name: str, counts: Sequence[tuple[int, int]], scenarios: int) -> ClaimChange:
