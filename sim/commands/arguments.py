@@ -222,9 +222,12 @@ def scenario_of_arguments(arguments: argparse.Namespace) -> "Scenario":
             option = f"--{given[0].replace('_', '-')}"
             raise SimError(f"{option} is given beside --scenario; valid: one of the two, since the file says all of a run")
         return Scenario.load(arguments.scenario)
+    fidelity = arguments.fidelity or "render"
+    if arguments.feature_model is not None and fidelity != "features":
+        raise SimError(f"--feature-model {arguments.feature_model} has no effect on images; valid: with --fidelity features")
     return Scenario(
         encoder=arguments.encoder,
-        fidelity=arguments.fidelity or "render",
+        fidelity=fidelity,
         feature_model=arguments.feature_model,
         rig=RigConfig(arguments.rig),
         **walk_options(arguments),

@@ -24,6 +24,7 @@ def test_fit_features_writes_a_model_of_the_encoder(tmp_path, monkeypatch, capsy
         (["run", "--encoder", "oracle"], "valid: with fidelity 'features'"),
         (["run", "--fidelity", "features", "--fault", "blur"], "valid: with fidelity 'render'"),
         (["run", "--fidelity", "features", "--feature-model", "missing.npz"], "missing.npz: no feature model there"),
+        (["run", "--feature-model", "missing.npz"], "missing.npz has no effect on images; valid: with --fidelity features"),
         (["bench", "fidelity", "--encoder", "oracle"], "told the truth"),
         (["bench", "segmentation", "--encoder", "oracle", "--fidelity", "features"], "told the truth"),
         (["fit-features", "--encoder", "RN50"], "--out is missing"),
