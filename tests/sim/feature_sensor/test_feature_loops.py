@@ -232,7 +232,7 @@ def test_what_things_look_like_does_not_depend_on_the_rest_of_the_house():
 
 
 def test_furniture_of_one_kind_looks_the_same_if_it_has_the_same_size():
-    house = build_house(sample_house("home", 7))
+    house = build_house(sample_house("ori", 3))
     around = survey(house)
     looks = dict(zip(around.names, around.looks.tolist(), strict=True))
     pieces = [piece for piece in house.furniture if piece.id in looks]

@@ -186,7 +186,7 @@ def test_a_short_tour_leaves_out_second_stops_but_no_room():
         tour_of("home", 11, length_m=30.0)
 
 
-@pytest.mark.parametrize(("kind", "length_m"), [("loop", 20.0), ("random", 33.0)])
+@pytest.mark.parametrize(("kind", "length_m"), [("loop", 20.0), ("random", 36.0)])
 def test_a_tour_of_only_some_rooms_is_not_said_to_visit_every_room(kind, length_m):
     with pytest.raises(SimError, match=rf"valid: at least \d+ for a tour \({kind}\) in house 'home-11'"):
         tour_of("home", 11, kind=kind, length_m=length_m)

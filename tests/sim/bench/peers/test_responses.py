@@ -32,7 +32,7 @@ def test_values_that_are_not_valid_are_left_out():
 @pytest.fixture(scope="module")
 def rows():
     same = SettingVariant("sight.range_m", 1.0, 6.0, Config())
-    return measure_house_responses("home", 100, (same, *variants(("sight",))[:8]))
+    return measure_house_responses("home", 101, (same, *variants(("sight",))[:8]))
 
 
 def test_the_same_setting_gives_the_same_figures(rows):
