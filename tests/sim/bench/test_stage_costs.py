@@ -44,7 +44,7 @@ def test_the_order_of_houses_does_not_matter():
 
 @pytest.fixture(scope="module")
 def house():
-    return {each.replaced: each for each in measure_house("ori", 100)}
+    return {each.replaced: each for each in measure_house("home", 100)}
 
 
 def test_the_truth_loses_nothing(house):
