@@ -113,7 +113,13 @@ def washbasin(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "hand basin", width=(0.36, 0.45), depth=(0.26, 0.32), height=(0.94, 0.98), rooms={"toilet": (1, 1)}, clearance=0.3
+    "hand basin",
+    width=(0.36, 0.45),
+    depth=(0.26, 0.32),
+    height=(0.94, 0.98),
+    rooms={"toilet": (1, 1)},
+    clearance=0.3,
+    essential=True,
 )
 def hand_basin(s: Size, rng: Generator) -> Parts:
     """A small basin on a pedestal."""

@@ -186,7 +186,7 @@ class Kind:
                 raise self._error(f"the count in {label!r}", count, _COUNT)
 
     def is_required_in(self, label: str) -> bool:
-        """Return whether the number of pieces in rooms with `label` is declared as a range, such as (1, 2)."""
+        """Return whether rooms with `label` require a piece: their number is declared as a range, such as (1, 2)."""
         return isinstance(self.rooms.get(label), tuple)
 
     def _check_fields(self, declared: "Kind | Place") -> None:
