@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from lexis.command_line import ENCODER_HELP, seed
 from sim.errors import SimError
 from sim.faults.catalogue import parse_fault, usage
-from sim.fidelity import FIDELITIES, ORACLE
+from sim.fidelity import FIDELITIES, ORACLE, Fidelity
 from sim.odometry.config import ODOMETRY_PRESETS
 from sim.tours.config import FASTEST_HZ, LONGEST_M, TOUR_KINDS
 from sim.tours.sway import SWAYS
@@ -222,7 +222,7 @@ def scenario_of_arguments(arguments: argparse.Namespace) -> "Scenario":
             option = f"--{given[0].replace('_', '-')}"
             raise SimError(f"{option} is given beside --scenario; valid: one of the two, since the file says all of a run")
         return Scenario.load(arguments.scenario)
-    fidelity = arguments.fidelity or "render"
+    fidelity: Fidelity = arguments.fidelity or "render"
     if arguments.feature_model is not None and fidelity != "features":
         raise SimError(f"--feature-model {arguments.feature_model} has no effect on images; valid: with --fidelity features")
     return Scenario(

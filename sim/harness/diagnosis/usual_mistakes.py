@@ -1,5 +1,6 @@
 """`usual_mistakes`: mistakes of a new SLAM or program that its figures do not explain, such as floors counted from 1."""
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -16,6 +17,10 @@ another convention if the angle exceeds the first one, and once converted stays 
 hardly drifts."""
 _CONSTANT_RAD = 1e-3
 """Largest angle between the first rotation and any other one, for rotations that count as equal [rad]."""
+_LONGEST_DELAY_S = 2.0
+"""Longest delay of the poses that is recognised [s]."""
+_DELAYED = 0.5
+"""Poses count as delayed if this decreases the misfit of their turns to less than this share."""
 _FEW_TRUE, _MOST_TRUE = 0.5, 0.8
 """Shares of true loops as they are, at most, and once inverted, at least, for loops that count as inverted."""
 
@@ -26,6 +31,11 @@ def usual_mistakes(run: Run) -> Iterator[str]:
         yield f"Every floor is {abs(offset)} too {'high' if offset > 0 else 'low'}; floors are numbered from 0, the lowest."
     if run.estimate.T_W_B is not None:
         yield from _of_rotations(run.estimate.T_W_B, run.odometry_poses, run.session.camera)
+        if delay_s := _delay_s(run, run.estimate.T_W_B):
+            yield (
+                f"The poses seem to be {abs(delay_s):.3g} s too {'late' if delay_s > 0 else 'early'}, by the rotations of "
+                "the odometry; valid: poses with the stamps of their images."
+            )
     if _has_inverted_loops(run):
         yield (
             "The relative poses of the loops seem to be inverted; valid: T_match_query, the pose of the later body in the "
@@ -73,6 +83,33 @@ def _median_rad(estimated: Poses, odometry: Poses) -> float:
     """Return the median angle between the rotations of both trajectories since their first frame [rad]."""
     since_first = (between(poses[:1], poses) for poses in (estimated, odometry))
     return float(np.median(rotation_angle(between(*since_first))))
+
+
+def _delay_s(run: Run, estimated: Poses) -> float:
+    """Return by how much all poses are too late [s], negative if they are too early; 0 unless it is evident.
+
+    The turns of the estimate are compared with those of the odometry some frames earlier or later.
+    """
+    count, frames = len(run.session), run.estimate.frames
+    if run.scenario.faults or len(run.given) < count:
+        return 0.0
+    odometry = np.array([run.given[frame].T_O_B for frame in range(count)])
+    turns = between(estimated[:-1], estimated[1:])
+    period_s = 1.0 / run.scenario.frame_rate_hz
+    most = math.ceil(_LONGEST_DELAY_S / period_s)
+    inner = (frames[:-1] >= most) & (frames[1:] < count - most)
+    if not inner.any():
+        return 0.0
+    first, second, turns = frames[:-1][inner], frames[1:][inner], turns[inner]
+    delays = np.arange(-most, most + 1)
+    misfits = np.array([_rms_rad(turns, between(odometry[first - d], odometry[second - d])) for d in delays])
+    best, undelayed = int(np.argmin(misfits)), misfits[most]
+    turned = _rms_rad(turns, np.broadcast_to(np.eye(4), turns.shape)) > _DELAYED * undelayed
+    return float(delays[best]) * period_s if turned and misfits[best] < _DELAYED * undelayed else 0.0
+
+
+def _rms_rad(first: Poses, second: Poses) -> float:
+    return float(np.sqrt(np.mean(rotation_angle(between(first, second)) ** 2)))
 
 
 def _has_inverted_loops(run: Run) -> bool:

@@ -67,6 +67,13 @@ def with_loops(run, turned_round):
     return replace(estimate, loops=EstimatedLoops(query, query - 20, inverse(truth) if turned_round else truth))
 
 
+def delayed(run, frames):
+    """A SLAM whose poses are those of earlier frames, or of later ones if `frames` is negative."""
+    estimate = no_bug(run)
+    last = len(estimate.frames) - 1
+    return replace(estimate, T_W_B=estimate.T_W_B[np.clip(np.arange(last + 1) - frames, 0, last)])
+
+
 def from_one(run):
     return replace(no_bug(run), floors=run.true_floors + 1)
 
@@ -78,6 +85,8 @@ def from_one(run):
         (floors, []),
         (turned, []),
         (from_one, ["Every floor is 1 too high"]),
+        (partial(delayed, frames=1), ["The poses seem to be 0.5 s too late"]),
+        (partial(delayed, frames=-3), ["The poses seem to be 1.5 s too early"]),
         (reordered, ["The quaternions seem to be written as qw qx qy qz"]),
         (of_camera, ["The poses seem to be those of the camera"]),
         (inverted, ["The poses seem to be inverted"]),
