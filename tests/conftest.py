@@ -1,9 +1,9 @@
 """Settings and fixtures of all tests: single-threaded libraries, fixed Hypothesis examples, a generator with a fixed seed.
 
 Types are checked at run time, by an import hook that is installed before anything else loads the project. beartype's hook
-checks types and numbers of axes, and costs next to nothing. The nightly session uses jaxtyping's hook, which also checks
-that axes of one name have one length, and takes three times as long. What pytest has loaded by then, such as our own
-plugin, has no arrays.
+checks types and numbers of axes, and costs about a fifth of the time (27 s instead of 21 s for tests/lexis/sight and graph).
+The nightly session uses jaxtyping's hook, which also checks that axes of one name have one length, and takes three times as
+long. What pytest has loaded by then, such as our own plugin, has no arrays.
 """
 
 import os
