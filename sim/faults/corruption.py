@@ -5,15 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim.faults.fault import Fault, StreamFault
+from sim.random_streams import RandomStream, random_generator
 from sim.truth import Stream
-
-_STREAM = 2
-"""Number of the random stream for faults. The seed of a run spawns several streams: 0 for the tour, 1 for the odometry."""
 
 
 def fault_rng(seed: int, place: int) -> np.random.Generator:
     """Return the random generator of the fault at position `place` among all faults of a run with this seed."""
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_STREAM, place)))
+    return random_generator(seed, RandomStream.FAULTS, place)
 
 
 def corrupted(stream: Stream, faults: Sequence[Fault], seed: int) -> Stream:

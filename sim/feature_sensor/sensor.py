@@ -12,10 +12,8 @@ from sim.feature_sensor.oracle import true_embeddings
 from sim.feature_sensor.sensed_camera import Embed, SensedCamera
 from sim.feature_sensor.true_view import TrueView
 from sim.feature_sensor.visible_shares import VisibleShares
+from sim.random_streams import RandomStream
 from worlds.house import House
-
-_STREAM = 4
-"""Number of the sensor's random stream. A run has several random streams; stream 3 is for the robot."""
 
 
 class FeatureSensor:
@@ -36,7 +34,7 @@ class FeatureSensor:
     def _embeddings(self, views: VisibleShares, T_W_B: Poses) -> Float32[np.ndarray, "n d"]:
         if self._oracle:
             return true_embeddings(views, T_W_B)
-        return self._model.embedding.draw(views, T_W_B, (self._seed, _STREAM))
+        return self._model.embedding.draw(views, T_W_B, (self._seed, RandomStream.PERCEPTS))
 
 
 class SensedTour:

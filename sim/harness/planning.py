@@ -21,6 +21,7 @@ from sim.harness.slam_under_test import PlansPaths
 from sim.harness.trial import Trial
 from sim.harness.upright import upright
 from sim.odometry.simulation import OdometryConfig
+from sim.random_streams import RandomStream, random_generator
 from sim.robot import DeadReckoning, Robot
 from worlds.labels import STAIRS
 from worlds.walkable import UnreachableError, Walkable, polyline_length
@@ -32,11 +33,6 @@ odometry, corrected by the SLAM's last pose. odometry: both come from odometry a
 INSIDE_M = 0.5
 """Distance from the goal room's outline at which the shortest path into the room ends [m]. The figure SPL compares driven
 paths with this path."""
-_STREAM = 3
-"""Index of the random stream for the drives among the streams of a run's seed; 0 is for the tour, 1 for the odometry, 2 for
-the faults."""
-
-
 _NOWHERE = np.zeros((0, 3))
 """A path without points."""
 
@@ -110,7 +106,7 @@ def ask_plan(run: Run, slam: PlansPaths, start: str, goal: str) -> Int[np.ndarra
 
 def _trials(run: Run, slam: PlansPaths, pairs: list[tuple[str, str]], robot: Robot, belief: _Belief) -> Iterator[Trial]:
     for query, (start, goal) in enumerate(pairs):
-        rng = np.random.default_rng(np.random.SeedSequence(run.scenario.seed, spawn_key=(_STREAM, query)))
+        rng = random_generator(run.scenario.seed, RandomStream.DRIVES, query)
         if (keyframes := ask_plan(run, slam, start, goal)) is None:
             yield _failed(start, goal)
             continue

@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from sim.errors import SimError
 from sim.harness.scenario import Scenario
 from sim.odometry.config import ODOMETRY_PRESETS, OdometryConfig
@@ -12,8 +10,6 @@ from worlds.presets import sample_house
 from worlds.spec import HouseSpec
 from worlds.variant import explicit
 
-_STREAMS = {"tour": 0, "odometry": 1, "odometry frame": 5}
-"""Indices of the random streams among those of a run's seed. 2 is for faults, 3 for drives, 4 for percepts."""
 TOUR_LENGTH_M = {"home": 140.0}
 """Usual length of a tour by preset [m]; other presets have none. The length limits tours that would visit all rooms of a
 large house."""
@@ -65,14 +61,3 @@ def listed_house(scenario: Scenario) -> HouseSpec:
 def odometry_config(scenario: Scenario) -> OdometryConfig:
     """Return the settings of the odometry: those of its preset, with the scenario's overconfidence."""
     return replace(ODOMETRY_PRESETS[scenario.odometry], overconfidence=scenario.overconfidence)
-
-
-def random_streams(scenario: Scenario) -> dict[str, np.random.Generator]:
-    """Return independent random generators, so that a change to one does not affect the others.
-
-    They are "tour", "odometry" and "odometry frame", for the origin and heading of the frame O.
-    """
-    return {
-        name: np.random.default_rng(np.random.SeedSequence(scenario.seed, spawn_key=(stream,)))
-        for name, stream in _STREAMS.items()
-    }

@@ -4,9 +4,10 @@ import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from sim.harness.run_settings import house_spec, odometry_config, random_streams, tour_config
+from sim.harness.run_settings import house_spec, odometry_config, tour_config
 from sim.harness.scenario import Scenario
 from sim.odometry.simulation import Odometry, tour_odometry
+from sim.random_streams import RandomStream, random_generator
 from sim.tours.tour import Tour, plan_tour, shortest_length
 from worlds.furniture.kinds import Kind
 from worlds.furniture.registry import own_kinds
@@ -34,7 +35,7 @@ def shortest_walk_m(scenario: Scenario) -> float:
     Raises `WorldsError` for a house that is not valid, and `SimError` where no walk is possible.
     """
     house = built_and_checked(house_spec(scenario))
-    return shortest_length(house, Walkable(house), random_streams(scenario)["tour"], tour_config(scenario))
+    return shortest_length(house, Walkable(house), random_generator(scenario.seed, RandomStream.TOUR), tour_config(scenario))
 
 
 def with_walk_m(scenario: Scenario, length_m: float) -> Scenario:
@@ -56,9 +57,12 @@ def walk(scenario: Scenario) -> Walk:
 @lru_cache(maxsize=8)
 def _walk(scenario: Scenario, kinds: tuple[Kind, ...]) -> Walk:
     """Make the walk of a scenario, whose house may have furniture of the given `kinds` of the user."""
-    streams = random_streams(scenario)
+    tour_rng, odometry_rng, frame_rng = (
+        random_generator(scenario.seed, stream)
+        for stream in (RandomStream.TOUR, RandomStream.ODOMETRY, RandomStream.ODOMETRY_FRAME)
+    )
     house = built_and_checked(house_spec(scenario))
     walkable = Walkable(house)
-    tour = plan_tour(house, walkable, streams["tour"], tour_config(scenario))
-    odometry = tour_odometry(tour, odometry_config(scenario), streams["odometry"])
-    return Walk(house, walkable, tour, odometry.in_random_frame(streams["odometry frame"]))
+    tour = plan_tour(house, walkable, tour_rng, tour_config(scenario))
+    odometry = tour_odometry(tour, odometry_config(scenario), odometry_rng)
+    return Walk(house, walkable, tour, odometry.in_random_frame(frame_rng))
