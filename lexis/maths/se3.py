@@ -48,6 +48,13 @@ def exp(tangents: Float64[np.ndarray, "*batch 6"]) -> Transforms:
     return RigidTransform.from_exp_coords(tangents).as_matrix()
 
 
+def upright(yaw_rad: float, position: Sequence[float] | Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "4 4"]:
+    """Return the pose that is turned about the vertical axis by `yaw_rad` [rad], at a position [m]."""
+    T = exp(np.array([0.0, 0.0, yaw_rad, 0.0, 0.0, 0.0]))
+    T[:3, 3] = position
+    return T
+
+
 def log(T: Transforms) -> Float64[np.ndarray, "*batch 6"]:
     """The logarithm map, the inverse of `exp`. Tangents are ``(rotation [rad], translation [m])``."""
     return RigidTransform.from_matrix(T).as_exp_coords()

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64
 
-from lexis.maths.se3 import between, exp, inverse
+from lexis.maths.se3 import between, inverse, upright
 from lexis.types import Observation
 from sim.faults.fault import SpanFault, StreamFault, has_pose, setting
 from sim.truth import Stream, Truth
@@ -27,9 +27,7 @@ class OdometryJump(StreamFault):
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
         """Yield the stream. From the jump on, all estimated poses are displaced by one rigid motion."""
         direction, sign = rng.uniform(-np.pi, np.pi), rng.choice([-1.0, 1.0])
-        move = np.eye(4)
-        move[:3, :3] = exp(np.array([0.0, 0.0, sign * self.turn_rad, 0.0, 0.0, 0.0]))[:3, :3]
-        move[:2, 3] = self.distance_m * np.array([np.cos(direction), np.sin(direction)])
+        move = upright(sign * self.turn_rad, self.distance_m * np.array([np.cos(direction), np.sin(direction), 0.0]))
         jump = None
         for observation, truth in stream:
             if truth.stamp < self.at_s or (jump is None and not has_pose(observation)):

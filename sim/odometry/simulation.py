@@ -17,7 +17,7 @@ from jaxtyping import Float64, Int
 from scipy.linalg import solve_banded
 from scipy.spatial.transform import Rotation
 
-from lexis.maths.se3 import is_rigid, rotation_angle, skew
+from lexis.maths.se3 import is_rigid, rotation_angle, skew, upright
 from sim.errors import SimError
 from sim.odometry.config import ODOMETRY_PRESETS, OdometryConfig
 from sim.tours.tour import Tour
@@ -50,9 +50,7 @@ class Odometry:
         A real odometry knows neither the frame of the building's plan nor the heights of its floors. The covariances stay as
         they are, because they are those of motions in the axes of B.
         """
-        T_new_old = np.eye(4)
-        T_new_old[:3, :3] = Rotation.from_rotvec([0.0, 0.0, rng.uniform(-np.pi, np.pi)]).as_matrix()
-        T_new_old[:3, 3] = rng.uniform(-1.0, 1.0, 3) * ORIGIN_M
+        T_new_old = upright(rng.uniform(-np.pi, np.pi), rng.uniform(-1.0, 1.0, 3) * ORIGIN_M)
         return replace(self, T_O_B=T_new_old @ self.T_O_B)
 
 

@@ -11,7 +11,7 @@ from jaxtyping import Int
 
 from lexis.config import VerificationConfig
 from lexis.graph.pose_estimate import PoseEstimate
-from lexis.maths.se3 import adjoint, exp, inverse, transform
+from lexis.maths.se3 import adjoint, inverse, transform, upright
 from lexis.types import Camera, Covariance, Keyframe, Observation, Percept, Pose, Poses
 from lexis.verification import Verification, Verifier
 from sim.harness.feature_input import FeatureInput
@@ -51,9 +51,7 @@ class MovedOrigin(OtherFrames):
     @property
     def T_new_old(self) -> Pose:
         """Transform of coordinates from the old odometry frame to the new odometry frame."""
-        T = exp(np.array([0.0, 0.0, self.yaw_rad, 0.0, 0.0, 0.0]))
-        T[:3, 3] = self.shift_m
-        return T
+        return upright(self.yaw_rad, self.shift_m)
 
 
 @dataclass(frozen=True)
