@@ -116,7 +116,7 @@ def _make(case: Case, validated: bool) -> _Made:
         return _Made(time.process_time() - start, "", str(error))
     seconds = time.process_time() - start
     digest = hashlib.sha256((spec.to_json() + json.dumps(truth)).encode()).hexdigest()
-    if case.clutter < USUAL:
+    if not validated or case.clutter < USUAL:
         return _Made(seconds, digest, None)
     return _Made(seconds, digest, None, len(house.rooms), len({room for room, _ in missing_essentials(house)}))
 

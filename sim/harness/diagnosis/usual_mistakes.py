@@ -94,22 +94,23 @@ def _delay_s(run: Run, estimated: Poses) -> float:
     if run.scenario.faults or len(run.given) < count:
         return 0.0
     odometry = np.array([run.given[frame].T_O_B for frame in range(count)])
-    turns = between(estimated[:-1], estimated[1:])
     period_s = 1.0 / run.scenario.frame_rate_hz
     most = math.ceil(_LONGEST_DELAY_S / period_s)
     inner = (frames[:-1] >= most) & (frames[1:] < count - most)
     if not inner.any():
         return 0.0
-    first, second, turns = frames[:-1][inner], frames[1:][inner], turns[inner]
+    first, second = frames[:-1][inner], frames[1:][inner]
+    turns = between(estimated[:-1][inner], estimated[1:][inner])
     delays = np.arange(-most, most + 1)
-    misfits = np.array([_rms_rad(turns, between(odometry[first - d], odometry[second - d])) for d in delays])
-    best, undelayed = int(np.argmin(misfits)), misfits[most]
-    turned = _rms_rad(turns, np.broadcast_to(np.eye(4), turns.shape)) > _DELAYED * undelayed
-    return float(delays[best]) * period_s if turned and misfits[best] < _DELAYED * undelayed else 0.0
+    misfits = [_rms_rad(between(turns, between(odometry[first - d], odometry[second - d]))) for d in delays.tolist()]
+    best, evident = int(np.argmin(misfits)), _DELAYED * misfits[most]
+    if misfits[best] >= evident or _rms_rad(turns) <= evident:  # poses that hardly turn show no delay
+        return 0.0
+    return float(delays[best]) * period_s
 
 
-def _rms_rad(first: Poses, second: Poses) -> float:
-    return float(np.sqrt(np.mean(rotation_angle(between(first, second)) ** 2)))
+def _rms_rad(motions: Poses) -> float:
+    return float(np.sqrt(np.mean(rotation_angle(motions) ** 2)))
 
 
 def _has_inverted_loops(run: Run) -> bool:
