@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from numbers import Real
 from operator import index
 from types import MappingProxyType
-from typing import Any, TypeGuard
+from typing import Any, SupportsFloat, TypeGuard
 
 import numpy as np
-from jaxtyping import Float64, Int
+from jaxtyping import Float64, Int, Integer
 
 from lexis.errors import encodable
 from lexis.inputs import MAX_POSITION_M, type_of
@@ -77,7 +77,7 @@ class CandidateDecision:
     """Whether the revisit became a loop closure."""
     reason: str
     """Why the revisit was accepted or refused, in a few words; the report counts equal reasons."""
-    figures: Mapping[str, float]
+    figures: Mapping[str, SupportsFloat]
     """The values on which the decision was based, by name and unit, such as "inliers" or "misfit [m]"; unknown values are
     left out."""
 
@@ -291,7 +291,7 @@ def _check_rows(name: str, values: object, n: int, kinds: str, row: tuple[int | 
         _check_size(name, values)
 
 
-def _check_size(name: str, values: Int[np.ndarray, "n"]) -> None:
+def _check_size(name: str, values: Integer[np.ndarray, "n"]) -> None:
     """Raise `EstimateError` for numbers that int64 cannot hold, such as an unsigned -1."""
     if (beyond := np.flatnonzero(values > _LARGEST)).size:
         raise EstimateError(f"estimate: {name} has {values[beyond[0]]} in row {beyond[0]}; valid: numbers up to 2^63 - 1")

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import SupportsFloat
 
 import numpy as np
 from jaxtyping import Bool, Float, Float64, Int
@@ -126,9 +127,10 @@ def _candidates(run: Run) -> tuple[CandidateMark, ...]:
     )
 
 
-def _known(figures: Mapping[str, float]) -> dict[str, float]:
+def _known(figures: Mapping[str, SupportsFloat]) -> dict[str, float]:
     """Return figures as Python's floats, without those that are NaN. A SLAM may give numbers of any type."""
-    return {name: float(value) for name, value in figures.items() if not math.isnan(value)}
+    numbers = {name: float(value) for name, value in figures.items()}
+    return {name: value for name, value in numbers.items() if not math.isnan(value)}
 
 
 def _samples(run: Run) -> tuple[SampleFrame, ...]:

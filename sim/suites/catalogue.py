@@ -387,7 +387,7 @@ SUITES: Mapping[str, Suite] = MappingProxyType(
 """All suites by name. `SUITES[name]` raises `SimError` for an unknown name."""
 
 
-def suite_named(suite: Suite | str) -> Suite:
+def suite_named(suite: object) -> Suite:
     """Return the suite of this name, or the suite itself. Raises `SimError` for an unknown name and any other value."""
     if isinstance(suite, Suite):
         return suite

@@ -9,7 +9,7 @@ this tolerance.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal, NamedTuple, Protocol
+from typing import Literal, NamedTuple, Protocol, runtime_checkable
 
 from lexis.errors import one_line
 from lexis.types import Percept
@@ -60,6 +60,7 @@ class CheckFinding(NamedTuple):
     another scenario of the part, the check counts as failed here."""
 
 
+@runtime_checkable
 class Check(Protocol):
     """Interface of what a suite checks in each scenario."""
 

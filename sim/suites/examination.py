@@ -24,7 +24,6 @@ from sim.harness.last_run import LastRun, watched
 from sim.harness.results import RunResult
 from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
-from sim.number_checks import check_count
 from sim.processes import process_pool
 from sim.suites.checks import Check, CheckFinding, NewSlam, evaluated_run
 from sim.suites.suite import Suite, SuitePart
@@ -63,11 +62,7 @@ class Examination:
 
 
 def jobs_of(suite: Suite, seed: int) -> list[Job]:
-    """Return all scenarios of a suite. The parts take turns, so that an early failure in any part shows early.
-
-    Raises `SimError` for a seed that is negative or no whole number.
-    """
-    check_count("suite: seed", seed, 0)
+    """Return all scenarios of a suite. The parts take turns, so that an early failure in any part shows early."""
     rows = ([Job(part, number, seed) for number in range(part.n)] for part in suite.parts)
     return [job for job in chain.from_iterable(zip_longest(*rows)) if job is not None]
 
@@ -148,10 +143,8 @@ def examinations(
     scenarios that were being examined are lost. Each of them is examined again in a process of its own, which tells the one
     that ends it; new processes then go on with the other scenarios.
 
-    Raises `SimError` for fewer than one worker, for objects that cannot be sent to other processes, and if a process ends
-    before it begins a scenario.
+    Raises `SimError` for objects that cannot be sent to other processes, and if a process ends before it begins a scenario.
     """
-    check_count("suite: workers", workers, 1)
     if workers == 1 or len(jobs) == 1:
         yield from (examine(job, new_slam) for job in jobs if job is jobs[0] or time.monotonic() < end)
         return

@@ -16,6 +16,7 @@ from sim.harness.last_run import LastRun, watched
 from sim.harness.results import RunResult
 from sim.harness.runner import Progress
 from sim.harness.slam_under_test import check_slam_factory
+from sim.number_checks import check_count
 from sim.programs.program import Program
 from sim.suites.catalogue import suite_named
 from sim.suites.checks import Check, ClaimCheck, NewSlam
@@ -338,6 +339,8 @@ def check_slam(
     """
     if not isinstance(new_slam, Program):
         check_slam_factory("check_slam: new_slam", new_slam)
+    check_count("suite: seed", seed, 0)
+    check_count("suite: workers", workers, 1)
     _check_budget(budget_s)
     chosen, end = runnable(suite_named(suite), new_slam), time.monotonic() + budget_s
     jobs = jobs_of(chosen, seed)

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -42,6 +42,7 @@ _SYNONYMS = MappingProxyType(
 """Other names of rooms. Stairs keep their name, because a SLAM may recognise stairs by this name."""
 
 
+@runtime_checkable
 class StreamChange(Protocol):
     """Interface of a change of the input. Changes have no state, so one object serves any number of runs."""
 

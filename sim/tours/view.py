@@ -44,7 +44,7 @@ def view_along(
     return np.column_stack([yaw, _smoothed(np.append(slope, slope[-1]), _PITCH_SMOOTHING_M)])
 
 
-def _yaw_ahead(step: Float64[np.ndarray, "k 3"], riding: Bool[np.ndarray, "k"]) -> Float64[np.ndarray, "k+1"]:
+def _yaw_ahead(step: Float64[np.ndarray, "k 3"], riding: Bool[np.ndarray, "k"]) -> Float64[np.ndarray, "points"]:
     """Return the unwrapped direction of a path at each of its points [rad], given its steps and which of them are in a lift.
 
     During a ride in a lift, the direction turns evenly from that of the way in to that of the way out.

@@ -4,7 +4,7 @@ import json
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from sim.harness.results import RESULT, SCHEMA, RunResult
 from sim.verdicts.comparison import Comparison, compare_results
 
 FORMAT = "lexis-results"
+_adapter = cache(partial(TypeAdapter, RunResult))
 _FILE = FileKind("a file of results, as `lexis-sim check --json` writes it, or result.json of a run", 500_000_000, SimError)
 
 
@@ -145,8 +146,3 @@ def _numbers(data: object, place: str) -> Iterator[tuple[str, float]]:
     nested = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
     for key, value in nested:
         yield from _numbers(value, f"{place}.{key}".lstrip("."))
-
-
-@cache
-def _adapter() -> TypeAdapter[RunResult]:
-    return TypeAdapter(RunResult)

@@ -75,7 +75,7 @@ def test_pictures_are_the_images_of_the_walk_in_the_changed_world(session):
 
 
 def test_faults_of_images_are_those_that_pictures_do_not_show(session, pairs):
-    faulty = Session(session.house, session.tour, session.odometry, session.camera, (Blur(5.0), StampJitter(0.01)), 3)
+    faulty = Session(session.house, session.tour, session.odometry, session.camera, (Blur(5), StampJitter(0.01)), 3)
     assert faulty.faults_of_images == ("blur",)
     frozen = Session(session.house, session.tour, session.odometry, session.camera, (Frozen(),), 3)
     assert frozen.faults_of_images == ("frozen",)

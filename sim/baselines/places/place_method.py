@@ -1,12 +1,12 @@
 """`PlaceMethod`: the interface of all methods of place recognition, and the evidence about keyframes that they are given."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float16, Float32, Float64, UInt8
 
-Scores = Float64[np.ndarray, "n n"]
+Scores = Float64[np.ndarray, "n n"] | Float32[np.ndarray, "n n"]
 """Score of every keyframe (columns) as a match for every query (rows); -inf: the keyframe is not proposed to this query."""
 
 
@@ -37,11 +37,12 @@ class SeenKeyframes:
     """Whether each keyframe is in the room that the paper searches for each query: the closest room with its label.
     Keyframes that are not active are left out."""
 
-    def only_eligible(self, scores: Float64[np.ndarray, "n n"] | Float32[np.ndarray, "n n"]) -> Scores:
+    def only_eligible(self, scores: Scores) -> Scores:
         """Return the scores, with -inf for keyframes that are not old enough to be proposed."""
         return np.where(self.eligible, scores, -np.inf)
 
 
+@runtime_checkable
 class PlaceMethod(Protocol):
     """A method that ranks earlier keyframes as matches for every keyframe of a walk."""
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Int
@@ -19,6 +19,7 @@ from sim.harness.scenario import Scenario
 from sim.harness.walk import Walk, walk
 
 
+@runtime_checkable
 class MapSegmentation(Protocol):
     """Interface of a method that divides the free cells of a storey into rooms."""
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from types import MappingProxyType
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float64
@@ -21,6 +21,7 @@ from worlds.house import build_house
 from worlds.presets import sample_house
 
 
+@runtime_checkable
 class ObjectScores(Protocol):
     """Interface of a method that scores room names for categories of objects."""
 

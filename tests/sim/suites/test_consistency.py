@@ -11,7 +11,7 @@ from lexis.maths.se3 import between, exp
 from sim.faults import parse_fault
 from sim.harness import Estimate, Lexis, run
 from sim.harness.adapters import OdometryOnly
-from sim.harness.figures import EvaluatedRun
+from sim.harness.figures import EvaluatedRun, evaluate
 from sim.suites.consistency import (
     CONSISTENCY,
     LastLoopsFit,
@@ -182,4 +182,4 @@ def test_a_sparse_trajectory_may_correct_more_in_one_step(lexis):
 
 def test_a_run_with_faults_is_not_judged(lexis):
     faulty = replace(lexis, scenario=replace(lexis.scenario, faults=(parse_fault("dropped:0.2"),)))
-    assert all(law.examine(EvaluatedRun(faulty, None), None).holds is None for law in CONSISTENCY)
+    assert all(law.examine(EvaluatedRun(faulty, evaluate(lexis)), Lexis).holds is None for law in CONSISTENCY)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from helpers.flat_suite import FLAT, ORIGIN, PART, FloorsByHeight, Oracle, outcomes
-from helpers.unchecked import unchecked
+from helpers.unchecked import unchecked, untyped
 
 from sim.errors import SimError
 from sim.harness import Scenario
@@ -125,7 +125,7 @@ def test_without_laws_a_suite_makes_its_claims_only():
 
 def test_a_limit_of_something_that_is_no_figure_is_refused():
     with pytest.raises(SimError, match="has no claim about 1; valid: "):
-        suite_named("pr").with_limits({1: 2.0})
+        untyped(Suite.with_limits)(suite_named("pr"), {1: 2.0})
 
 
 def test_an_unknown_suite_is_refused():

@@ -271,7 +271,7 @@ def test_grades_are_kept_in_a_file_to_go_on_from(tmp_path):
     for each in grades:
         write_grade(each, tmp_path / "grades.jsonl")
     assert read_grades(tmp_path / "grades.jsonl") == grades
-    (tmp_path / "bad.jsonl").write_text('{"mutant": 1}\n')
+    (tmp_path / "bad.jsonl").write_text('{"mutant": "one"}\n')
     (tmp_path / "binary").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(SimError, match=r"binary: cannot be read: .* valid: a file that this benchmark has written"):
         read_grades(tmp_path / "binary")
