@@ -92,7 +92,7 @@ class Retired:
             self.add(id, anchor, between(T_W_B[anchor], T_W_B[id]))
         return moved | successor
 
-    def following(self, first: int, T_W_B: Poses) -> tuple[Ids, Poses]:
+    def following(self, first: int, T_W_B: Poses) -> tuple[Ids, Float64[np.ndarray, "k 4 4"]]:
         """Return the ids of the retired keyframes whose anchors have ids from `first` on, and their poses.
 
         The poses follow from the poses `T_W_B` of the anchors.
