@@ -30,8 +30,8 @@ _SINGLE_PRECISION = 1e-4
 """Upper bound for the rounding error of a cosine similarity in single precision."""
 
 Ids = Int[np.ndarray, "k"]
-Figures = Float64[np.ndarray, "*k"]
-"""One figure, such as a similarity or a distance [m], for each of k keyframes or pairs of images."""
+Figures = Float64[np.ndarray, "..."]
+"""One figure, such as a similarity or a distance [m], for each of some keyframes or pairs of images."""
 
 
 @runtime_checkable

@@ -13,7 +13,7 @@ from jaxtyping import Float64, Int
 from scipy.sparse import csr_array
 
 from lexis.config import Config, SightConfig
-from lexis.room_labels import Labels, Probabilities, Refined, Refinement, Similarities, certain, label_keyframes
+from lexis.room_labels import Labels, Probabilities, Refined, Refinement, certain, label_keyframes
 from lexis.room_segmentation import Clustering, segment
 from lexis.sight.cameras import largest
 from lexis.sight.passages import lines_of_sight
@@ -183,8 +183,8 @@ def _pooled(
     similarities: Float64[np.ndarray, "n cameras rooms"],
     seen_by: Sequence[csr_array],
     config: SightConfig,
-    scores: Similarities,
-    keyframes: Int[np.ndarray, "n"],
+    scores: Float64[np.ndarray, "k rooms"],
+    keyframes: Int[np.ndarray, "k"],
 ) -> Refined:
     """Label some keyframes by sight. Room names that `scores` rules out are not considered."""
     allowed = np.where(np.isneginf(scores)[:, None], -np.inf, similarities[keyframes])

@@ -69,5 +69,5 @@ def unpack_others(arrays: Arrays, row_of: Int[np.ndarray, "n"]) -> list[tuple[Ca
     return [tuple(views[i * others : (i + 1) * others]) for i in range(count)]
 
 
-def _joined(parts: Sequence[Shaped[np.ndarray, "n bytes"]]) -> Shaped[np.ndarray, "m bytes"]:
+def _joined(parts: Sequence[Shaped[np.ndarray, "_ bytes"]]) -> Shaped[np.ndarray, "m bytes"]:
     return np.concatenate(parts) if parts else np.zeros((0, DESCRIPTOR_BYTES))

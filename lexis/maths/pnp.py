@@ -33,7 +33,9 @@ def solve_pnp(pixels: Pixels, points: Points, intrinsics: Intrinsics, max_error_
     return _as_matrix(solution)
 
 
-def refine_rig_pose(seen: Sequence[tuple[Pixels, Points]], rig: Sequence[Camera], T_B_P: Pose) -> Pose:
+def refine_rig_pose(
+    seen: Sequence[tuple[Float64[np.ndarray, "_ 2"], Float64[np.ndarray, "_ 3"]]], rig: Sequence[Camera], T_B_P: Pose
+) -> Pose:
     """Return the pose ``T_B_P`` of a rig that fits its matches best, by least squares of their reprojection errors.
 
     Args:

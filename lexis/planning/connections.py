@@ -1,7 +1,7 @@
 """The steps between two keyframes that a robot can travel, and their lengths."""
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int
 from scipy.sparse import csr_array
 
 from lexis.config import PlannerConfig
@@ -52,7 +52,7 @@ def _trusted_loops(map: LexisMap) -> Pairs:
     return np.asarray(np.column_stack((loops.query, loops.match))[is_trusted(map.loop_weights)])
 
 
-def _pairs_within(pairs: Pairs, positions: Float64[np.ndarray, "n 3"], metres: float) -> Pairs:
+def _pairs_within(pairs: Pairs, positions: Float64[np.ndarray, "n 3"], metres: float) -> Int[np.ndarray, "k 2"]:
     return np.asarray(pairs[_lengths(pairs, positions) <= metres])
 
 

@@ -132,7 +132,7 @@ class PathPlanner:
         return as_graph(self._map, np.concatenate(self._steps))
 
     @cached_property
-    def _steps(self) -> tuple[Pairs, Pairs]:
+    def _steps(self) -> tuple[Pairs, Int[np.ndarray, "k 2"]]:
         """The steps that the camera walked, and the other ones."""
         return walked_steps(self._map), unwalked_steps(self._map, self._config)
 

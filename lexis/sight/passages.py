@@ -149,7 +149,9 @@ def _beside(start: PlanPositions, end: PlanPositions, point: PlanPositions) -> F
     return np.asarray(rounded(ahead[:, 0] * there[:, 1] - ahead[:, 1] * there[:, 0]))
 
 
-def _on_floor(lines: LinesOfSight, positions: PlanPositions, steps: Pairs, widest_m: float) -> Float64[np.ndarray, "k 2 2"]:
+def _on_floor(
+    lines: LinesOfSight, positions: Float64[np.ndarray, "n 2"], steps: Pairs, widest_m: float
+) -> Float64[np.ndarray, "k 2 2"]:
     """Return the ends of the passages on some steps, all of one floor."""
     origin, axes = _own_frame(positions[np.unique(steps)])
     own = LinesOfSight(lines.view, lines.keyframe, (lines.start - origin) @ axes.T, (lines.end - origin) @ axes.T)
@@ -180,7 +182,9 @@ def _own_frame(path: PlanPositions) -> tuple[Float64[np.ndarray, "2"], Float64[n
     return path[0], np.array([[x, y], [-y, x]])
 
 
-def _places(path: PlanPositions, steps: Pairs) -> tuple[Int[np.ndarray, "m"], PlanPositions]:
+def _places(
+    path: Float64[np.ndarray, "n 2"], steps: Pairs
+) -> tuple[Int[np.ndarray, "places"], Float64[np.ndarray, "places 2"]]:
     """Return places on the steps, at most the width of a cell apart, and to which step each place belongs, ascending."""
     ahead = path[steps[:, 1]] - path[steps[:, 0]]
     count = np.ceil(np.linalg.norm(ahead, axis=1) / CELL_M).astype(int)
@@ -190,7 +194,7 @@ def _places(path: PlanPositions, steps: Pairs) -> tuple[Int[np.ndarray, "m"], Pl
 
 
 def _free_distances(
-    lines: LinesOfSight, places: PlanPositions, directions: PlanPositions, widest_m: float
+    lines: LinesOfSight, places: PlanPositions, directions: Float64[np.ndarray, "directions 2"], widest_m: float
 ) -> Float64[np.ndarray, "m directions"]:
     """Return how far it is from each place to the next occupied cell in each direction; infinite beyond `widest_m`."""
     result = np.full((len(places), len(directions)), np.inf)

@@ -14,7 +14,7 @@ UNKNOWN = -1
 """Label index of frames to which the SLAM gave no label."""
 NO_LABEL = "no label"
 """Text that the report shows in place of a label for the index `UNKNOWN`."""
-Outline = Float64[np.ndarray, "corners 2"]
+Outline = Float64[np.ndarray, "_ 2"]
 """Vertices of a polygon of the floor plan, in W [m]."""
 
 

@@ -21,7 +21,7 @@ def to_image(drawing: Drawing, *, pixels_per_metre: int = 60) -> UInt8[np.ndarra
     return np.asarray(painter.picture.reduce(_OVERSAMPLING))
 
 
-def joined_pictures(pictures: Sequence[UInt8[np.ndarray, "h w 3"]]) -> UInt8[np.ndarray, "h w 3"]:
+def joined_pictures(pictures: Sequence[UInt8[np.ndarray, "_ _ 3"]]) -> UInt8[np.ndarray, "h w 3"]:
     """Join pictures side by side, the first on the left. Lower ones stand at the bottom, below white."""
     height = max(map(len, pictures))
     return np.hstack([np.pad(p, ((height - len(p), 0), (0, 0), (0, 0)), constant_values=255) for p in pictures])

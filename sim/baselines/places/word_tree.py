@@ -13,7 +13,7 @@ from jaxtyping import Float64, Int, UInt8
 
 from sim.errors import SimError
 
-Descriptors = UInt8[np.ndarray, "n 32"]
+Descriptors = UInt8[np.ndarray, "_ 32"]
 _PASSES = 5
 _MOST_DESCRIPTORS = 20_000
 """Largest number of descriptors from which the children of a node are found; a node with more of them uses a sample."""

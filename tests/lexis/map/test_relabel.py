@@ -40,7 +40,9 @@ def test_the_anchor_s_image_stands_for_that_of_a_retired_keyframe(lexis_map, enc
 
 
 def test_what_the_map_meant_before_plays_no_part(lexis_map, encoder):
-    meaningless = replace(lexis_map, room_names=("x",), similarities=np.zeros((40, 1)), rooms=())
+    meaningless = replace(
+        lexis_map, room_names=("x",), similarities=np.zeros((40, 1)), probabilities=np.ones((40, 1)), rooms=()
+    )
     meaningless = replace(meaningless, **{name: np.full(40, 7) for name in ("labels", "baseline_labels", "floors")})
     assert_same(relabel(meaningless, NAMES, encoder), lexis_map)
 

@@ -9,6 +9,9 @@ from scipy.special import softmax
 
 from lexis.planning import arrivals, path_end
 from lexis.planning.arrivals import INSIDE_M, surely_inside
+from lexis.types import Landmarks
+
+NO_LANDMARKS = Landmarks(np.zeros((0, 3)), np.zeros(0, int))
 
 
 def inside(lexis_map, room, clear=None):
@@ -22,7 +25,7 @@ def along_x(rng, x, labels, similarities=None):
     names = ("kitchen", "office")
     rooms = [(name, np.flatnonzero(labels == i).tolist()) for i, name in enumerate(names)]
     lexis_map = build_map(x[:, None] * [1.0, 0.0, 0.0], labels, rooms, names, rng)
-    keyframes = tuple(replace(k, landmarks=replace(k.landmarks, points=np.zeros((0, 3)))) for k in lexis_map.keyframes)
+    keyframes = tuple(replace(k, landmarks=NO_LANDMARKS) for k in lexis_map.keyframes)
     clear = np.where(labels[:, None] == [0, 1], 0.6, 0.1)
     images = clear if similarities is None else similarities
     return replace(lexis_map, keyframes=keyframes, similarities=images, probabilities=softmax(images / 0.05, axis=1))

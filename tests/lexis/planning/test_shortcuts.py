@@ -137,7 +137,7 @@ def test_bodies_outside_of_all_that_the_camera_saw_have_no_shortcuts(lexis_map, 
     keyframes = []
     for keyframe, old, new in zip(lexis_map.keyframes, lexis_map.T_W_B, poses, strict=True):
         points = transform(between(new, old), keyframe.landmarks.points)
-        keyframes.append(replace(keyframe, landmarks=replace(keyframe.landmarks, points=points)))
+        keyframes.append(replace(keyframe, landmarks=Landmarks(points, np.full(len(points), -1))))
     camera = replace(lexis_map.camera, T_B_C=T_B_C)
     pairs = shortcuts(replace(lexis_map, camera=camera, T_W_B=poses, keyframes=tuple(keyframes)), PlannerConfig())
     assert shapely.within(lines(replace(lexis_map, T_W_B=poses), pairs), INSIDE.buffer(CELL_M)).all() and len(pairs)

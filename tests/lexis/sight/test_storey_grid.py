@@ -13,8 +13,9 @@ from lexis.maths.se3 import between, exp, inverse, transform
 from lexis.sight import storey_grid as module
 from lexis.sight.cells import CELL_M
 from lexis.sight.storey_grid import LOW_M, count_views, storey_grid, storeys
-from lexis.types import CameraView
+from lexis.types import CameraView, Landmarks
 
+NO_LANDMARKS = Landmarks(np.zeros((0, 3)), np.zeros(0, int))
 INSIDE = shapely.union_all([*(shapely.box(*room) for room in ROOMS.values()), shapely.box(4.0, DOOR[0], 4.1, DOOR[1])])
 
 
@@ -55,7 +56,7 @@ def test_floor_and_ceiling_are_no_obstacles(grid):
 def test_the_walk_is_free_without_any_landmark(lexis_map):
     blind = replace(
         lexis_map,
-        keyframes=tuple(replace(k, landmarks=replace(k.landmarks, points=np.zeros((0, 3)))) for k in lexis_map.keyframes),
+        keyframes=tuple(replace(k, landmarks=NO_LANDMARKS) for k in lexis_map.keyframes),
     )
     grid = storey_grid(blind, 0)
     assert grid.heights == (CAMERA_M, CAMERA_M)
@@ -69,12 +70,14 @@ def test_the_walk_is_free_without_any_landmark(lexis_map):
 def test_nobody_walked_from_the_end_of_one_session_to_the_beginning_of_the_next(lexis_map, sessions, walked):
     """The second of two keyframes, which see nothing, is 1 m from the first one."""
     keyframes = tuple(
-        replace(keyframe, session=session, landmarks=replace(keyframe.landmarks, points=np.zeros((0, 3))))
+        replace(keyframe, session=session, landmarks=NO_LANDMARKS)
         for keyframe, session in zip(lexis_map.keyframes, sessions, strict=False)
     )
     T_W_B = lexis_map.T_W_B[:2].copy()
     T_W_B[1, :3, 3] = T_W_B[0, :3, 3] + [1.0, 0.0, 0.0]
-    grid = storey_grid(replace(lexis_map, keyframes=keyframes, T_W_B=T_W_B, floors=np.zeros(2, int)), 0)
+    names = ("labels", "baseline_labels", "similarities", "probabilities", "floors")
+    first = replace(lexis_map, keyframes=keyframes, T_W_B=T_W_B, **{name: getattr(lexis_map, name)[:2] for name in names})
+    grid = storey_grid(first, 0)
     assert grid.free[tuple(grid.cells(T_W_B[:, :3, 3].mean(axis=0)[None])[0])] == walked
 
 
@@ -111,7 +114,7 @@ def test_low_views_do_not_pass_above_tables(lexis_map):
         lowest = points[points[:, 2] + T_W_B[2, 3] < 0.1]  # they tell where the floor is
         high = points[points[:, 2] + T_W_B[2, 3] > 2.0 * LOW_M]
         both = np.concatenate([high, lowest]) if keyframe.id == 0 else high
-        keyframes.append(replace(keyframe, landmarks=replace(keyframe.landmarks, points=both)))
+        keyframes.append(replace(keyframe, landmarks=Landmarks(both, np.full(len(both), -1))))
     views, high_only = count_views(lexis_map, 0), count_views(replace(lexis_map, keyframes=tuple(keyframes)), 0)
     assert (views.low > 1).sum() > 1000 and high_only.low.max() <= 1
     assert (high_only.passed > 1).sum() > 1000
@@ -124,7 +127,7 @@ def with_body_elsewhere(lexis_map, T_C_B):
     keyframes = []
     for keyframe, old, new in zip(lexis_map.keyframes, lexis_map.T_W_B, poses, strict=True):
         points = transform(between(new, old), keyframe.landmarks.points)
-        keyframes.append(replace(keyframe, landmarks=replace(keyframe.landmarks, points=points)))
+        keyframes.append(replace(keyframe, landmarks=Landmarks(points, np.full(len(points), -1))))
     return replace(lexis_map, camera=replace(lexis_map.camera, T_B_C=T_B_C), T_W_B=poses, keyframes=tuple(keyframes))
 
 

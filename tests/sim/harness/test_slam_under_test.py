@@ -332,7 +332,7 @@ def every(value):
 
 def one_loop(**changes):
     values = {"query": np.array([5]), "match": np.array([0]), "T_match_query": np.eye(4)[None], "weights": np.ones(1)}
-    return EstimatedLoops(**values | changes)
+    return unchecked(EstimatedLoops, **values | changes)
 
 
 @pytest.mark.parametrize(

@@ -46,6 +46,11 @@ class Changeable:
     """A check that can change, and therefore has no hash."""
 
     name: str = "mine"
+    says: str = ""
+    rate: float | None = None
+
+    def examine(self, base, new_slam):
+        raise NotImplementedError
 
 
 @pytest.mark.parametrize(
