@@ -4,7 +4,6 @@ import json
 import re
 from contextlib import suppress
 from functools import partial
-from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -49,12 +48,6 @@ class Recorder:
     def finish(self):
         estimates = {name: estimate(self) if callable(estimate) else estimate for name, estimate in self.estimates.items()}
         return unchecked(Estimate, **{"frames": np.array(self.frames)} | estimates)
-
-
-def decision(query=1, match=0, accepted=True, reason="", figures=MappingProxyType({})):
-    """A decision of any type, as a SLAM without type checks makes it."""
-    values = {"query": query, "match": match, "accepted": accepted, "reason": reason, "figures": figures}
-    return unchecked(CandidateDecision, **values)
 
 
 def poses(slam):
@@ -171,11 +164,20 @@ def test_estimates_of_another_size_are_named():
             {"T_W_B": np.tile(np.eye(4), (5, 1, 1)) + np.eye(4, k=3) * 1e160},
             "T_W_B is beyond 1e+08 m in row 0; valid: places",
         ),
-        ({"decisions": (decision(query=None),)}, "query or match of a decision is no whole number"),
-        ({"decisions": (decision(reason=["far"]),)}, "reason of a decision is ['far']; valid: a text"),
-        ({"decisions": (decision(figures=None),)}, "figures of a decision are None; valid: a mapping"),
         (
-            {"decisions": (decision(figures={"inliers": None}),)},
+            {"decisions": (unchecked(CandidateDecision, None, 0, True, "", {}),)},
+            "query or match of a decision is no whole number",
+        ),
+        (
+            {"decisions": (unchecked(CandidateDecision, 1, 0, True, ["far"], {}),)},
+            "reason of a decision is ['far']; valid: a text",
+        ),
+        (
+            {"decisions": (unchecked(CandidateDecision, 1, 0, True, "", None),)},
+            "figures of a decision are None; valid: a mapping",
+        ),
+        (
+            {"decisions": (unchecked(CandidateDecision, 1, 0, True, "", {"inliers": None}),)},
             "figures['inliers'] of a decision is None; valid: a number",
         ),
     ],
@@ -186,7 +188,7 @@ def test_estimates_of_another_form_are_named(estimates, message):
 
 
 def test_times_of_any_number_type_can_be_stored():
-    estimate = unchecked(Estimate, frames=np.arange(5), stage_seconds={"loops": np.float32(0.5)})
+    estimate = unchecked(Estimate, np.arange(5), stage_seconds={"loops": np.float32(0.5)})
     assert json.loads(json.dumps(dict(estimate.stage_seconds))) == {"loops": 0.5}
 
 
@@ -272,10 +274,9 @@ def test_a_clock_that_jumps_far_back_is_reported_on_the_clock_of_the_tour(tmp_pa
 
 def test_figures_do_not_depend_on_the_number_types_of_the_estimates():
     def typed(whole, real):
-        edge = {"query": np.array([9], whole), "match": np.array([0], whole), "T_match_query": np.eye(4)[None]}
-        loops = unchecked(EstimatedLoops, weights=np.ones(1, real), **edge)
-        values = {"T_W_B": np.tile(np.eye(4), (10, 1, 1)), "rooms": np.zeros(10, whole), "loops": loops}
-        return unchecked(Estimate, frames=np.arange(10).astype(whole), **values)
+        loops = one_loop(query=np.array([9], whole), match=np.array([0], whole), weights=np.ones(1, real))
+        frames, poses = np.arange(10).astype(whole), np.tile(np.eye(4), (10, 1, 1))
+        return unchecked(Estimate, frames, poses, rooms=np.zeros(10, whole), loops=loops)
 
     kinds = {each.dtype for each in (*vars(typed(np.uint64, np.float32).loops).values(), typed(np.int32, float).rooms)}
     assert kinds == {np.dtype(np.int64), np.dtype(np.float64)}

@@ -182,4 +182,5 @@ def test_a_sparse_trajectory_may_correct_more_in_one_step(lexis):
 
 def test_a_run_with_faults_is_not_judged(lexis):
     faulty = replace(lexis, scenario=replace(lexis.scenario, faults=(parse_fault("dropped:0.2"),)))
-    assert all(law.examine(EvaluatedRun(faulty, evaluate(lexis)), Lexis).holds is None for law in CONSISTENCY)
+    base = EvaluatedRun(faulty, evaluate(lexis))
+    assert all(law.examine(base, Lexis).holds is None for law in CONSISTENCY)
