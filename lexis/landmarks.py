@@ -23,7 +23,7 @@ from lexis.config import LandmarkConfig
 from lexis.features import mutual_matches
 from lexis.maths.projection import project, project_jacobian, rays
 from lexis.maths.se3 import between, inverse, skew, transform
-from lexis.types import Camera, Features, Intrinsics, Landmarks, Pose
+from lexis.types import NO_LANDMARKS, Camera, Features, Intrinsics, Landmarks, Pose
 
 _MIN_BASELINE_M = 0.01
 """Smallest distance between the cameras of two matched views [m]. If they are closer, noise dominates the epipolar lines."""
@@ -78,7 +78,7 @@ def triangulate(reference: View, supports: Sequence[View], camera: Camera, confi
     Only points that at least `min_views` views agree on become landmarks, so the result may be empty.
     """
     if not len(reference.features.keypoints):
-        return Landmarks(np.zeros((0, 3)), np.zeros(0, int))
+        return NO_LANDMARKS
     tracks = _match(reference, supports, camera, config)
     ids = np.flatnonzero(tracks.seen.sum(axis=1) >= config.min_views)
     tracks = tracks[ids]

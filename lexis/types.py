@@ -119,6 +119,9 @@ class Landmarks:
     points have no key points."""
 
 
+NO_LANDMARKS = Landmarks(np.zeros((0, 3)), np.zeros(0, int))
+
+
 @dataclass(frozen=True, eq=False)
 class CameraView:
     """What one camera of a keyframe saw."""

@@ -26,7 +26,7 @@ from scipy.spatial import cKDTree
 from lexis.maths.growing_array import GrowingArray
 from lexis.maths.se3 import between, rotation_angle
 from lexis.maths.ties import reaches, rounded
-from lexis.types import CameraView, Features, Keyframe, Landmarks, LoopEdge, Pose, Poses
+from lexis.types import NO_LANDMARKS, CameraView, Features, Keyframe, LoopEdge, Pose, Poses
 
 STAYS = -1
 """Value in place of an anchor, for a keyframe that stays in the optimisation."""
@@ -41,7 +41,6 @@ HELD_M = 5.0
 """Largest odometry path between two linked nodes over which the drift of the odometry is neglected [m]."""
 FIT_M, FIT_RAD = 0.3, 0.1
 """Largest difference between the relative pose that a loop edge measured and the current poses, for an edge that fits."""
-_NO_LANDMARKS = Landmarks(np.zeros((0, 3)), np.zeros(0, int))
 
 Ids = Int[np.ndarray, "k"]
 
@@ -104,9 +103,9 @@ class Retired:
 def as_retired(keyframe: Keyframe, anchor: Keyframe) -> Keyframe:
     """Return a keyframe as it is once it has retired: without features and landmarks, and with its anchor's embeddings."""
     features = _no_features(keyframe.features.descriptors.shape[1])
-    others = tuple(CameraView(view.embedding, features, _NO_LANDMARKS) for view in anchor.others)
+    others = tuple(CameraView(view.embedding, features, NO_LANDMARKS) for view in anchor.others)
     return replace(
-        keyframe, anchor=anchor.id, embedding=anchor.embedding, features=features, landmarks=_NO_LANDMARKS, others=others
+        keyframe, anchor=anchor.id, embedding=anchor.embedding, features=features, landmarks=NO_LANDMARKS, others=others
     )
 
 

@@ -31,11 +31,11 @@ from lexis.map.interchange.spark_dsg_format import (
 )
 from lexis.maths.quaternions import poses_of
 from lexis.types import (
+    NO_LANDMARKS,
     CameraView,
     EncoderId,
     Features,
     Keyframe,
-    Landmarks,
     LexisMap,
     LoopDecision,
     LoopEdge,
@@ -154,7 +154,7 @@ def _view(embedding: Sequence[float]) -> CameraView:
     features = Features(np.zeros((0, 2), np.float32), np.zeros((0, DESCRIPTOR_BYTES), np.uint8))
     with np.errstate(over="ignore"):  # what is too large becomes infinite, and is refused later
         single = np.array(embedding).astype(np.float32)
-    return CameraView(single, features, Landmarks(np.zeros((0, 3)), np.zeros(0, int)))
+    return CameraView(single, features, NO_LANDMARKS)
 
 
 def _poses(agents: Iterable[AgentAttributes]) -> Poses:

@@ -9,9 +9,7 @@ from scipy.special import softmax
 
 from lexis.planning import arrivals, path_end
 from lexis.planning.arrivals import INSIDE_M, surely_inside
-from lexis.types import Landmarks
-
-NO_LANDMARKS = Landmarks(np.zeros((0, 3)), np.zeros(0, int))
+from lexis.types import NO_LANDMARKS
 
 
 def inside(lexis_map, room, clear=None):

@@ -13,9 +13,8 @@ from lexis.maths.se3 import between, exp, inverse, transform
 from lexis.sight import storey_grid as module
 from lexis.sight.cells import CELL_M
 from lexis.sight.storey_grid import LOW_M, count_views, storey_grid, storeys
-from lexis.types import CameraView, Landmarks
+from lexis.types import NO_LANDMARKS, CameraView, Landmarks
 
-NO_LANDMARKS = Landmarks(np.zeros((0, 3)), np.zeros(0, int))
 INSIDE = shapely.union_all([*(shapely.box(*room) for room in ROOMS.values()), shapely.box(4.0, DOOR[0], 4.1, DOOR[1])])
 
 
