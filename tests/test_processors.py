@@ -17,7 +17,7 @@ from helpers.decisions import decisions
 
 from sim.harness import Scenario, run
 from sim.render.rig import RigConfig
-from worlds.presets import sample_from_rooms
+from worlds.presets import sample_from_rooms, sample_house
 
 SMALL = {
     "two rooms": Scenario(
@@ -26,7 +26,9 @@ SMALL = {
         length_m=13.0,
         rig=RigConfig("wide", 200, 150, 80.0),
     ),
-    "no pixels, no drift": Scenario(preset="home", seed=500, fidelity="features", frame_rate_hz=2.0, odometry="perfect"),
+    "no pixels, no drift": Scenario(
+        house=sample_house("home", 500, rooms=6), seed=500, fidelity="features", frame_rate_hz=2.0, odometry="perfect"
+    ),
 }
 HOMES = {f"home {seed}": Scenario(preset="home", seed=seed) for seed in (7, 500, 501, 502, 503, 504)}
 """The demo, which is also the first test of README.md, and the homes of `lexis-sim bench segmentation`."""

@@ -6,6 +6,8 @@ length, and takes three times as long. What pytest has loaded by then, such as o
 """
 
 import sys
+import typing
+from functools import cache
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 
@@ -57,19 +59,24 @@ def _with_late_imports() -> tuple[str, ...]:
 
 
 def _remember_answers() -> None:
-    """Let jaxtyping remember whether an array has a type, because the checks would cost a quarter of the time otherwise.
+    """Let jaxtyping remember whether a value has a type, because the checks would cost a quarter of the time otherwise.
 
-    Without the lengths of other axes, the answer depends only on the type, and on the dtype and the shape of the array.
+    Without the lengths of other axes, the answer depends only on the type, on the class of the value, and on the dtype and
+    the shape of an array. Python 3.11 also collects the members of a protocol anew in each check, which is remembered too.
     """
     kind = type(Float64[np.ndarray, "n"])
     has_type, answers = kind.__instancecheck__, {}
 
     def remembered(self, value) -> bool:
-        if type(value) is not np.ndarray:
+        if type(value) is np.ndarray:
+            question = (self, value.dtype, value.shape)
+        elif hasattr(value, "shape"):  # such as a tensor
             return has_type(self, value)
-        question = (self, value.dtype, value.shape)
+        else:
+            question = (self, type(value))
         if question not in answers:
             answers[question] = has_type(self, value)
         return answers[question]
 
     kind.__instancecheck__ = remembered
+    typing._get_protocol_attrs = cache(typing._get_protocol_attrs)
