@@ -4,10 +4,10 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+from helpers.landmarks import without_key_points
 from helpers.map_builder import build_map
 
 from lexis.graph.thinning import as_retired
-from lexis.types import Landmarks
 
 ROOMS = {"kitchen": (0.0, 0.0, 4.0, 4.0), "office": (4.1, 0.0, 8.0, 4.0)}
 """True rooms as lowest and highest x and y; the wall between them is 0.1 m thick."""
@@ -56,7 +56,7 @@ def two_rooms(rng, stairs=True):
     for keyframe, T_W_B in zip(flat.keyframes, flat.T_W_B, strict=True):
         points = seen_from(*T_W_B[:2, 3]) if T_W_B[0, 3] < 8 else np.zeros((0, 3))
         local = (points - T_W_B[:3, 3]) @ T_W_B[:3, :3]
-        keyframes.append(replace(keyframe, landmarks=Landmarks(local, np.full(len(local), -1))))
+        keyframes.append(replace(keyframe, landmarks=without_key_points(local)))
     rooms = tuple(replace(room, floor=None if room.label == "stairs" else 0) for room in flat.rooms)
     return replace(flat, keyframes=tuple(keyframes), rooms=rooms, floors=np.where(labels == 2, -1, 0))
 

@@ -10,7 +10,7 @@ from lexis.config import PoseGraphConfig, VerificationConfig
 from lexis.graph.pose_graph import PoseGraph
 from lexis.maths import se3
 from lexis.maths.projection import project
-from lexis.types import CameraView, Features, Keyframe, Landmarks
+from lexis.types import NO_LANDMARKS, CameraView, Features, Keyframe, Landmarks
 from lexis.verification import verify
 
 CONFIG = VerificationConfig()
@@ -77,7 +77,7 @@ def test_the_inliers_of_both_cameras_count_and_make_the_edge_more_certain(world)
 def test_a_match_seen_by_another_camera_than_the_query_s_best_is_found_too(world):
     """The candidate has landmarks of its rear camera alone; the query looks back, so that its front camera sees them."""
     whole = keyframe(0, FRONT_REAR, np.eye(4), world)
-    blind = replace(whole, landmarks=Landmarks(np.zeros((0, 3)), np.zeros(0, int)))
+    blind = replace(whole, landmarks=NO_LANDMARKS)
     (edge,) = verified(FRONT_REAR, BACK, world, match=blind).edges
     np.testing.assert_allclose(edge.T_match_query, BACK, atol=1e-4)
 

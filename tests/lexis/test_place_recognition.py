@@ -10,7 +10,7 @@ from lexis.graph.thinning import as_retired
 from lexis.maths import se3
 from lexis.place_recognition import propose, revisit_log_odds
 from lexis.sessions.relocalisation import candidates_elsewhere
-from lexis.types import CameraView, Features, Keyframe, Landmarks, RoomInstance
+from lexis.types import NO_LANDMARKS, CameraView, Features, Keyframe, RoomInstance
 
 NOTHING = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
 CONFIG = PlaceRecognitionConfig(method="room", candidates=3, min_gap_s=10.0, min_gap_m=5.0)
@@ -19,7 +19,7 @@ CONFIG = PlaceRecognitionConfig(method="room", candidates=3, min_gap_s=10.0, min
 def keyframe(i, x, embedding):
     T = se3.exp(np.array([0.0, 0.0, 0.0, x, 0.0, 0.0]))
     unit = np.asarray(embedding, np.float32) / np.float32(np.linalg.norm(embedding))
-    return Keyframe(i, i, float(i), T, np.eye(6), unit, NOTHING, Landmarks(np.zeros((0, 3)), np.zeros(0, int)))
+    return Keyframe(i, i, float(i), T, np.eye(6), unit, NOTHING, NO_LANDMARKS)
 
 
 def room(i, label, ids, graph):

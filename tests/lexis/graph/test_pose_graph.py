@@ -7,7 +7,7 @@ from lexis.config import PoseGraphConfig
 from lexis.errors import LexisError
 from lexis.graph.pose_graph import PoseGraph
 from lexis.maths import se3
-from lexis.types import Features, Keyframe, Landmarks, LoopEdge
+from lexis.types import NO_LANDMARKS, Features, Keyframe, LoopEdge
 
 STEP_COVARIANCE = np.diag(np.repeat([0.01, 0.03], 3) ** 2)
 LOOP_COVARIANCE = np.diag(np.repeat([0.005, 0.02], 3) ** 2)
@@ -27,8 +27,7 @@ def odometry(rng):
 def graph_of(T_O_B, config=None):
     graph = PoseGraph(config or PoseGraphConfig())
     for i, T in enumerate(T_O_B):
-        landmarks = Landmarks(np.zeros((0, 3)), np.zeros(0, int))
-        graph.add_keyframe(Keyframe(i, i, float(i), T, STEP_COVARIANCE, np.ones(1, np.float32), NOTHING, landmarks))
+        graph.add_keyframe(Keyframe(i, i, float(i), T, STEP_COVARIANCE, np.ones(1, np.float32), NOTHING, NO_LANDMARKS))
     return graph
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
+from helpers.landmarks import without_key_points
 from helpers.two_rooms import DOOR, ROOMS, two_rooms, walked_again, with_session_apart
 
 from lexis.config import PlannerConfig
@@ -14,7 +15,6 @@ from lexis.maths.se3 import between, exp, inverse, transform
 from lexis.planning import shortcuts as module
 from lexis.planning.shortcuts import STAIRWELL_M, points_between, shortcuts
 from lexis.sight.cells import CELL_M
-from lexis.types import Landmarks
 
 INSIDE = shapely.union_all([*(shapely.box(*room) for room in ROOMS.values()), shapely.box(4.0, DOOR[0], 4.1, DOOR[1])])
 
@@ -78,7 +78,7 @@ def with_landmarks(lexis_map, change):
     keyframes = []
     for i, (keyframe, T_W_B) in enumerate(zip(lexis_map.keyframes, lexis_map.T_W_B, strict=True)):
         points = transform(inverse(T_W_B), change(i, transform(T_W_B, keyframe.landmarks.points)))
-        keyframes.append(replace(keyframe, landmarks=Landmarks(points, np.full(len(points), -1))))
+        keyframes.append(replace(keyframe, landmarks=without_key_points(points)))
     return replace(lexis_map, keyframes=tuple(keyframes))
 
 
@@ -137,7 +137,7 @@ def test_bodies_outside_of_all_that_the_camera_saw_have_no_shortcuts(lexis_map, 
     keyframes = []
     for keyframe, old, new in zip(lexis_map.keyframes, lexis_map.T_W_B, poses, strict=True):
         points = transform(between(new, old), keyframe.landmarks.points)
-        keyframes.append(replace(keyframe, landmarks=Landmarks(points, np.full(len(points), -1))))
+        keyframes.append(replace(keyframe, landmarks=without_key_points(points)))
     camera = replace(lexis_map.camera, T_B_C=T_B_C)
     pairs = shortcuts(replace(lexis_map, camera=camera, T_W_B=poses, keyframes=tuple(keyframes)), PlannerConfig())
     assert shapely.within(lines(replace(lexis_map, T_W_B=poses), pairs), INSIDE.buffer(CELL_M)).all() and len(pairs)

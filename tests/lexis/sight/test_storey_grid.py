@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
+from helpers.landmarks import without_key_points
 from helpers.two_rooms import CAMERA_M, DOOR, ROOMS, two_rooms, with_session_apart
 
 from lexis.errors import MapError
@@ -13,7 +14,7 @@ from lexis.maths.se3 import between, exp, inverse, transform
 from lexis.sight import storey_grid as module
 from lexis.sight.cells import CELL_M
 from lexis.sight.storey_grid import LOW_M, count_views, storey_grid, storeys
-from lexis.types import NO_LANDMARKS, CameraView, Landmarks
+from lexis.types import NO_LANDMARKS, CameraView
 
 INSIDE = shapely.union_all([*(shapely.box(*room) for room in ROOMS.values()), shapely.box(4.0, DOOR[0], 4.1, DOOR[1])])
 
@@ -113,7 +114,7 @@ def test_low_views_do_not_pass_above_tables(lexis_map):
         lowest = points[points[:, 2] + T_W_B[2, 3] < 0.1]  # they tell where the floor is
         high = points[points[:, 2] + T_W_B[2, 3] > 2.0 * LOW_M]
         both = np.concatenate([high, lowest]) if keyframe.id == 0 else high
-        keyframes.append(replace(keyframe, landmarks=Landmarks(both, np.full(len(both), -1))))
+        keyframes.append(replace(keyframe, landmarks=without_key_points(both)))
     views, high_only = count_views(lexis_map, 0), count_views(replace(lexis_map, keyframes=tuple(keyframes)), 0)
     assert (views.low > 1).sum() > 1000 and high_only.low.max() <= 1
     assert (high_only.passed > 1).sum() > 1000
@@ -126,7 +127,7 @@ def with_body_elsewhere(lexis_map, T_C_B):
     keyframes = []
     for keyframe, old, new in zip(lexis_map.keyframes, lexis_map.T_W_B, poses, strict=True):
         points = transform(between(new, old), keyframe.landmarks.points)
-        keyframes.append(replace(keyframe, landmarks=Landmarks(points, np.full(len(points), -1))))
+        keyframes.append(replace(keyframe, landmarks=without_key_points(points)))
     return replace(lexis_map, camera=replace(lexis_map.camera, T_B_C=T_B_C), T_W_B=poses, keyframes=tuple(keyframes))
 
 

@@ -10,7 +10,7 @@ import pytest
 from lexis.config import Config, PoseGraphConfig, VerificationConfig
 from lexis.evaluation.loops import true_edges
 from lexis.maths.se3 import between, exp, inverse, log
-from lexis.types import Features, Keyframe, Landmarks, LoopArrays, LoopEdge
+from lexis.types import NO_LANDMARKS, Features, Keyframe, LoopArrays, LoopEdge
 from sim.bench import kernels as module
 from sim.bench.injected_loops import GROUP, KINDS, injected
 from sim.bench.kernels import KERNELS, KernelRow, MappedHouse, draw_kernels, kernel_runs, mapped_houses, summarised
@@ -35,7 +35,7 @@ def house():
         odometry.append(odometry[-1] @ step)
     nothing = (
         Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8)),
-        Landmarks(np.zeros((0, 3)), np.zeros(0, int)),
+        NO_LANDMARKS,
     )
     unit = np.array([1.0], np.float32)
     keyframes = tuple(Keyframe(k, k, float(k), pose, np.diag(SIGMAS**2), unit, *nothing) for k, pose in enumerate(odometry))

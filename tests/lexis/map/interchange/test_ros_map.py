@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 import shapely
 import yaml
+from helpers.landmarks import without_key_points
 from helpers.two_rooms import ROOMS, two_rooms, with_session_apart
 
 from lexis.errors import LexisError, MapError
 from lexis.files.replace import CONTENTS
 from lexis.map.export import export_map
 from lexis.maths.se3 import transform
-from lexis.types import Landmarks
 
 
 @pytest.fixture(scope="module")
@@ -107,7 +107,7 @@ def test_a_place_that_cameras_only_look_over_is_not_free(folder, tmp_path):
     """Without landmarks near the floor, every line of sight passes above tables. The path of the camera stays free."""
     seen = two_rooms(np.random.default_rng(3))
     over = tuple(
-        replace(each, landmarks=Landmarks(kept, np.full(len(kept), -1)))
+        replace(each, landmarks=without_key_points(kept))
         for each, T_W_B in zip(seen.keyframes, seen.T_W_B, strict=True)
         for points in (each.landmarks.points,)
         for height in (transform(T_W_B, points)[:, 2],)
