@@ -323,9 +323,8 @@ class PlannerConfig(Settings, place="planner", error=ConfigError):
     """Largest distance between keyframes that are connected because the images show free space between them [m]. With 0,
     there are no such connections. The limit bounds memory: the space is checked at points in proportion to the distance.
     See `lexis.planning.shortcuts`."""
-    radius_m: Annotated[float, Interval(gt=0, le=5)] = 0.2
-    """Width of the free space that must be on either side of such a connection [m]; about the robot's radius. The space is
-    known to half a cell, 0.05 m, so that a robot also has to look where it drives."""
+    radius_m: Annotated[float, Interval(gt=0, le=5)] = 0.25
+    """Width of the free space that must be on either side of such a connection [m]; at least the robot's radius."""
 
 
 @dataclass(frozen=True)

@@ -103,10 +103,9 @@ class ViewCounts:
         """Return row and column of the cell that contains each point (x and y in W [m])."""
         return cells_at(self.origin, points)
 
-    @property
-    def occupied(self) -> Bool[np.ndarray, "rows columns"]:
-        """Whether at least the share `OCCUPIED_SHARE` of the views that reach the cell see a landmark in it."""
-        return np.asarray(occupied(self.hit, self.passed, OCCUPIED_SHARE) & ~self.walked)
+    def occupied(self, share: float) -> Bool[np.ndarray, "rows columns"]:
+        """Return the cells in which at least this share of the views that reach a cell see a landmark."""
+        return np.asarray(occupied(self.hit, self.passed, share) & ~self.walked)
 
 
 def storeys(map: LexisMap) -> list[tuple[int, int]]:
@@ -127,8 +126,9 @@ def on_storey(map: LexisMap, floor: int, component: int) -> Bool[np.ndarray, "n"
 def storey_grid(map: LexisMap, floor: int, component: int = 0) -> StoreyGrid:
     """Find the free and the occupied cells of a storey. Raises MapError if the storey is larger than `MAX_CELLS`."""
     views = count_views(map, floor, component)
-    free = ((views.passed >= MIN_VIEWS) & ~views.occupied) | views.walked
-    return StoreyGrid(floor, component, views.origin, free, views.occupied, (views.low > 0) | views.walked, views.heights)
+    filled = views.occupied(OCCUPIED_SHARE)
+    free = ((views.passed >= MIN_VIEWS) & ~filled) | views.walked
+    return StoreyGrid(floor, component, views.origin, free, filled, (views.low > 0) | views.walked, views.heights)
 
 
 def count_views(map: LexisMap, floor: int, component: int = 0) -> ViewCounts:
