@@ -128,11 +128,17 @@ def _check_may_replace(path: Path, target: Path, markers: tuple[str, ...]) -> No
 
 
 def _check_own(path: Path, target: Path) -> None:
-    """Raise LexisError if the folder `target` holds a file that is not in its list. `path` is for messages."""
+    """Raise LexisError if the folder `target` holds a file that is not in its list. `path` is for messages.
+
+    If another process replaces the folder meanwhile, nothing is known about its files: LexisError is not raised, but
+    FileNotFoundError may be.
+    """
     if not target.is_dir():
         return
+    before = target.stat()
     own = os.fsdecode((target / CONTENTS).read_bytes()).split("\n") if (target / CONTENTS).is_file() else []
-    if strange := sorted(set(_files(target)) - set(own)):
+    strange = sorted(set(_files(target)) - set(own))
+    if strange and os.path.samestat(before, target.stat()):
         raise LexisError(
             f"{path}: holds {strange[0]}, which was not written with this folder and would be lost; valid: a new name"
         )

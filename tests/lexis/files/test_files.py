@@ -213,6 +213,23 @@ def test_writers_of_one_folder_replace_each_other(tmp_path, way):
     assert not errors and content_of(tmp_path / "map") in "abc" and os.listdir(tmp_path) == ["map"]
 
 
+@pytest.mark.parametrize("then", ["gone", "another"])
+def test_a_folder_that_is_replaced_while_it_is_checked_holds_no_files_of_others(tmp_path, monkeypatch, then):
+    """A listing of the folder is of no use then: `inner` looks like a file once it has been moved away."""
+    place = tmp_path / "map"
+    write(place, "old")
+
+    def listed_while_it_is_replaced(folder):
+        folder.rename(tmp_path / "old")
+        if then == "another":
+            shutil.copytree(tmp_path / "old", folder)
+        return ["inner"]
+
+    monkeypatch.setattr(files, "_files", listed_while_it_is_replaced)
+    check_replaceable(place, MARKER)
+    assert (tmp_path / "old").exists()
+
+
 @pytest.mark.parametrize("intruder", ["thesis", "a file"])
 def test_a_writer_whose_place_is_taken_keeps_its_work_beside_it(tmp_path, way, intruder):
     place = tmp_path / "map"
