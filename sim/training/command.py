@@ -126,7 +126,7 @@ def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
     fit(align, training, tuning, second, report, run.work / "align.pt")
     settling = _draws(run, run.settling_houses or 2 * run.houses, TRAINING_SEEDS)
     more = _rendered(run, console, "more training", settling[run.houses :])
-    settle(align, chain([training], map(_furnished, more)), run.seed, run.settling_steps)
+    settle(align, chain([training], map(_furnished, more)), run.seed, run.settling_steps, run.work / "settled.pt")
     console.print(f"projection settled: tuning accuracy {align.accuracy(tuning):.3f}")
     temperature = fit_temperature(align.embeddings(tuning), text, tuning.rooms)
     console.print(f"temperature {temperature:.4f}, fitted on the tuning frames")

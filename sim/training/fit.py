@@ -89,7 +89,7 @@ def fit(
     rate = torch.optim.lr_scheduler.OneCycleLR(
         optimiser, schedule.learning_rate, total_steps=schedule.epochs * steps, pct_start=0.15
     )
-    start = _resume(checkpoint, module, optimiser, rate)
+    start = resume(checkpoint, module, optimiser, rate)
     for epoch in range(start, schedule.epochs):
         rng = np.random.default_rng([schedule.seed, epoch])
         losses = []
@@ -102,19 +102,24 @@ def fit(
             rate.step()
             losses.append(loss.item())
         module.eval()
-        _save(checkpoint, epoch + 1, module, optimiser, rate)
+        save_checkpoint(checkpoint, epoch + 1, module, optimiser, rate)
         report(Progress(learner.name, epoch + 1, float(np.mean(losses)), learner.accuracy(tuning)))
     module.eval()
 
 
-def _save(path: Path | None, epoch: int, *parts: object) -> None:
+def save_checkpoint(path: Path | None, epoch: int, *parts: object) -> None:
+    """Write the states of modules and optimisers after an epoch, unless the path is None."""
     if path is None:
         return
     with replaced_file(path) as beside:
         torch.save({"epoch": epoch, "parts": [part.state_dict() for part in parts]}, beside)  # type: ignore[attr-defined]
 
 
-def _resume(path: Path | None, *parts: object) -> int:
+def resume(path: Path | None, *parts: object) -> int:
+    """Load the states that `save_checkpoint` wrote. Return the number of epochs that are done; 0 if there is no file.
+
+    Raises `SimError` for a file that cannot be read, or that holds other states.
+    """
     if path is None or not os.path.isfile(path):
         return 0
     try:

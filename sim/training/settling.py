@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice
+from pathlib import Path
 
 import numpy as np
 import torch
@@ -23,7 +24,7 @@ from lexis.types import Poses
 from sim.training.align import AlignLearner
 from sim.training.batches import PRESENT, chosen_once
 from sim.training.columns import columns_loss, contributions
-from sim.training.fit import PROCESSOR
+from sim.training.fit import PROCESSOR, resume, save_checkpoint
 from sim.training.frames import Frames
 from sim.training.places import pairs_of_places, place_loss
 from sim.training.pooling import RoomFrames, absent_labels, pooled_loss
@@ -81,12 +82,17 @@ class _SeenFrames:
         return _SeenFrames(columns, columns.mean(dim=1), np.concatenate(rooms), present, shown, *told)
 
 
-def settle(learner: AlignLearner, houses: Iterable[Frames], seed: int, steps: int = STEPS) -> None:
+def settle(
+    learner: AlignLearner, houses: Iterable[Frames], seed: int, steps: int = STEPS, checkpoint: Path | None = None
+) -> None:
     """Train the projection and the logit scales on the frames of houses, without augmentation.
 
     `houses` yields the frames of one house, or of several, at a time, so that they need not fit in memory together. A house
-    may have no frames.
+    may have no frames. The result is written to the file `checkpoint`; if this file exists, it is loaded instead. Raises
+    `SimError` if the file cannot be read.
     """
+    if resume(checkpoint, learner.module):
+        return
     rng = np.random.default_rng([seed, 4])
     frames = _SeenFrames.by(learner, houses)
     rooms = RoomFrames.of(frames.houses, frames.rooms)
@@ -100,6 +106,7 @@ def settle(learner: AlignLearner, houses: Iterable[Frames], seed: int, steps: in
         loss.backward()  # type: ignore[no-untyped-call]
         optimiser.step()
         rate.step()
+    save_checkpoint(checkpoint, 1, learner.module)
 
 
 def _frame_loss(

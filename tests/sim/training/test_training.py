@@ -281,7 +281,9 @@ def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_pa
     history = train_encoder(run, Console(quiet=True))
     assert [(progress.stage, progress.epoch) for progress in history] == [("dense", 1), ("align", 1)]
     before = run.out.read_bytes()
-    assert train_encoder(run, Console(quiet=True)) == [] and run.out.read_bytes() == before
+    with monkeypatch.context() as patch:  # what is done is not done again
+        patch.delattr("sim.training.settling._SeenFrames")
+        assert train_encoder(run, Console(quiet=True)) == [] and run.out.read_bytes() == before
     with pytest.raises(SimError, match="another folder"):
         train_encoder(replace(run, epochs=(2, 1)), Console(quiet=True))
     assert json.loads((tmp_path / "mini.json").read_text()) == model_config()
