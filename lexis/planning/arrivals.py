@@ -11,7 +11,11 @@ It has two parts:
 2. Unsure labels: a keyframe at most `NEAR_M` away may have another label. What counts is the least probability of the label
    (`LexisMap.probabilities`), because a robot whose estimate has drifted stops up to 0.4 m in front of the keyframe.
 
-With an encoder that is never sure, paths end at the innermost keyframe, at which only the evidence counts.
+The innermost keyframe of the room is always a possible end. Only the evidence counts there, because around every keyframe
+of a small room there are other labels. With an encoder that is less sure, paths therefore end nearer to it.
+
+Doubt is about the end of a path. Whether a room exists at all is another question; see `clear_ends` in
+`lexis.planning.path_ends`.
 """
 
 from typing import NamedTuple
@@ -51,10 +55,13 @@ class Arrival(NamedTuple):
 def arrivals(map: LexisMap, innermost: PathEnd, clearest: float) -> list[Arrival]:
     """Return where a path into a room may end, and the doubt there; by ascending keyframe.
 
+    The innermost keyframe is among them, even if it belongs to a neighbouring room (`path_end`). In a room without positive
+    evidence it is the only one, and its doubt is 0: such a room is a goal only if no room of its label has evidence.
+
     Args:
         map: the map.
         innermost: the innermost keyframe of the room.
-        clearest: the largest evidence at the innermost keyframe of any room with the label.
+        clearest: the largest evidence at the innermost keyframe of any room with the label, at least that of this room.
     """
     room = innermost.room
     if innermost.evidence <= 0.0:

@@ -3,7 +3,7 @@
 1. A path begins at the innermost keyframe of the start (`lexis.planning.path_ends`).
 2. Keyframes are connected where a robot can travel between them (`lexis.planning.connections`).
 3. The path is a shortest one over this graph, by Dijkstra's algorithm. It ends where the sum of its length and of the doubt
-   that the robot is inside the goal (`lexis.planning.arrivals`) is smallest. The last keyframe therefore depends on the way.
+   that the robot is inside the goal (`lexis.planning.arrivals`) is smallest. Where it ends depends on where it comes from.
 """
 
 from collections.abc import Sequence
@@ -41,7 +41,7 @@ class Plan:
 
 
 def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = None, avoid: Sequence[str] = ()) -> Plan:
-    """Return the shortest path between two rooms, named as instances ("office 2") or by label ("office").
+    """Return a short path between two rooms, named as instances ("office 2") or by label ("office").
 
     See `PathPlanner.plan`. To plan several paths in one map, create one `PathPlanner`, which is faster.
     """
@@ -54,15 +54,15 @@ class PathPlanner:
     def __init__(self, map: LexisMap, config: PlannerConfig | None = None) -> None:
         self._map, self._config = map, config or PlannerConfig()
         self._ends: dict[int, PathEnd] = {}
-        self._arrivals_in: dict[int, list[Arrival]] = {}
+        self._arrivals: dict[int, list[Arrival]] = {}
 
     def plan(self, start: str, goal: str, avoid: Sequence[str] = ()) -> Plan:
-        """Return the shortest path between two rooms, named as instances ("office 2") or by label ("office").
+        """Return a short path between two rooms, named as instances ("office 2") or by label ("office").
 
-        A label stands for all its instances; of these, the start and the goal with the smallest sum are chosen. Instances
-        with little evidence are ignored unless the label has no other (`clear_ends`). The path begins well inside the start
-        (`path_end`). It ends where the sum of its length and of the doubt that the robot is inside the goal (`arrivals`) is
-        smallest.
+        The path begins well inside the start (`path_end`). It ends where the sum of its length and of the doubt that the
+        robot is inside the goal (`arrivals`) is smallest. A label stands for all its instances; of these, the start and the
+        goal with the smallest sum are chosen. Instances with little evidence are ignored unless the label has no other
+        (`clear_ends`).
 
         Args:
             start: the room where the path begins.
@@ -75,25 +75,26 @@ class PathPlanner:
         """
         closed = self._closed(avoid)
         starts = [end for end in self._clear_ends(start) if not closed[end.keyframe]]
-        goals = [arrival for arrival in self._arrivals(goal) if not closed[arrival.keyframe]]
-        for name, ends in ((start, starts), (goal, goals)):
-            if not ends:
+        inside = [arrival for end in self._clear_ends(goal) for arrival in self._arrivals_in(end)]
+        ends = [arrival for arrival in inside if not closed[arrival.keyframe]]
+        for name, possible in ((start, starts), (goal, ends)):
+            if not possible:
                 raise PlanError(
                     f"every place where the path could begin or end in {name!r} is in a room to avoid; "
                     "valid: other rooms to avoid"
                 )
         graph = self._graph(closed)
-        lengths = dijkstra(graph, indices=[end.keyframe for end in starts])[:, [goal.keyframe for goal in goals]]
-        costs = rounded(lengths + [goal.doubt_m for goal in goals])
-        s, g = (int(i) for i in np.unravel_index(costs.argmin(), costs.shape))
-        if not np.isfinite(lengths[s, g]):
+        lengths = dijkstra(graph, indices=[each.keyframe for each in starts])[:, [each.keyframe for each in ends]]
+        costs = np.where(_stays(starts, ends), 0.0, rounded(lengths + [each.doubt_m for each in ends]))
+        s, e = (int(i) for i in np.unravel_index(costs.argmin(), costs.shape))
+        if not np.isfinite(lengths[s, e]):
             if closed.any():
                 raise PlanError(f"no path from {start} to {goal} without {', '.join(avoid)}; valid: fewer rooms to avoid")
             raise PlanError(
                 f"no path from {start} to {goal}: the walk was interrupted between them; valid: rooms of one walk"
             )
-        keyframes = shortest_path(graph, starts[s].keyframe, goals[g].keyframe)
-        return Plan(starts[s].room, goals[g].room, keyframes, float(lengths[s, g]))
+        keyframes = shortest_path(graph, starts[s].keyframe, ends[e].keyframe)
+        return Plan(starts[s].room, ends[e].room, keyframes, float(lengths[s, e]))
 
     def _closed(self, avoid: Sequence[str]) -> Bool[np.ndarray, "n"]:
         """Return which keyframes belong to the rooms to avoid. Raises PlanError for an unknown name."""
@@ -106,20 +107,18 @@ class PathPlanner:
         """Return the path ends of all rooms named `name` that are not doubtful. Raises PlanError for an unknown name."""
         return clear_ends([self._end(room) for room in self._known_rooms(name)])
 
-    def _arrivals(self, name: str) -> list[Arrival]:
-        """Return where a path to `name` may end. Raises PlanError for an unknown name."""
-        return [arrival for end in self._clear_ends(name) for arrival in self._arrivals_at(end)]
-
     def _end(self, room: RoomInstance) -> PathEnd:
         if room.id not in self._ends:
             self._ends[room.id] = path_end(self._map, room)
         return self._ends[room.id]
 
-    def _arrivals_at(self, end: PathEnd) -> list[Arrival]:
-        if end.room.id not in self._arrivals_in:
-            clearest = max(self._end(other).evidence for other in self._map.rooms if other.label == end.room.label)
-            self._arrivals_in[end.room.id] = arrivals(self._map, end, clearest)
-        return self._arrivals_in[end.room.id]
+    def _arrivals_in(self, innermost: PathEnd) -> list[Arrival]:
+        """Return where a path into a room may end, given the innermost keyframe of the room."""
+        room = innermost.room
+        if room.id not in self._arrivals:
+            clearest = max(self._end(other).evidence for other in self._map.rooms if other.label == room.label)
+            self._arrivals[room.id] = arrivals(self._map, innermost, clearest)
+        return self._arrivals[room.id]
 
     @cached_property
     def graph(self) -> csr_array:
@@ -155,6 +154,11 @@ class PathPlanner:
             valid = ", ".join(instance_names(self._map.rooms))
             raise PlanError(f"no room {name!r} in the map; valid: {valid}, or one of these without its number")
         return rooms
+
+
+def _stays(starts: Sequence[PathEnd], ends: Sequence[Arrival]) -> Bool[np.ndarray, "s e"]:
+    """Return which pairs of a start and an end are one keyframe of one room, so that the robot need not move at all."""
+    return np.array([[a.room is b.room and a.keyframe == b.keyframe for b in ends] for a in starts])
 
 
 def shortest_path(graph: csr_array, start: int, goal: int) -> tuple[int, ...]:

@@ -111,8 +111,11 @@ def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
     console.print(f"{len(training.rooms)} frames to train on, less those of bare walls; {len(tuning.rooms)} to tune on")
     history: list[Progress] = []
 
+    settled = run.work / "settled.pt"
+
     def report(progress: Progress) -> None:
         history.append(progress)
+        settled.unlink(missing_ok=True)  # of another tower
         console.print(
             f"{progress.stage} epoch {progress.epoch}: loss {progress.loss:.3f}, tuning accuracy {progress.accuracy:.3f}"
         )
@@ -126,7 +129,7 @@ def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
     fit(align, training, tuning, second, report, run.work / "align.pt")
     settling = _draws(run, run.settling_houses or 2 * run.houses, TRAINING_SEEDS)
     more = _rendered(run, console, "more training", settling[run.houses :])
-    settle(align, chain([training], map(_furnished, more)), run.seed, run.settling_steps, run.work / "settled.pt")
+    settle(align, chain([training], map(_furnished, more)), run.seed, run.settling_steps, settled)
     console.print(f"projection settled: tuning accuracy {align.accuracy(tuning):.3f}")
     temperature = fit_temperature(align.embeddings(tuning), text, tuning.rooms)
     console.print(f"temperature {temperature:.4f}, fitted on the tuning frames")

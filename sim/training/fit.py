@@ -107,12 +107,12 @@ def fit(
     module.eval()
 
 
-def save_checkpoint(path: Path | None, epoch: int, *parts: object) -> None:
-    """Write the states of modules and optimisers after an epoch, unless the path is None."""
+def save_checkpoint(path: Path | None, done: int, *parts: object) -> None:
+    """Write the states of modules, optimisers and schedules after some epochs. If the path is None, nothing is written."""
     if path is None:
         return
     with replaced_file(path) as beside:
-        torch.save({"epoch": epoch, "parts": [part.state_dict() for part in parts]}, beside)  # type: ignore[attr-defined]
+        torch.save({"epoch": done, "parts": [part.state_dict() for part in parts]}, beside)  # type: ignore[attr-defined]
 
 
 def resume(path: Path | None, *parts: object) -> int:

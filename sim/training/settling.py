@@ -88,8 +88,8 @@ def settle(
     """Train the projection and the logit scales on the frames of houses, without augmentation.
 
     `houses` yields the frames of one house, or of several, at a time, so that they need not fit in memory together. A house
-    may have no frames. The result is written to the file `checkpoint`; if this file exists, it is loaded instead. Raises
-    `SimError` if the file cannot be read.
+    may have no frames. The result is written to the file `checkpoint`. If this file exists, its weights replace those of the
+    learner, and nothing is trained. Raises `SimError` if the file cannot be read.
     """
     if resume(checkpoint, learner.module):
         return

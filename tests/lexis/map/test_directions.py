@@ -107,7 +107,7 @@ def test_the_plan_as_data_holds_keyframes_and_directions(rng):
 
 
 def test_a_plan_that_ends_at_keyframes_of_neighbours_still_starts_and_arrives_in_its_own_rooms(rng):
-    """A small room may be recognised only from viewpoints in front of it; see `innermost`."""
+    """A small room may be recognised only from viewpoints in front of it; see `path_end`."""
     rooms = [("office", range(5, 12)), ("corridor", [*range(5), *range(12, 25)])]
     lexis_map, plan = walked(rng, [(0, 0, 0), (4, 0, 0), (8, 0, 0), (12, 0, 0)], rooms)
     plan = replace(plan, start=lexis_map.rooms[0], goal=lexis_map.rooms[1])
