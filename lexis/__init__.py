@@ -9,7 +9,7 @@ support the stages:
 
 - `sight`: labels and rooms by what the images show (the default; `room_labels` and `room_segmentation` are as in the paper).
 - `graph`: the pose graph and its optimisation.
-- `planning`: short paths between rooms.
+- `planning`: shortest paths between rooms.
 - `encoder`: the vision-language model that turns images and room names into vectors.
 - `datasets`: recorded runs as input.
 - `map`: a finished map as files, pictures, directions and summaries.

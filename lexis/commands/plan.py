@@ -1,4 +1,4 @@
-"""`lexis plan`: prints a short path between two rooms."""
+"""`lexis plan`: prints the shortest path between two rooms."""
 
 import argparse
 import json
@@ -13,13 +13,10 @@ from lexis.planning.planner import plan
 from lexis.room_names import find_rooms, instance_names
 from lexis.types import LexisMap
 
-FROM_HELP = (
-    'an instance ("office 2"), or a label ("office"): the instance is chosen from which a short path leads well into the '
-    "goal"
-)
+FROM_HELP = 'an instance ("office 2"), or a label ("office"): the instance with the shortest path to the goal is chosen'
 TO_HELP = (
-    "an instance, a label (the instance is chosen into which a short path leads well), or a description in several words. "
-    "In --from and --to, an instance whose images resemble another room more is used only if the label has no other"
+    "an instance, a label (the instance with the shortest path is chosen), or a description in several words. In --from and "
+    "--to, an instance whose images resemble another room more is used only if the label has no other"
 )
 AVOID_HELP = "an instance, or a label (all its rooms), that the path must not enter; may be given several times"
 
@@ -27,7 +24,7 @@ AVOID_HELP = "an instance, or a label (all its rooms), that the path must not en
 def add_to(commands: Commands) -> None:
     """Add the command `plan`."""
     path = add_command(
-        commands, "plan", _plan, "a short path between two rooms", "lexis plan map --from office --to kitchen"
+        commands, "plan", _plan, "the shortest path between two rooms", "lexis plan map --from office --to kitchen"
     )
     path.add_argument("map", type=Path, metavar="MAP")
     path.add_argument("--from", dest="start", required=True, metavar="ROOM", help=FROM_HELP)

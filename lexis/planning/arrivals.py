@@ -1,87 +1,49 @@
-"""Where a path into a room may end, and the doubt that a robot which stops there is inside the room.
+"""The keyframes at which a path into a room may end, because a robot that stands there is surely inside the room.
 
-A path has to end in the right room, but need not lead to its middle. The keyframe of the room that is nearest to the start
-is mostly a bad end: it lies at the boundary, where some labels are wrong. The planner therefore minimises the sum of the
-length of a path and the doubt at its end. Doubt is measured in metres: it is the detour that an end without doubt is worth.
-It has two parts:
+A path has to end in the right room, but need not lead to its middle. The labels alone are not reliable enough for a choice
+among all keyframes of a room: the keyframe nearest to the start is mostly one in front of the room, whose label is wrong. A
+keyframe is therefore surely inside its room if three conditions hold:
 
-1. Unclear evidence: the evidence at the keyframe (`lexis.planning.evidence`) is a small share of the evidence at the
-   innermost keyframe of any room with the label. Just behind a door or an open boundary, about half of the images still show
-   the other room.
-2. Unsure labels: a keyframe at most `NEAR_M` away may have another label. What counts is the least probability of the label
-   (`LexisMap.probabilities`), because a robot whose estimate has drifted stops up to 0.4 m in front of the keyframe.
-
-The innermost keyframe of the room is always a possible end. Only the evidence counts there, because around every keyframe
-of a small room there are other labels. With an encoder that is less sure, paths therefore end nearer to it.
-
-Doubt is about the end of a path. Whether a room exists at all is another question; see `clear_ends` in
-`lexis.planning.path_ends`.
+1. Keyframes with other labels are at least `INSIDE_M` away, because labels are uncertain at the boundary of a room, and
+   because a robot whose estimate has drifted stops up to 0.4 m in front of the keyframe.
+2. The images are sure of the label: its probability (`LexisMap.probabilities`) is at least `SURE`.
+3. The evidence at the keyframe (`lexis.planning.evidence`) is at least the share `CLEAR` of the evidence at the innermost
+   keyframe of any room with the label.
 """
 
-from typing import NamedTuple
-
 import numpy as np
-from jaxtyping import Float64, Int
+from jaxtyping import Bool, Int
 from scipy.spatial import cKDTree
-from scipy.special import logit
 
-from lexis.maths.ties import MILLIONTH, rounded
+from lexis.maths.ties import rounded
 from lexis.planning.evidence import evidence_at
-from lexis.planning.path_ends import PathEnd
 from lexis.types import LexisMap, RoomInstance
 
-NEAR_M = 0.6
-"""The labels of keyframes within this distance of the end of a path count [m]."""
-LEAST_SHARE = 0.35
-"""A path does not end at a keyframe whose share of the largest evidence is lower, except at the innermost keyframe."""
-CLEAR_SHARE, UNCLEAR_M = 0.9, 1.0
-"""From this share on, the evidence is clear. Below, the doubt is `UNCLEAR_M` [m] times the missing part of the share."""
-SURE_LOG_ODDS, UNSURE_M = 5.0, 0.3
-"""From these log odds on, a probability of 0.993, labels are sure. Below, the doubt is `UNSURE_M` [m] times the missing part
-of the log odds."""
-_LEAST_PROBABILITY = 1e-4
-"""Lower probabilities count as this one, so that doubt is finite."""
+INSIDE_M = 0.9
+"""Least distance of a keyframe that is surely inside its room from the nearest keyframe with another label [m]."""
+SURE = 0.995
+"""Least probability of the room's label at a keyframe that is surely inside the room. It is high, because where a path can
+end first, in front of an open boundary, some images are wrong and still quite sure. With an encoder that is never so sure,
+paths end at the innermost keyframe."""
+CLEAR = 0.45
+"""Least evidence at a keyframe that is surely inside its room, as a share of the largest evidence of rooms of its label.
+Just behind a door or an open boundary, about half of the images still show the other room, and the share is lower."""
 
 
-class Arrival(NamedTuple):
-    """A keyframe at which a path may end."""
-
-    room: RoomInstance
-    keyframe: int
-    doubt_m: float
-    """The doubt that a robot which stops there is inside the room [m]."""
-
-
-def arrivals(map: LexisMap, innermost: PathEnd, clearest: float) -> list[Arrival]:
-    """Return where a path into a room may end, and the doubt there; by ascending keyframe.
-
-    The innermost keyframe is among them, even if it belongs to a neighbouring room (`path_end`). In a room without positive
-    evidence it is the only one, and its doubt is 0: such a room is a goal only if no room of its label has evidence.
+def surely_inside(map: LexisMap, room: RoomInstance, clear: float) -> Int[np.ndarray, "k"]:
+    """Return the ids of the keyframes of a room at which a robot is surely inside the room, ascending; there may be none.
 
     Args:
         map: the map.
-        innermost: the innermost keyframe of the room.
-        clearest: the largest evidence at the innermost keyframe of any room with the label, at least that of this room.
+        room: the room.
+        clear: the largest evidence at the innermost keyframe of any room with the label.
     """
-    room = innermost.room
-    if innermost.evidence <= 0.0:
-        return [Arrival(room, innermost.keyframe, 0.0)]
-    keyframes = np.array(room.keyframes)
-    shares = evidence_at(map, room.label, keyframes) / clearest
-    keyframes, shares = keyframes[shares >= LEAST_SHARE], shares[shares >= LEAST_SHARE]
-    doubts = rounded(_unclear(shares) + _unsure(map, room.label, keyframes))
-    found = dict(zip(keyframes.tolist(), doubts.tolist(), strict=True))
-    found[innermost.keyframe] = float(rounded(_unclear(np.array([innermost.evidence / clearest])))[0])
-    return [Arrival(room, keyframe, found[keyframe]) for keyframe in sorted(found)]
+    own, label = np.array(room.keyframes), map.room_names.index(room.label)
+    own = own[_is_deep(map, own, label) & (rounded(map.probabilities[own, label]) >= SURE)]
+    return np.asarray(own[evidence_at(map, room.label, own) >= CLEAR * clear]) if len(own) else own
 
 
-def _unclear(shares: Float64[np.ndarray, "k"]) -> Float64[np.ndarray, "k"]:
-    return UNCLEAR_M * np.maximum(CLEAR_SHARE - shares, 0.0)
-
-
-def _unsure(map: LexisMap, label: str, keyframes: Int[np.ndarray, "k"]) -> Float64[np.ndarray, "k"]:
-    positions, probabilities = map.T_W_B[:, :3, 3], map.probabilities[:, map.room_names.index(label)]
-    near = cKDTree(positions).query_ball_point(positions[keyframes], NEAR_M + MILLIONTH)
-    least = np.array([probabilities[ids].min() for ids in near])
-    log_odds = logit(np.clip(least, _LEAST_PROBABILITY, 1.0 - _LEAST_PROBABILITY))
-    return np.asarray(UNSURE_M * np.maximum(SURE_LOG_ODDS - log_odds, 0.0))
+def _is_deep(map: LexisMap, keyframes: Int[np.ndarray, "k"], label: int) -> Bool[np.ndarray, "k"]:
+    positions = map.T_W_B[:, :3, 3]
+    distances = cKDTree(positions[map.labels != label]).query(positions[keyframes], distance_upper_bound=2.0 * INSIDE_M)[0]
+    return np.asarray(rounded(np.minimum(distances, 2.0 * INSIDE_M)) >= INSIDE_M)

@@ -2,8 +2,8 @@
 
 1. A path begins at the innermost keyframe of the start (`lexis.planning.path_ends`).
 2. Keyframes are connected where a robot can travel between them (`lexis.planning.connections`).
-3. The path is a shortest one over this graph, by Dijkstra's algorithm. It ends where the sum of its length and of the doubt
-   that the robot is inside the goal (`lexis.planning.arrivals`) is smallest. Where it ends depends on where it comes from.
+3. The path is the shortest one over this graph, by Dijkstra's algorithm, to a keyframe at which the robot is surely inside
+   the goal (`lexis.planning.arrivals`). The last keyframe therefore depends on where the path comes from.
 """
 
 from collections.abc import Sequence
@@ -19,8 +19,7 @@ from scipy.spatial import cKDTree
 from lexis.config import PlannerConfig
 from lexis.errors import PlanError
 from lexis.graph.walked_steps import walked_steps
-from lexis.maths.ties import rounded
-from lexis.planning.arrivals import Arrival, arrivals
+from lexis.planning.arrivals import surely_inside
 from lexis.planning.connections import as_graph, unwalked_steps
 from lexis.planning.path_ends import PathEnd, clear_ends, path_end
 from lexis.planning.shortcuts import chunks, points_between
@@ -41,7 +40,7 @@ class Plan:
 
 
 def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = None, avoid: Sequence[str] = ()) -> Plan:
-    """Return a short path between two rooms, named as instances ("office 2") or by label ("office").
+    """Return the shortest path between two rooms, named as instances ("office 2") or by label ("office").
 
     See `PathPlanner.plan`. To plan several paths in one map, create one `PathPlanner`, which is faster.
     """
@@ -54,15 +53,15 @@ class PathPlanner:
     def __init__(self, map: LexisMap, config: PlannerConfig | None = None) -> None:
         self._map, self._config = map, config or PlannerConfig()
         self._ends: dict[int, PathEnd] = {}
-        self._arrivals: dict[int, list[Arrival]] = {}
+        self._inside: dict[int, np.ndarray] = {}
 
     def plan(self, start: str, goal: str, avoid: Sequence[str] = ()) -> Plan:
-        """Return a short path between two rooms, named as instances ("office 2") or by label ("office").
+        """Return the shortest path between two rooms, named as instances ("office 2") or by label ("office").
 
-        The path begins well inside the start (`path_end`). It ends where the sum of its length and of the doubt that the
-        robot is inside the goal (`arrivals`) is smallest. A label stands for all its instances; of these, the start and the
-        goal with the smallest sum are chosen. Instances with little evidence are ignored unless the label has no other
-        (`clear_ends`).
+        A label stands for all its instances; of these, the start and the goal with the shortest path are chosen. Instances
+        with little evidence are ignored unless the label has no other (`clear_ends`). The path begins well inside the start
+        (`path_end`), and ends at the first keyframe at which a robot on this path is surely inside the goal
+        (`surely_inside`). In a goal without such keyframes, and where it is nearer, the path ends as it would begin.
 
         Args:
             start: the room where the path begins.
@@ -74,27 +73,25 @@ class PathPlanner:
             PlanError: the map lacks one of the rooms, the start or the goal is to be avoided, or no path connects them.
         """
         closed = self._closed(avoid)
-        starts = [end for end in self._clear_ends(start) if not closed[end.keyframe]]
-        inside = [arrival for end in self._clear_ends(goal) for arrival in self._arrivals_in(end)]
-        ends = [arrival for arrival in inside if not closed[arrival.keyframe]]
-        for name, possible in ((start, starts), (goal, ends)):
-            if not possible:
+        starts = [(end.room, end.keyframe) for end in self._clear_ends(start) if not closed[end.keyframe]]
+        goals = [arrival for arrival in self._arrivals(goal) if not closed[arrival[1]]]
+        for name, ends in ((start, starts), (goal, goals)):
+            if not ends:
                 raise PlanError(
                     f"every place where the path could begin or end in {name!r} is in a room to avoid; "
                     "valid: other rooms to avoid"
                 )
         graph = self._graph(closed)
-        lengths = dijkstra(graph, indices=[each.keyframe for each in starts])[:, [each.keyframe for each in ends]]
-        costs = np.where(_stays(starts, ends), 0.0, rounded(lengths + [each.doubt_m for each in ends]))
-        s, e = (int(i) for i in np.unravel_index(costs.argmin(), costs.shape))
-        if not np.isfinite(lengths[s, e]):
+        lengths = dijkstra(graph, indices=[keyframe for _, keyframe in starts])[:, [keyframe for _, keyframe in goals]]
+        s, g = (int(i) for i in np.unravel_index(lengths.argmin(), lengths.shape))
+        if not np.isfinite(lengths[s, g]):
             if closed.any():
                 raise PlanError(f"no path from {start} to {goal} without {', '.join(avoid)}; valid: fewer rooms to avoid")
             raise PlanError(
                 f"no path from {start} to {goal}: the walk was interrupted between them; valid: rooms of one walk"
             )
-        keyframes = shortest_path(graph, starts[s].keyframe, ends[e].keyframe)
-        return Plan(starts[s].room, ends[e].room, keyframes, float(lengths[s, e]))
+        keyframes = shortest_path(graph, starts[s][1], goals[g][1])
+        return Plan(starts[s][0], goals[g][0], keyframes, float(lengths[s, g]))
 
     def _closed(self, avoid: Sequence[str]) -> Bool[np.ndarray, "n"]:
         """Return which keyframes belong to the rooms to avoid. Raises PlanError for an unknown name."""
@@ -107,18 +104,27 @@ class PathPlanner:
         """Return the path ends of all rooms named `name` that are not doubtful. Raises PlanError for an unknown name."""
         return clear_ends([self._end(room) for room in self._known_rooms(name)])
 
+    def _arrivals(self, name: str) -> list[tuple[RoomInstance, int]]:
+        """Return where a path to `name` may end: pairs of a room and one of its keyframes.
+
+        Raises PlanError for an unknown name.
+        """
+        return [
+            (end.room, keyframe)
+            for end in self._clear_ends(name)
+            for keyframe in sorted({end.keyframe, *self._surely_inside(end.room).tolist()})
+        ]
+
     def _end(self, room: RoomInstance) -> PathEnd:
         if room.id not in self._ends:
             self._ends[room.id] = path_end(self._map, room)
         return self._ends[room.id]
 
-    def _arrivals_in(self, innermost: PathEnd) -> list[Arrival]:
-        """Return where a path into a room may end, given the innermost keyframe of the room."""
-        room = innermost.room
-        if room.id not in self._arrivals:
-            clearest = max(self._end(other).evidence for other in self._map.rooms if other.label == room.label)
-            self._arrivals[room.id] = arrivals(self._map, innermost, clearest)
-        return self._arrivals[room.id]
+    def _surely_inside(self, room: RoomInstance) -> Int[np.ndarray, "k"]:
+        if room.id not in self._inside:
+            clear = max(self._end(other).evidence for other in self._map.rooms if other.label == room.label)
+            self._inside[room.id] = surely_inside(self._map, room, clear)
+        return self._inside[room.id]
 
     @cached_property
     def graph(self) -> csr_array:
@@ -154,11 +160,6 @@ class PathPlanner:
             valid = ", ".join(instance_names(self._map.rooms))
             raise PlanError(f"no room {name!r} in the map; valid: {valid}, or one of these without its number")
         return rooms
-
-
-def _stays(starts: Sequence[PathEnd], ends: Sequence[Arrival]) -> Bool[np.ndarray, "s e"]:
-    """Return which pairs of a start and an end are one keyframe of one room, so that the robot need not move at all."""
-    return np.array([[a.room is b.room and a.keyframe == b.keyframe for b in ends] for a in starts])
 
 
 def shortest_path(graph: csr_array, start: int, goal: int) -> tuple[int, ...]:

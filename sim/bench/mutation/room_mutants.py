@@ -132,10 +132,10 @@ ROOM_MUTANTS = (
         "return np.where(stairs, NO_FLOOR, np.minimum(nearest, 2))",
     ),
     Mutant(
-        "paths end where the robot is least surely inside the goal",
-        "planning/arrivals.py",
-        "found = dict(zip(keyframes.tolist(), doubts.tolist(), strict=True))",
-        "found = dict(zip(keyframes.tolist(), (-100.0 * doubts).tolist(), strict=True))",
+        "paths end at the other end of the goal",
+        "planning/path_ends.py",
+        "best = int(np.argmax(rounded(np.where(evidence > 0.0, evidence * margins, evidence))))",
+        "best = int(np.argmin(rounded(np.where(evidence > 0.0, evidence * margins, evidence))))",
     ),
     Mutant(
         "paths take shortcuts of three metres through walls",
