@@ -115,7 +115,7 @@ def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
 
     def report(progress: Progress) -> None:
         history.append(progress)
-        settled.unlink(missing_ok=True)  # of another tower
+        settled.unlink(missing_ok=True)  # it was settled for the tower before this epoch
         console.print(
             f"{progress.stage} epoch {progress.epoch}: loss {progress.loss:.3f}, tuning accuracy {progress.accuracy:.3f}"
         )
