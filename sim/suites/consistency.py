@@ -19,6 +19,7 @@ from sim.harness.finished_run import Run
 from sim.harness.upright import upright
 from sim.suites.checks import CheckFinding, NewSlam
 from sim.suites.staircases import ALONG_M, NEAR_M, staircases_are_rooms, stairs_are_climbed
+from sim.wording import counted
 
 _STEP_M, _STEP_RAD = 0.25, 0.1
 """Largest allowed difference between the estimated motion and the odometry's motion from one frame of the estimate to the
@@ -113,7 +114,8 @@ class LastLoopsFit:
     """Compares the trusted loop closures at the end of the walk with the trajectory.
 
     They do not fit if a SLAM optimises its trajectory now and then, and forgets to do so at the end, or stops too early. The
-    typical difference between a loop closure and the poses that it joins is the median.
+    typical difference between a loop closure and the poses that it joins is the median. One or two loop closures have no
+    typical difference: each seventh trusted loop closure of LEXIS differs by more than 0.07 m. They are not judged.
     """
 
     end_m: float
@@ -133,8 +135,9 @@ class LastLoopsFit:
         trusted = is_trusted(weights)
         last = trusted & (path[loops.query] >= path[-1] - self.end_m)
         others = trusted & ~last
-        if not last.any() or not others.any():
-            return CheckFinding(None, "the SLAM trusts no loop closure at the end of the walk, or none before")
+        if last.sum() < _LAST_LOOPS_AT_LEAST or not others.any():
+            few = counted(int(last.sum()), "loop closure")
+            return CheckFinding(None, f"the SLAM trusts {few} at the end of the walk and {others.sum()} before, too few")
         moved = _loop_errors(loops, poses)[0]
         at_end, before = float(np.median(moved[last])), float(np.median(moved[others]))
         return CheckFinding(
@@ -143,8 +146,10 @@ class LastLoopsFit:
         )
 
 
+_LAST_LOOPS_AT_LEAST = 3
+"""Least number of trusted loop closures at the end of the walk for a judgement."""
 _LAST_LOOPS = LastLoopsFit(end_m=1.0, most_m=0.07, ratio=2.0)
-"""For LEXIS, the typical difference is at most 0.056 m in 98 % of the runs."""
+"""For LEXIS, the typical difference is at most 0.066 m in 98 % of the runs."""
 
 
 def fitting_loops_are_trusted(run: Run) -> CheckFinding:

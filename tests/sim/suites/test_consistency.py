@@ -23,6 +23,8 @@ from sim.suites.consistency import (
     trusted_loops_fit,
 )
 
+LAST_LOOPS_FIT = LastLoopsFit(end_m=1.0, most_m=0.07, ratio=2.0)
+
 
 @pytest.fixture(scope="module")
 def lexis():
@@ -103,25 +105,42 @@ def test_proposed_revisits_of_the_same_visit_are_found(lexis):
 
 
 def test_loops_at_the_end_of_the_walk_have_to_fit_as_well_as_the_others(lexis):
-    last_loops_fit = LastLoopsFit(end_m=1.0, most_m=0.07, ratio=2.0)
-    loops, last = lexis.estimate.loops, len(lexis.estimate.frames) - 1
-    query, match = np.append(loops.query, last), np.append(loops.match, 0)
-    poses = lexis.estimate.T_W_B
-    fitting = replace(
-        loops, query=query, match=match, T_match_query=between(poses[match], poses[query]), weights=np.ones(len(query))
-    )
-    assert last_loops_fit(estimating(lexis, loops=fitting)).holds
-    path = np.linalg.norm(np.diff(lexis.odometry_poses[:, :3, 3], axis=0), axis=1)[::-1].cumsum()[::-1]
-    at_end = np.append(path, 0.0)[query] <= 1.0
+    fitting = with_loops_at_the_end(lexis, 3)
+    assert LAST_LOOPS_FIT(estimating(lexis, loops=fitting)).holds
+    at_end = are_at_the_end(lexis, fitting.query)
     T = fitting.T_match_query.copy()
     T[at_end, 0, 3] += 0.1
-    found = last_loops_fit(estimating(lexis, loops=replace(fitting, T_match_query=T)))
+    found = LAST_LOOPS_FIT(estimating(lexis, loops=replace(fitting, T_match_query=T)))
     assert found.holds is False and "by 0.1 m, others by" in found.measured
     T[~at_end, 0, 3] += 0.1  # a SLAM whose loop closures are less accurate
-    assert last_loops_fit(estimating(lexis, loops=replace(fitting, T_match_query=T))).holds
-    assert last_loops_fit(estimating(lexis, loops=replace(fitting, weights=None))).holds is None
+    assert LAST_LOOPS_FIT(estimating(lexis, loops=replace(fitting, T_match_query=T))).holds
+    assert LAST_LOOPS_FIT(estimating(lexis, loops=replace(fitting, weights=None))).holds is None
     doubted = replace(fitting, T_match_query=T, weights=np.where(at_end, 0.1, 1.0))
-    assert last_loops_fit(estimating(lexis, loops=doubted)).holds is None
+    assert LAST_LOOPS_FIT(estimating(lexis, loops=doubted)).holds is None
+
+
+def test_one_or_two_loops_at_the_end_of_the_walk_are_too_few_to_judge(lexis):
+    for count, holds in ((1, None), (2, None), (3, False)):
+        loops = with_loops_at_the_end(lexis, count)
+        T = loops.T_match_query.copy()
+        T[are_at_the_end(lexis, loops.query), 0, 3] += 0.3
+        found = LAST_LOOPS_FIT(estimating(lexis, loops=replace(loops, T_match_query=T)))
+        assert found.holds is holds
+
+
+def with_loops_at_the_end(finished, count):
+    """Return the loop closures of a run, with `count` of them at the end of the walk; all are trusted, and fit exactly."""
+    loops, last = finished.estimate.loops, len(finished.estimate.frames) - 1
+    earlier = ~are_at_the_end(finished, loops.query)
+    query, match = np.append(loops.query[earlier], [last] * count), np.append(loops.match[earlier], range(count))
+    T = between(finished.estimate.T_W_B[match], finished.estimate.T_W_B[query])
+    return replace(loops, query=query, match=match, T_match_query=T, weights=np.ones(len(query)))
+
+
+def are_at_the_end(finished, frames):
+    """Return which frames are at most 1 m from the end of the walk, along the path of the odometry."""
+    steps = np.linalg.norm(np.diff(finished.odometry_poses[:, :3, 3], axis=0), axis=1)
+    return np.append(steps[::-1].cumsum()[::-1], 0.0)[frames] <= 1.0
 
 
 def test_a_frame_with_another_label_than_its_room_is_found_and_one_without_a_label_is_not(lexis):
