@@ -13,6 +13,7 @@ from sim.harness.shrinking.house_reductions import opening_rank
 from sim.render.rig import RIGS
 from sim.wording import counted
 from worlds.labels import ROOM_LABELS
+from worlds.stairs.cells import lowest_cells
 
 PLAIN_MOTION: Mapping[str, Any] = MappingProxyType(
     {"sway": "none", "start_manoeuvre": False, "tour_kind": "rooms", "reverse": False}
@@ -25,6 +26,7 @@ class ScenarioSize(NamedTuple):
 
     storeys: int
     rooms: int
+    """Number of rooms. A staircase is one room, however many storeys it joins."""
     openings: int
     furniture: int
     windows: int
@@ -55,12 +57,12 @@ class ScenarioSize(NamedTuple):
 def size(scenario: Scenario) -> ScenarioSize:
     """Compute the size of a scenario. Raises `SimError` unless it lists its whole house; see `with_listed_house`."""
     spec = listed_house(scenario)
-    rooms = [room for storey in spec.storeys for room in storey.rooms]
+    rooms, lowest = [room for storey in spec.storeys for room in storey.rooms], lowest_cells(spec)
     openings = [opening for storey in spec.storeys for opening in storey.openings]
     rig = scenario.rig
     return ScenarioSize(
         storeys=len(spec.storeys),
-        rooms=len(rooms),
+        rooms=len({lowest.get(room.id, room.id) for room in rooms}),
         openings=len(openings),
         furniture=sum(len(storey.furniture or ()) for storey in spec.storeys),
         windows=sum(len(storey.windows or ()) for storey in spec.storeys),

@@ -19,6 +19,7 @@ from sim.harness.shrinking.scenario_size import size
 from sim.harness.shrinking.wall_reductions import narrower
 from sim.harness.walk import shortest_walk_m, walk
 from sim.render.rig import RigConfig
+from worlds.house import build_house
 from worlds.presets import sample_from_rooms, sample_house
 from worlds.spec import HouseSpec
 from worlds.strategies import houses
@@ -105,6 +106,11 @@ def test_a_listed_house_gives_the_same_walk():
 def test_the_size_of_a_house_that_is_not_listed_is_not_known():
     with pytest.raises(SimError, match="does not list everything; valid: the result of with_listed_house"):
         size(RICH)
+
+
+def test_a_staircase_is_one_room_on_all_its_storeys():
+    assert len(LISTED.house.storeys) == 2
+    assert size(LISTED).rooms == len(build_house(LISTED.house).rooms) < sum(len(s.rooms) for s in LISTED.house.storeys)
 
 
 def test_differences_name_what_changed():
