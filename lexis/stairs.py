@@ -99,22 +99,23 @@ def _on_flights(positions: Float64[np.ndarray, "n 3"], config: LabelConfig) -> B
     stairs = np.asarray(climbs != 0)
     for landing in _landings(climbs, path, height):
         stairs[landing] = True
-    return np.asarray(stairs & ~_level_ends(stairs, path, height))
+    return np.asarray(stairs & ~_level_ends(stairs, height))
 
 
-def _level_ends(stairs: Bool[np.ndarray, "n"], path: Metres, height: Metres) -> Bool[np.ndarray, "n"]:
+def _level_ends(stairs: Bool[np.ndarray, "n"], height: Metres) -> Bool[np.ndarray, "n"]:
     """Whether each keyframe is at an end of the stairs, but as high as the next keyframe, which is on a floor.
 
     If no keyframe would be left on the stairs, their images were lost, and all of their keyframes stay: they are all that
     tells that two floors are apart.
     """
-    level, runs = np.zeros(len(stairs), bool), stretches_of(stairs)
-    is_floor = [not stairs[run.start] and _is_floor(run, path) for run in runs]
-    for k, run in enumerate(runs):
+    level = np.zeros(len(stairs), bool)
+    for run in stretches_of(stairs):
+        if not stairs[run.start]:
+            continue
         own, ends = height[run.slice], level[run.slice]
-        if k > 0 and is_floor[k - 1]:
+        if run.start > 0:
             ends |= _as_high_as(height[run.start - 1], own)
-        if k + 1 < len(runs) and is_floor[k + 1]:
+        if run.stop < len(stairs):
             ends |= _as_high_as(height[run.stop], own[::-1])[::-1]
         ends &= not ends.all()
     return level
@@ -123,11 +124,6 @@ def _level_ends(stairs: Bool[np.ndarray, "n"], path: Metres, height: Metres) -> 
 def _as_high_as(floor: float, height: Metres) -> Bool[np.ndarray, "n"]:
     """Whether each keyframe, and all keyframes before it, are as high as the floor [m]."""
     return np.asarray(np.logical_and.accumulate(np.abs(height - floor) < LEVEL_M))
-
-
-def _is_floor(run: Stretch, path: Metres) -> bool:
-    """Whether a level stretch is too long for a half landing, or is the beginning or end of the walk."""
-    return run.start == 0 or run.stop == len(path) or bool(path[run.stop - 1] - path[run.start] >= FLOOR_PATH_M)
 
 
 def _landings(climbs: Metres, path: Metres, height: Metres) -> list[slice]:
