@@ -18,6 +18,8 @@ from lexis.types import Camera, Keyframe, LoopEdge, Poses, RoomInstance
 from lexis.verification import Verification
 from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
+from sim.render.rig import build_rig
+from sim.truth import camera_positions
 from worlds.truth import room_at
 
 _INLIERS = 1000
@@ -37,7 +39,7 @@ class TrueStages:
         """Collect the truth along the tour of a scenario. Raises the errors of `sim.harness.walk.walk`."""
         walked = walk(scenario)
         names, rooms = walked.house.spec.room_labels, walked.house.rooms
-        inside = room_at(walked.house, walked.tour.T_W_B[:, :3, 3])
+        inside = room_at(walked.house, camera_positions(walked.tour.T_W_B, build_rig(scenario.rig).front))
         return TrueStages(walked.tour.T_W_B, np.array([names.index(rooms[room].label) for room in inside], int))
 
     def propose(

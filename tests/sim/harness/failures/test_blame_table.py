@@ -11,13 +11,15 @@ from lexis.types import LoopEdge
 from lexis.verification import Verification
 from sim.feature_sensor.oracle import Oracle
 from sim.harness import Claim, FailureTest, Scenario, Signature, blame, reduce, run
-from sim.harness.adapters import Lexis
+from sim.harness.adapters import Lexis, OdometryOnly
 from sim.harness.adapters.true_stages import TrueStages
 from sim.harness.failures.blame_table import BlameRow, BlameTable, substitutions
 from sim.harness.run_settings import with_listed_house
 from sim.harness.shrinking.house_edits import keep_furniture
 from sim.harness.shrinking.reductions import STEPS
+from sim.render.rig import RigConfig
 from worlds.presets import sample_from_rooms
+from worlds.truth import room_at
 from worlds.validation import built_and_checked
 
 SCENARIO = Scenario(
@@ -172,6 +174,16 @@ def test_the_true_stages_close_true_loops_between_revisits_alone():
     verified = run(SCENARIO, Lexis("oracle", place_recogniser=everything, verifier=truth.verify)).estimate.loops
     apart = finished.true_poses[verified.query, :3, 3] - finished.true_poses[verified.match, :3, 3]
     assert len(verified.query) > 5 and np.linalg.norm(apart, axis=1).max() <= 1.0
+
+
+def test_the_true_label_of_a_frame_is_that_of_the_room_of_its_first_camera():
+    """The camera is 0.15 m ahead of the body, so that it is in the next room before the body is."""
+    scenario = replace(SCENARIO, frame_rate_hz=8.0, rig=RigConfig("wide", lever_arm_m=(0.15, 0.0, 0.0)))
+    finished = run(scenario, OdometryOnly())
+    truth = TrueStages.of(scenario).labels[finished.estimate.frames]
+    np.testing.assert_array_equal(truth, finished.true_labels)
+    of_body = room_at(finished.house, finished.true_poses[:, :3, 3])
+    assert (of_body != finished.true_rooms).any()
 
 
 def test_the_true_stages_propose_no_keyframe_that_has_retired():
