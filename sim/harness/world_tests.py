@@ -45,7 +45,9 @@ _ENCODERS_ON_FEATURES = ("mini", ORACLE)
 _NOT_IN_NAMES = re.compile(r"[^\w.]+")
 WITH_PARAMETERS = "+"
 """Character between a test's name and its parameters in the name of a failure folder. `slug_of` never returns it."""
-_LONGEST_NAME = 150
+_LONGEST_NAME = 110
+"""Most characters of a name in the name of a failure folder. Two names and a hash fit into the 255 bytes that file systems
+allow for the name of a folder."""
 _Test = TypeVar("_Test", bound=Callable[..., object])
 _Arguments = ParamSpec("_Arguments")
 _Decorator = TypeVar("_Decorator")

@@ -144,6 +144,12 @@ def test_names_of_folders_tell_tests_apart():
     assert slug_of(names[2]) == "tests-test_a-TestA-test_x"
 
 
+def test_the_name_of_a_failure_folder_is_never_too_long_for_a_file_system(tmp_path):
+    folder = folder_of(tmp_path, "test_a.py::" + "t" * 300, Scenario(), "p" * 300)
+    folder.mkdir()
+    assert folder != folder_of(tmp_path, "test_a.py::" + "t" * 300, Scenario(), "q" * 300)
+
+
 def test_stored_failures_are_those_of_the_test_with_any_parameters(tmp_path):
     test, below = "test_a.py::test_b", "test_a/test_b.py::test_c"
     scenario = Scenario(preset="office")
