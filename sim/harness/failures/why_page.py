@@ -20,18 +20,17 @@ from sim.harness.shrinking.failure_test import FailureTest, Observed
 from sim.harness.shrinking.reduction import Reduction
 from sim.harness.shrinking.scenario_difference import difference, relabelled_rooms
 from sim.harness.shrinking.scenario_size import ScenarioSize
-from sim.harness.slam_under_test import CommandSlam
+from sim.harness.slam_under_test import full_name_of
 from sim.render.image_files import encoded
 from sim.report.frame_picture import FrameEstimates, place_image
 from sim.session import Session
-from sim.wording import counted, joined, qualified_name
+from sim.wording import counted, joined
 
 WHY = "why.md"
 _LISTED = 8
 """Largest number of listed changes by which the failure goes away."""
 _IMAGE, _PLAN = "first-wrong.png", "first-wrong-plan.png"
 _UNITS = {
-    "rooms": "rooms (stairs count on each storey)",
     "drift": "drift (kinds of odometry error)",
     "motion": "motion (number of complications)",
     "length_m": "length of the tour [m]",
@@ -79,7 +78,12 @@ def why_page(
         return crash_page(f"The SLAM {smallest.what}", smallest, reduction, blamed)
     assert test.condition is not None
     figure = test.condition.figure
-    head = [f"# {test.condition}", *_under_test(_name_of(smallest.run)), "", *_failure(reduction, test, smallest, reference)]
+    head = [
+        f"# {test.condition}",
+        *_under_test(full_name_of(smallest.run.slam)),
+        "",
+        *_failure(reduction, test, smallest, reference),
+    ]
     place = wrong_frame_page(smallest.run, figure, reference)
     return _page(head, place, _search_sections(reduction, blamed, figure), _WHOLE_RUN)
 
@@ -97,9 +101,9 @@ def failed_test_page(
     `figure` is the figure that the failing assertion is about, such as "floors.accuracy"; None if it is unknown. `message`
     is what pytest says about the failure, "" if it is not known. `search` is None if no smaller scenario was searched for.
     """
-    head = [f"# {name} fails", *_under_test(_name_of(run)), *_quoted(message)]
+    head = [f"# {name} fails", *_under_test(full_name_of(run.slam)), *_quoted(message)]
     if reference.run is not None:
-        head += ["", f"The test passes with the reference, `{_name_of(reference.run)}`."]
+        head += ["", f"The test passes with the reference, `{full_name_of(reference.run.slam)}`."]
     head += ["", reference.left_out] if reference.left_out else []
     place = wrong_frame_page(run, figure, reference.run)
     if search is None:
@@ -117,11 +121,6 @@ def _compared_with_original(search: Search, message: str, may_be_another: bool) 
         if search.found_place and not search.kinds and may_be_another:
             yield ""
             yield from _first_place(search.found_place, "`pytest --no-lexis-shrink` shows the failure as it was found.")
-
-
-def _name_of(run: Run) -> str:
-    """Return module and class of the SLAM, or the command of a program."""
-    return run.slam.command if isinstance(run.slam, CommandSlam) else qualified_name(run.slam)
 
 
 def _under_test(slam: str) -> list[str]:
@@ -161,7 +160,7 @@ def _failure(reduction: Reduction, test: FailureTest, smallest: Observed, refere
     if kinds := test.original.compared(smallest.run, figure):
         yield kinds
     if reference is not None:
-        yield f"The reference, `{_name_of(reference)}`, passes in both."
+        yield f"The reference, `{full_name_of(reference.slam)}`, passes in both."
     elif not kinds and test.original.first_wrong:
         yield ""
         yield from _first_place(test.original.first_wrong, "`original.json` is the scenario as it was found.")

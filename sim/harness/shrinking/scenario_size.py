@@ -9,11 +9,12 @@ from shapely.geometry import Polygon
 
 from sim.harness.run_settings import listed_house
 from sim.harness.scenario import Scenario
+from sim.harness.shrinking.house_edits import rooms_of
 from sim.harness.shrinking.house_reductions import opening_rank
 from sim.render.rig import RIGS
 from sim.wording import counted
 from worlds.labels import ROOM_LABELS
-from worlds.stairs.cells import lowest_cells
+from worlds.stairs.cells import cell_on
 
 PLAIN_MOTION: Mapping[str, Any] = MappingProxyType(
     {"sway": "none", "start_manoeuvre": False, "tour_kind": "rooms", "reverse": False}
@@ -57,12 +58,12 @@ class ScenarioSize(NamedTuple):
 def size(scenario: Scenario) -> ScenarioSize:
     """Compute the size of a scenario. Raises `SimError` unless it lists its whole house; see `with_listed_house`."""
     spec = listed_house(scenario)
-    rooms, lowest = [room for storey in spec.storeys for room in storey.rooms], lowest_cells(spec)
+    rooms = [room for storey in spec.storeys for room in storey.rooms]
     openings = [opening for storey in spec.storeys for opening in storey.openings]
     rig = scenario.rig
     return ScenarioSize(
         storeys=len(spec.storeys),
-        rooms=len({lowest.get(room.id, room.id) for room in rooms}),
+        rooms=sum(cell_on(spec, level - 1, room) is None for level, room in rooms_of(spec, stairs=True)),
         openings=len(openings),
         furniture=sum(len(storey.furniture or ()) for storey in spec.storeys),
         windows=sum(len(storey.windows or ()) for storey in spec.storeys),
