@@ -1,6 +1,5 @@
 """`Program`: a program in any language as the SLAM. It reads a recording, and writes its estimate to files."""
 
-import math
 import shlex
 import tempfile
 from collections.abc import Sequence
@@ -17,11 +16,13 @@ from sim.harness.last_run import last_run
 from sim.harness.runner import Progress
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import CommandSlam
+from sim.number_checks import is_finite
 from sim.programs.limited_process import check_program, execute
 from sim.programs.program_files import AT_REST, RecordedTimes, estimate_files, read_estimate
 from sim.record.recording import check_format, write_take
 from sim.record.take import RecordedFrame, Take, prepare
 from sim.truth import Truth
+from sim.wording import class_of
 
 TIMEOUT_S, MEMORY_MB = 600.0, 8192.0
 """Usual limits of a program: wall time [s], and the memory that each of its processes may allocate [MB]."""
@@ -56,8 +57,8 @@ class Program:
         _words(self.command)
         check_format(self.format, self.images)
         for name, value, unit in (("timeout_s", self.timeout_s, "s"), ("memory_mb", self.memory_mb, "MB")):
-            if not 0.0 < value < math.inf:
-                raise SimError(f"program: {name} is {value}; valid: a number of {unit} above 0")
+            if not is_finite(value) or value <= 0.0:
+                raise SimError(f"program: {name} is {value!r:.60}; valid: a number of {unit} above 0")
 
     def __call__(self, scenario: Scenario, progress: Progress | None = None) -> Run:
         """Record a scenario without its truth, run the program on the recording, and return its estimate with the truth.
@@ -124,8 +125,13 @@ class Program:
         return frames
 
 
-def _words(command: str) -> list[str]:
-    """Split a command into words as a shell does. Raises `SimError` for open quotes, or if {dataset} or {out} is missing."""
+def _words(command: object) -> list[str]:
+    """Split a command into words as a shell does.
+
+    Raises `SimError` for what is no text, for open quotes, or if {dataset} or {out} is missing.
+    """
+    if not isinstance(command, str):
+        raise SimError(f"command is {class_of(command)}; valid: text, such as './my_slam {DATASET} {OUT}'")
     try:
         words = shlex.split(command)
     except ValueError as error:

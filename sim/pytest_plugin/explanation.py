@@ -13,7 +13,6 @@ from sim.harness.world_tests import SCENARIO, TEST_REPLAY, StoredWorld
 from sim.pytest_plugin.collection import family_of, name_of, parameters_of, replayed_name
 from sim.pytest_plugin.execution import Execution, Reason
 from sim.pytest_plugin.options import loading_options, out_folder, replayed_file
-from sim.wording import qualified_name
 
 if TYPE_CHECKING:
     from sim.harness.crash import Crash
@@ -43,7 +42,7 @@ def add_text(
     lines = [failure.message, f"    {failure.where}: {failure.statement}"]
     rest = [f"house: {further}, a further one within --lexis-budget"] if further else []
     rest += [] if problem is None else [f"not shrunk: {one_line(f'{type(problem).__name__}: {problem}', 160)}"]
-    rest += _lines(item, execution, scenario, search)
+    rest += _lines(item, execution, failure, scenario, search)
     before = search.found if search is not None and search.found != failure.text else ""
     if family_of(item) is not None and item.config.option.tbstyle == "auto":
         original = [f"in the original scenario: {_headline(before)}"] if before else []
@@ -72,13 +71,14 @@ def _without_traceback(lines: list[str], failure: Reason) -> ExceptionRepr:
     return ReprExceptionInfo(ReprTraceback([ReprEntryNative([text])], None, "native"), crash)
 
 
-def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search: "Search | None") -> list[str]:
+def _lines(
+    item: pytest.Item, execution: Execution, failure: Reason, scenario: "Scenario", search: "Search | None"
+) -> list[str]:
     """Write the folder of a failure; return lines with the first wrong frame, the folder and the command for a replay."""
-    error = _error(execution)
+    error = failure.error
     lines = [f"SLAM under test: {execution.last.slam_name}"] if execution.last.slam_name else []
-    unknown = execution.failure.unknown_figure if execution.failure else ""
-    lines += [f"note: {unknown}"] if unknown else []
-    if execution.run is not None and execution.failure is not None and execution.failure.uses_none:
+    lines += [f"note: {failure.unknown_figure}"] if failure.unknown_figure else []
+    if execution.run is not None and failure.uses_none:
         lines.append("note: a figure is None if the SLAM does not estimate what the figure is computed from")
     if isinstance(error, AttributeError | TypeError) and "Percept" in str(error):
         lines.append('note: with fidelity "features", observation.image is a Percept; valid: worlds(fidelity="render")')
@@ -86,7 +86,7 @@ def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search
         place = execution.first_wrong
         lines += [f"first wrong: {place}"] if place else []
         lines += _about_reference(execution) + _about_search(search)
-        folder = _folder(item, execution, _outcome(execution, scenario), search)
+        folder = _folder(item, execution, failure, _outcome(execution, error, scenario), search)
     except Exception as problem:  # whatever it is, the failure of the test must not be lost
         return [*lines, f"folder: cannot be written: {one_line(f'{type(problem).__name__}: {problem}', 160)}"]
     return [*lines, *replay_lines(item, replayed_name(item), shown_folder(item, folder))]
@@ -109,11 +109,13 @@ def replay_lines(item: pytest.Item, name: str, shown: Path) -> list[str]:
 
 def _about_reference(execution: Execution) -> list[str]:
     """Return a line on the SLAM of the fixture `reference_slam`; none without one."""
+    from sim.harness.slam_under_test import full_name_of
+
     reference = execution.reference
     if reference is None:
         return []
     if reference.run is not None:
-        return [f"reference: {qualified_name(reference.run.slam)} passes in this scenario"]
+        return [f"reference: {full_name_of(reference.run.slam)} passes in this scenario"]
     return [f"note: {reference.left_out}"] if reference.left_out else []
 
 
@@ -125,7 +127,9 @@ def _about_search(search: "Search | None") -> list[str]:
     return [f"shrunk: {old} -> {new}"]
 
 
-def _folder(item: pytest.Item, execution: Execution, outcome: "EvaluatedRun | Crash", search: "Search | None") -> Path:
+def _folder(
+    item: pytest.Item, execution: Execution, failure: Reason, outcome: "EvaluatedRun | Crash", search: "Search | None"
+) -> Path:
     """Write the folder of a failure, and return its path.
 
     Nothing is written if this folder is being replayed, or if the test itself is in it.
@@ -135,7 +139,7 @@ def _folder(item: pytest.Item, execution: Execution, outcome: "EvaluatedRun | Cr
 
     if _is_in_its_folder(item, outcome.scenario):
         return item.path.parent
-    test, replayed = _failed_test(item, execution), _replayed(item, execution)
+    test, replayed = _failed_test(item, failure), _replayed(item, execution)
     if replayed is not None and holds_failure(replayed.parent, test, outcome.scenario):
         return replayed.parent
     folder = folder_of(out_folder(item.config), name_of(item), outcome.scenario, parameters_of(item))
@@ -143,12 +147,10 @@ def _folder(item: pytest.Item, execution: Execution, outcome: "EvaluatedRun | Cr
     return folder
 
 
-def _failed_test(item: pytest.Item, execution: Execution) -> "FailedPytest":
+def _failed_test(item: pytest.Item, failure: Reason) -> "FailedPytest":
     from sim.harness.failures.failed_test import FailedPytest
 
-    failure, options = execution.failure, tuple(loading_options(item.config))
-    if failure is None:
-        return FailedPytest(name_of(item), replayed_name(item), options)
+    options = tuple(loading_options(item.config))
     return FailedPytest(name_of(item), replayed_name(item), options, failure.figure, failure.text)
 
 
@@ -159,17 +161,13 @@ def _is_in_its_folder(item: pytest.Item, scenario: "Scenario") -> bool:
     """
     from sim.errors import SimError
     from sim.harness.scenario import Scenario
+    from worlds.errors import WorldsError
 
     beside = item.path.with_name(SCENARIO)
     try:
         return item.path.name == TEST_REPLAY and beside.is_file() and Scenario.load(beside) == scenario
-    except SimError:
+    except (SimError, WorldsError):
         return False
-
-
-def _error(execution: Execution) -> BaseException:
-    assert execution.failure is not None
-    return execution.failure.error
 
 
 def _replayed(item: pytest.Item, execution: Execution) -> Path | None:
@@ -179,12 +177,12 @@ def _replayed(item: pytest.Item, execution: Execution) -> Path | None:
     return execution.world.file if isinstance(execution.world, StoredWorld) else None
 
 
-def _outcome(execution: Execution, scenario: "Scenario") -> "EvaluatedRun | Crash":
+def _outcome(execution: Execution, error: BaseException, scenario: "Scenario") -> "EvaluatedRun | Crash":
     """Return the finished run with its figures, which are computed if need be, or the crash if no run was finished."""
     from sim.harness.crash import Crash
     from sim.harness.figures import EvaluatedRun, evaluate
 
     if execution.run is None:
-        return Crash(scenario, _error(execution), execution.crashed_at, execution.last.slam_name)
+        return Crash(scenario, error, execution.crashed_at, execution.last.slam_name)
     result, trials = execution.last.result, execution.last.trials
     return EvaluatedRun(execution.run, result or evaluate(execution.run, trials), trials)

@@ -23,6 +23,7 @@ from sim.harness.figures import EvaluatedRun
 from sim.harness.last_run import LastRun, watched
 from sim.harness.results import RunResult
 from sim.harness.scenario import Scenario
+from sim.harness.shrinking.reductions import with_features
 from sim.harness.walk import walk
 from sim.processes import process_pool
 from sim.suites.checks import Check, CheckFinding, NewSlam, evaluated_run
@@ -71,7 +72,7 @@ def drawn_scenario(job: Job) -> Scenario:
     """Draw the scenario of a job. Raises `SimError` if all draws are unlucky."""
     place = job.number % job.part.group
     drawn = _drawn_group(job.part, job.number - place, job.seed)[place]
-    return replace(drawn, fidelity="features", encoder=ORACLE, feature_model=None) if job.is_bare else drawn
+    return replace(with_features(drawn), encoder=ORACLE, feature_model=None) if job.is_bare else drawn
 
 
 @lru_cache(maxsize=64)
@@ -145,7 +146,7 @@ def examinations(
 
     Raises `SimError` for objects that cannot be sent to other processes, and if a process ends before it begins a scenario.
     """
-    if workers == 1 or len(jobs) == 1:
+    if workers == 1:
         yield from (examine(job, new_slam) for job in jobs if job is jobs[0] or time.monotonic() < end)
         return
     for what, thing in (("SLAM", new_slam), *(("suite", part) for part in dict.fromkeys(job.part for job in jobs))):

@@ -40,7 +40,8 @@ def plans_can_be_walked(run: Run) -> CheckFinding:
         except EstimateError as error:
             return CheckFinding(False, one_line(str(error), 160))
         except USER_ERRORS as error:
-            return CheckFinding(False, one_line(f"plan() of the SLAM raises {type(error).__name__}: {error}", 160))
+            said = one_line(f"plan() of the SLAM raises {type(error).__name__}: {error}", 160)
+            return CheckFinding(False, said, is_crash=True)
         if plan is None:
             return CheckFinding(False, f"there is no plan from {start} to {goal}")
         blocked += _blocked_steps(run, plan)

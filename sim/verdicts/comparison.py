@@ -27,7 +27,7 @@ from sim.harness.crash import COMPLETES
 from sim.harness.figures import check
 from sim.harness.results import RunResult
 from sim.harness.scenario import Scenario
-from sim.harness.slam_under_test import SlamUnderTest, check_slam_factory
+from sim.harness.slam_under_test import SlamUnderTest, check_slam_factory, made_slam
 from sim.number_checks import check_between
 from sim.verdicts.items import items
 from sim.wording import counted, percent
@@ -250,7 +250,7 @@ def compare(
         confidence: 1 minus the largest probability that a difference is stated where there is none, in (0.5, 1).
 
     Raises:
-        SimError: an argument is not valid, or a scenario cannot be run.
+        SimError: an argument is not valid, what `a` or `b` makes is no SLAM, or a scenario cannot be run.
     """
     valid = "a class or function without arguments; results of programs are compared by `compare_results`"
     for name, new_slam in (("a", a), ("b", b)):
@@ -260,7 +260,7 @@ def compare(
     hashes = Counter(scenario.content_hash for scenario in chosen)
     if repeated := [scenario for scenario in chosen if hashes[scenario.content_hash] > 1]:
         raise SimError(f"compare: the scenario with seed {repeated[0].seed} is given twice; valid: different scenarios")
-    pairs = [(check(scenario, a()), check(scenario, b())) for scenario in chosen]
+    pairs = [(check(scenario, made_slam(a)), check(scenario, made_slam(b))) for scenario in chosen]
     return compare_results([first for first, _ in pairs], [second for _, second in pairs], wanted, figures, confidence)
 
 

@@ -5,6 +5,7 @@ from dataclasses import fields
 
 from sim.harness.run_settings import listed_house
 from sim.harness.scenario import Scenario
+from sim.render.rig import RigConfig
 from worlds.spec import AppearanceSpec, HouseSpec, RoomSpec
 
 
@@ -16,7 +17,7 @@ def difference(before: Scenario, after: Scenario) -> str:
         if each.name == "faults" and old != new:
             said.append(f"faults: {_names(old)} -> {_names(new)}")
         elif each.name == "rig" and old != new:
-            said.append(f"rig: {old.name} {old.width}x{old.height} -> {new.name} {new.width}x{new.height}")
+            said.append(f"rig: {_described(old)} -> {_described(new)}")
         elif each.name != "house" and old != new:
             said.append(f"{each.name}: {old} -> {new}")
     return "; ".join(said) or "nothing"
@@ -30,6 +31,11 @@ def relabelled_rooms(before: Scenario, after: Scenario) -> tuple[str, ...]:
 
 def _rooms_by_id(spec: HouseSpec) -> dict[str, RoomSpec]:
     return {room.id: room for storey in spec.storeys for room in storey.rooms}
+
+
+def _described(rig: RigConfig) -> str:
+    displaced = ", displaced" if any(rig.lever_arm_m + rig.lever_arm_rpy_deg) else ""
+    return f"{rig.name} {rig.width}x{rig.height}{displaced}"
 
 
 def _names(faults: tuple[object, ...]) -> str:

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.documentation import blocks
+from helpers.unchecked import unchecked
 
 from lexis.datasets.dataset import open_dataset
 from lexis.errors import LexisError
@@ -201,11 +202,17 @@ def test_commands_that_cannot_be_run_are_named_before_the_walk(command, scenario
 
 
 @pytest.mark.parametrize(
-    "limit", [{"timeout_s": -1.0}, {"timeout_s": math.nan}, {"memory_mb": math.inf}, {"memory_mb": 0.0}]
+    "limit",
+    [{"timeout_s": -1.0}, {"timeout_s": math.nan}, {"memory_mb": math.inf}, {"memory_mb": 0.0}, {"timeout_s": "600"}],
 )
 def test_limits_that_are_not_valid_are_named_before_the_walk(limit):
     with pytest.raises(SimError, match=f"program: {next(iter(limit))} is .*; valid: a number of (s|MB) above 0"):
-        Program("true {dataset} {out}", **limit)
+        unchecked(Program, "true {dataset} {out}", **limit)
+
+
+def test_a_command_that_is_no_text_is_named():
+    with pytest.raises(SimError, match=r"command is an instance of list; valid: text, such as '\./my_slam"):
+        unchecked(Program, ["true", "{dataset}", "{out}"])
 
 
 def test_programs_that_are_not_there_or_not_executable_are_named(tmp_path, unrecorded):

@@ -156,9 +156,11 @@ def test_an_iterator_that_is_closed_early_stops_its_processes():
     assert multiprocessing.active_children() == []
 
 
-def test_a_slam_that_cannot_be_sent_to_another_process_is_refused_at_once():
+@pytest.mark.parametrize("scenarios", [1, 2])
+def test_a_slam_that_cannot_be_sent_to_another_process_is_refused_at_once(scenarios):
+    suite = replace(FLAT, parts=(replace(PART, n=scenarios),))
     with pytest.raises(SimError, match=r"cannot be sent to other processes: .* valid: classes and functions at the top"):
-        check_slam(lambda: OdometryOnly(), FLAT, workers=2)
+        check_slam(lambda: OdometryOnly(), suite, workers=2)
 
 
 def test_an_exception_is_reported_with_the_line_of_the_slam_that_raises_it():

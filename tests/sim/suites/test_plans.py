@@ -66,6 +66,7 @@ def test_plans_of_lexis_can_be_walked(finished):
 def test_plans_through_walls_to_other_rooms_or_none_at_all_are_found(finished, change, said):
     found = plans_can_be_walked(replace(finished, slam=Planner(finished.slam, change)))
     assert found.holds is False and re.search(said, found.measured)
+    assert found.is_crash == ("raises" in said)
 
 
 def test_a_plan_that_is_no_list_of_rows_fails_the_run_and_not_the_suite(finished, monkeypatch):

@@ -191,6 +191,7 @@ def test_results_that_cannot_be_paired_are_refused():
         ),
         ((OdometryOnly, OdometryOnly, OPEN_FLAT), "scenarios is an instance of Scenario; valid: several values"),
         ((OdometryOnly, OdometryOnly, [OPEN_FLAT] * 2), "the scenario with seed .* is given twice; valid: different"),
+        ((OdometryOnly, lambda: None, [OPEN_FLAT]), "SLAM under test: NoneType has no method start"),
         ((OdometryOnly, OdometryOnly, [3]), r"scenarios\[0\] is an instance of int; valid: an instance of Scenario"),
         ((OdometryOnly, OdometryOnly, [], "rooms.pq >= 0.5"), r"claims is the text .*such as \['rooms.pq >= 0.5'\]"),
         ((OdometryOnly, OdometryOnly, [], (), ["rooms.pq"]), "figures is .*; valid: a mapping, such as {'rooms.pq': Rule"),
@@ -200,7 +201,7 @@ def test_results_that_cannot_be_paired_are_refused():
     ],
 )
 def test_arguments_of_the_wrong_kind_are_named(arguments, message):
-    with pytest.raises(SimError, match=f"^compare: {message}"):
+    with pytest.raises(SimError, match=f"^(compare: )?{message}"):
         untyped(compare)(*arguments)
 
 

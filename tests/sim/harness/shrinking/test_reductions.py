@@ -122,6 +122,11 @@ def test_differences_name_what_changed():
     assert said.startswith(f"without {room.id!r}")
 
 
+def test_a_rig_that_is_not_displaced_any_more_is_told():
+    mounted = replace(LISTED, rig=replace(LISTED.rig, lever_arm_m=(0.0, 0.0, 0.0)))
+    assert difference(LISTED, mounted) == "rig: stereo 480x360, displaced -> stereo 480x360"
+
+
 def test_rooms_with_another_label_are_named_by_their_ids():
     assert relabelled_rooms(LISTED, LISTED) == ()
     empty = replace(LISTED, house=keep_furniture(LISTED.house, set()))
