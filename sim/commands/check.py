@@ -62,11 +62,11 @@ def _check(arguments: argparse.Namespace) -> int:
     run, scenario = runner_of(arguments), scenario_of_arguments(arguments)
     if arguments.out is not None:
         warn_of_replacement(arguments.out, *MARKERS)
-    with _estimate_kept(scenario, arguments), progress_bar(_work(arguments)) as progress:
-        finished = attempt(run, scenario, progress)
-    if isinstance(finished, Crash):
-        return _crashed(finished, arguments)
     with _estimate_kept(scenario, arguments):
+        with progress_bar(_work(arguments)) as progress:
+            finished = attempt(run, scenario, progress)
+        if isinstance(finished, Crash):
+            return _crashed(finished, arguments)
         trials = attempt_plans(finished)
     if isinstance(trials, Crash):
         return _crashed(trials, arguments)
@@ -138,9 +138,8 @@ def _write_crash(title: str, crash: "Crash", arguments: argparse.Namespace) -> N
 
 def _failure(fails: "Claim", result: "RunResult") -> str:
     """Return one line that says that the condition `fails` is true, or that it cannot be judged."""
-    value = fails.value(result)
-    if value is None:
+    if fails.value(result) is None:
         null = " or ".join(fails.figures)
         why = "the SLAM does not estimate what it needs, or for too few frames only, or nothing in the run calls for it"
         return f"failed: {null} is null: {why}; it cannot be judged by {str(fails)!r}"
-    return f"failed: {fails.figure} is {value:g}, and fails if {fails}"
+    return f"failed: {fails.described(result)}, and fails if {fails}"

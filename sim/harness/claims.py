@@ -105,8 +105,7 @@ class Claim:
         """Return whether the claim "holds" or "fails" for a result; "unknown" if one of its figures is null."""
         if (value := self.value(result)) is None:
             return "unknown"
-        other = 1.0 if self.of is None else result[self.of]
-        return "holds" if _OPERATORS[self.comparison](value, self.limit * other) else "fails"
+        return "holds" if _OPERATORS[self.comparison](value, self._bound(result)) else "fails"
 
     def margin(self, result: RunResult) -> float | None:
         """Return by how much a result fulfils the claim, in the unit of the figure; negative if the claim is violated.
@@ -117,13 +116,17 @@ class Claim:
             raise SimError(f"claim {str(self)!r}: has no margin; valid: a claim with <, <=, > or >=")
         if (value := self.value(result)) is None:
             return None
-        above = value - self.limit * (1.0 if self.of is None else result[self.of])
+        above = value - self._bound(result)
         return above if self.comparison.startswith(">") else -above
+
+    def _bound(self, result: RunResult) -> float:
+        """Return what the figure is compared with in a result in which no figure of the claim is null."""
+        return self.limit * (1.0 if self.of is None else result[self.of])
 
     def described(self, result: RunResult) -> str:
         """Return the values of the claim's figures in a result as text, such as "labels.accuracy is 0.71"."""
         values = ((name, self._number(result, name)) for name in self.figures)
-        return ", ".join(f"{name} is {'null' if value is None else f'{value:.3g}'}" for name, value in values)
+        return ", ".join(f"{name} is {'null' if value is None else f'{value:.4g}'}" for name, value in values)
 
     @property
     def is_about_plans(self) -> bool:

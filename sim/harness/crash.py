@@ -19,8 +19,8 @@ from sim.harness.last_run import noted
 from sim.harness.planning import try_plans
 from sim.harness.runner import Progress
 from sim.harness.scenario import Scenario
+from sim.harness.slam_under_test import full_name_of
 from sim.harness.trial import Trial
-from sim.wording import qualified_name
 
 Runner = Callable[[Scenario, Progress | None], Run]
 """A function that runs the SLAM under test on a scenario. Every call has to create a new SLAM object, because a finished run
@@ -135,4 +135,4 @@ def _attempted(finished: Run, act: Callable[[], _Result], *passed_on: type[Excep
         except USER_ERRORS as error:
             if not last.in_slam:
                 raise
-            return Crash(finished.scenario, error, None, qualified_name(finished.slam))
+            return Crash(finished.scenario, error, None, full_name_of(finished.slam))

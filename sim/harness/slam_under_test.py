@@ -12,7 +12,7 @@ from sim.errors import SimError
 from sim.harness.estimate import Estimate
 from sim.harness.feature_input import FeatureInput
 from sim.harness.last_run import last_run
-from sim.wording import class_of
+from sim.wording import class_of, qualified_name
 
 
 @runtime_checkable
@@ -116,13 +116,18 @@ _LONGEST_SETTINGS = 80
 """Greatest number of characters of a SLAM's settings in its title."""
 
 
+def full_name_of(slam: object) -> str:
+    """Return module and class of a SLAM, as the option `--slam` names it, or the command of a program."""
+    return slam.command if isinstance(slam, CommandSlam) else qualified_name(slam)
+
+
 def title_of(slam: object) -> str:
     """Return the name of a SLAM's class, with the settings that the SLAM states in parentheses, or a program's command."""
     if isinstance(slam, CommandSlam):
         return slam.command
     name = type(slam).__name__
-    stated = getattr(slam, "settings", "")
-    if not isinstance(stated, str) or not stated:
+    stated = slam.settings if isinstance(slam, StatesSettings) else ""
+    if not isinstance(stated, str) or not stated:  # the class may use the name for something else
         return name
     short = stated if len(stated) <= _LONGEST_SETTINGS else f"{stated[: _LONGEST_SETTINGS - 1]}…"
     return f"{name} ({short})"

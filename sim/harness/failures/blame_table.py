@@ -16,7 +16,7 @@ from sim.harness.runner import run
 from sim.harness.scenario import Scenario
 from sim.harness.shrinking.failure_signature import Signature
 from sim.harness.shrinking.failure_test import FailureTest, Observed
-from sim.harness.shrinking.house_edits import keep_furniture
+from sim.harness.shrinking.house_edits import by_storey, keep_furniture
 from sim.harness.shrinking.reducer import Fails
 from sim.harness.shrinking.reduction import Reduction
 from sim.harness.shrinking.reductions import with_features
@@ -259,7 +259,7 @@ def _tested(substitution: Substitution, test: FailureTest, signature: Signature)
         return _compared(substitution, changed, signature)
     observed = changed.observe(substitution.scenario)
     if observed.value is None:
-        return BlameRow(name, "cannot be told", detail=f"{changed.condition.figure} is null")
+        return BlameRow(name, "cannot be told", detail=changed.condition.described(observed.result))
     if observed.signature is not None and observed.signature != signature:
         return BlameRow(name, "cannot be told", observed.value, _differently(observed.signature, signature))
     return BlameRow(name, "does not mend" if observed.signature else "mends", observed.value)
@@ -276,8 +276,7 @@ def without_clutter(spec: HouseSpec) -> HouseSpec:
 
 def _unfurnished(spec: HouseSpec) -> HouseSpec:
     """Return the house without its list of furniture, so that `build_house` places furniture beside the new doors."""
-    storeys = [storey.model_copy(update={"furniture": None}) for storey in spec.storeys]
-    return spec.model_copy(update={"storeys": storeys})
+    return by_storey(spec, lambda storey: {"furniture": None})
 
 
 def _closed(spec: HouseSpec) -> HouseSpec | None:

@@ -11,6 +11,7 @@ from lexis.maths.se3 import inverse
 from lexis.types import Poses
 from sim.harness.diagnosis.first_wrong import WITH_LABELS, WrongFrame, wrong_estimates
 from sim.harness.finished_run import Run
+from sim.harness.results import group_of
 from sim.report.data import NO_LABEL
 from sim.report.frame_picture import FrameEstimates
 from sim.report.palette import instance_colours, label_colours
@@ -22,7 +23,7 @@ def estimated_frames(run: Run, figure: str | None, wrong: WrongFrame) -> FrameEs
     If `wrong` is a wrong motion, the estimated path is moved as a whole so that it agrees with the truth where this motion
     begins. Otherwise it is aligned with the true path as for the absolute trajectory error.
     """
-    kind = "" if figure is None else figure.partition(".")[0]
+    kind = group_of(figure)
     named = run.estimate.labels is not None and kind in WITH_LABELS
     estimates = FrameEstimates(run.estimate.frames, _in_world(run, wrong), names_labels=named)
     if kind == "rooms" and run.estimate.rooms is not None:

@@ -55,7 +55,7 @@ def write_failure(
         assert test.condition is not None
         failure = shown_failure(
             smallest.run,
-            f"{test.condition}: {test.condition.figure} is {smallest.value:.4g}",
+            f"{test.condition}: {test.condition.described(smallest.result)}",
             test.condition.figure,
             reference,
         )

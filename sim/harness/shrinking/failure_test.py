@@ -28,7 +28,8 @@ class Observed:
     run: Run
     result: RunResult
     trials: tuple[Trial, ...]
-    """The plans that a robot has driven. Driving takes seconds, so there are none unless the condition is about planning."""
+    """The plans that a robot has driven. Driving takes seconds, so plans are driven only for a condition about planning, and
+    without a condition, because `plan` may crash."""
     value: float | None
     """Value of the figure that the condition is about; None without a condition, or if the run cannot have the figure."""
     signature: Signature | None
@@ -169,8 +170,7 @@ class FailureTest:
                 return f"it {outcome.what}{outcome.place}"
         assert isinstance(finished, Run) and not isinstance(trials, Crash)
         result = evaluate(finished, trials)
-        value = self.condition.value(result)
-        return None if self._passes(result) else f"{self.condition.figure} is {'null' if value is None else f'{value:g}'}"
+        return None if self._passes(result) else self.condition.described(result)
 
     def _passes(self, result: RunResult) -> bool:
         return self.condition is not None and self.condition.outcome(result) == "fails"
@@ -194,5 +194,5 @@ def check_fails(scenario: Scenario, test: FailureTest) -> None:
         return
     if test.condition is None or isinstance(outcome, Crash):
         raise SimError(f"{CRASH}: the SLAM does not crash on the scenario; valid: a scenario on which it does")
-    found = f"{test.condition.figure} is {outcome.value:g}"
+    found = test.condition.described(outcome.result)
     raise SimError(f"condition {str(test)!r}: {found}; valid: a condition that is true of the scenario")
