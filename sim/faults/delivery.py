@@ -118,7 +118,7 @@ class Late(StreamFault):
     share: float = setting(0.05, 0.0, 1.0)
     """Share of the frames that are late."""
     frames: int = setting(3, 1)
-    """Number of places in the stream by which a frame is late: it arrives after so many later frames, except late ones."""
+    """Number of frames that a late frame is behind: it arrives after the frame that follows it at this distance."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
         """Yield the stream, with frames that are drawn at random delayed by `frames` places."""

@@ -14,7 +14,7 @@ from worlds.visuals.meshes import Solid
 _STRIDE_M = 0.45
 """Distance between the feet when both are on the floor [m]."""
 _STEPS_HZ = 1.8
-_MANNERS_M = 0.45
+_NEAREST_M = 0.45
 """Least distance from the camera at which a person is drawn [m]."""
 _SKIN: tuple[Colour, ...] = ((0.93, 0.76, 0.64), (0.78, 0.57, 0.42), (0.5, 0.34, 0.25))
 _SHIRTS: tuple[Colour, ...] = ((0.75, 0.15, 0.15), (0.15, 0.3, 0.65), (0.2, 0.5, 0.3), (0.85, 0.8, 0.7), (0.2, 0.2, 0.22))
@@ -56,7 +56,7 @@ class Person(Actor):
         """Return the walking person's body at time `stamp` [s], or nothing if the person would be too near the camera."""
         T_W_P = self.tour.pose_at(self.start_s + self.ahead_s + self.pace * (stamp - self.start_s))
         x, y, z = T_W_P[:3, 3]
-        if np.hypot(x - T_W_B[0, 3], y - T_W_B[1, 3]) < _MANNERS_M:
+        if np.hypot(x - T_W_B[0, 3], y - T_W_B[1, 3]) < _NEAREST_M:
             return []
         heading = float(np.arctan2(T_W_P[1, 0], T_W_P[0, 0]))
         swing = float(np.sin(np.pi * _STEPS_HZ * (stamp - self.start_s)))

@@ -135,8 +135,8 @@ class Kidnap(StreamFault):
     def cut(self, stamps: Float64[np.ndarray, "n"]) -> tuple[float, float]:
         """Return the part that is cut out of a walk: its start (excluded) and its end (included) [s].
 
-        `stamps` are those of the frames before the cut [s]. Data of other sensors are cut in the same way. Both times are
-        equal if no frame is cut out.
+        `stamps` are the stamps that all frames have without this fault [s]. Data of other sensors are cut in the same way.
+        Both times are equal if no frame is cut out.
         """
         last = stamps[stamps < self.at_s][-1:] if (stamps < self.at_s).any() else stamps[:1]
         unseen = stamps[(stamps < self.at_s + self.skip_s) & (stamps > last)]

@@ -20,7 +20,7 @@ from sim.harness.run_settings import odometry_config
 from sim.harness.slam_under_test import PlansPaths
 from sim.harness.trial import Trial
 from sim.harness.upright import upright
-from sim.odometry.simulation import OdometryConfig
+from sim.odometry.config import OdometryConfig
 from sim.random_streams import RandomStream, random_generator
 from sim.robot import DeadReckoning, Robot
 from worlds.labels import STAIRS

@@ -29,6 +29,11 @@ class HouseFigures:
     """Name of the file that holds the house, in the folder of the run."""
 
 
+def group_of(figure: str | None) -> str:
+    """Return the group of a figure by its dotted name, such as "rooms" for "rooms.pq"; "" without a figure."""
+    return "" if figure is None else figure.partition(".")[0]
+
+
 @dataclass(frozen=True)
 class WalkFigures:
     """The tour of a run: length [m], duration [s], number of frames, and number of frames of the estimate (`keyframes`)."""

@@ -1,4 +1,4 @@
-"""Settings of a run that follow from its scenario: the house, the tour, the odometry and the random streams."""
+"""Settings of a run that follow from its scenario: the house, the tour and the odometry."""
 
 from dataclasses import replace
 

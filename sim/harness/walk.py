@@ -39,7 +39,10 @@ def shortest_walk_m(scenario: Scenario) -> float:
 
 
 def with_walk_m(scenario: Scenario, length_m: float) -> Scenario:
-    """Return the scenario with a tour of `length_m` [m], or with the shortest possible tour if that is longer."""
+    """Return the scenario with a tour of `length_m` [m], or with the shortest possible tour if that is longer.
+
+    Raises `WorldsError` for a house that is not valid, and `SimError` where no walk is possible.
+    """
     return replace(scenario, length_m=max(length_m, float(math.ceil(shortest_walk_m(scenario)))))
 
 

@@ -19,10 +19,8 @@ from scipy.spatial.transform import Rotation
 
 from lexis.maths.se3 import is_rigid, rotation_angle, skew, upright
 from sim.errors import SimError
-from sim.odometry.config import ODOMETRY_PRESETS, OdometryConfig
+from sim.odometry.config import OdometryConfig
 from sim.tours.tour import Tour
-
-__all__ = ["ODOMETRY_PRESETS", "Odometry", "OdometryConfig", "simulate_odometry", "tour_odometry"]
 
 METRES_PER_RADIAN = 0.3
 """Distance that makes errors grow as much as a rotation by one radian does [m/rad]."""

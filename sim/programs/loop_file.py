@@ -77,23 +77,26 @@ def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
     chosen = None if weights is None else weights[walked]
     fields: dict[str, Any] = {"loops": EstimatedLoops(query[walked], match[walked], poses_of(rows[walked]), chosen)}
     if file.candidates is not None:
-        queries = rows_of([revisit.query for revisit in file.candidates]).tolist()
-        every = iter(rows_of([stamp for revisit in file.candidates for stamp in revisit.matches]).tolist())
-        matches = [tuple(islice(every, len(revisit.matches))) for revisit in file.candidates]
-        listed: set[int] = set()
-        for revisit, later, earlier in zip(file.candidates, queries, matches, strict=True):
-            place = f"{LOOPS}: the candidates of {revisit.query:.6f} s"
-            if max(earlier, default=-1) >= later >= 0:
-                raise SimError(f"{place} are not all earlier; valid: matches before their query")
-            if later in listed:
-                raise SimError(f"{place} are a second entry for one frame; valid: one entry with all its matches")
-            listed |= {later} - {-1}
-        fields["candidates"] = tuple(
-            (later, tuple(row for row in earlier if row >= 0))
-            for later, earlier in zip(queries, matches, strict=True)
-            if later >= 0
-        )
+        fields["candidates"] = tuple(_candidates(file.candidates, rows_of).items())
     return fields
+
+
+def _candidates(entries: Sequence[CandidateEntry], rows_of: RowsOf) -> dict[int, tuple[int, ...]]:
+    """Return the rows of the matches by the row of their query, without frames before the walk."""
+    queries = rows_of([entry.query for entry in entries]).tolist()
+    every = iter(rows_of([stamp for entry in entries for stamp in entry.matches]).tolist())
+    candidates: dict[int, tuple[int, ...]] = {}
+    for entry, query in zip(entries, queries, strict=True):
+        matches = tuple(islice(every, len(entry.matches)))
+        if query < 0:
+            continue
+        place = f"{LOOPS}: the candidates of {entry.query:.6f} s"
+        if max(matches, default=-1) >= query:
+            raise SimError(f"{place} are not all earlier; valid: matches before their query")
+        if query in candidates:
+            raise SimError(f"{place} are a second entry for one frame; valid: one entry with all its matches")
+        candidates[query] = tuple(row for row in matches if row >= 0)
+    return candidates
 
 
 def _weights(loops: Sequence[LoopEntry]) -> Float64[np.ndarray, "m"] | None:
@@ -103,10 +106,11 @@ def _weights(loops: Sequence[LoopEntry]) -> Float64[np.ndarray, "m"] | None:
     return np.array([1.0 if loop.weight is None else loop.weight for loop in loops])
 
 
-def _check(loops: Sequence[LoopEntry], forward: Bool[np.ndarray, "m"], norms: Float64[np.ndarray, "m"]) -> None:
-    for loop, is_forward, norm in zip(loops, forward.tolist(), norms.tolist(), strict=True):
+def _check(loops: Sequence[LoopEntry], not_earlier: Bool[np.ndarray, "m"], norms: Float64[np.ndarray, "m"]) -> None:
+    """Raise `SimError` for a loop whose match is not earlier than its query, and for a quaternion whose norm is not 1."""
+    for loop, is_not_earlier, norm in zip(loops, not_earlier.tolist(), norms.tolist(), strict=True):
         place = f"{LOOPS}: the loop from {loop.query:.6f} to {loop.match:.6f} s"
-        if is_forward:
+        if is_not_earlier:
             raise SimError(f"{place} does not lead to an earlier frame; valid: match before query")
         if abs(norm - 1.0) > _UNIT:
             raise SimError(f"{place}: qx qy qz qw is no unit quaternion; valid: norm 1")

@@ -134,8 +134,6 @@ def _poses(path: Path, times: RecordedTimes) -> dict[int, Pose]:
     if not path.exists():
         raise SimError(f"command: the program wrote no {{out}}/{TRAJECTORY}; valid: poses at stamps of frames")
     stamps, poses = read_tum(path)
-    if not len(times.stamps):
-        raise SimError("command: the faults left no frame to record; valid: a scenario in which frames arrive")
     half = times.period_s / 2
     outside = (stamps < times.stamps.min() - half) | (stamps > times.stamps.max() + half)
     if outside.any():

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from sim.odometry.simulation import METRES_PER_RADIAN, OdometryConfig
+from sim.odometry.config import OdometryConfig
+from sim.odometry.simulation import METRES_PER_RADIAN
 
 _BLOCK = 512
 """Number of normally distributed numbers that are drawn at a time, for speed."""

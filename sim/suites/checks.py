@@ -20,6 +20,7 @@ from sim.harness.diagnosis.usual_mistakes import usual_mistakes
 from sim.harness.estimate import Estimate, EstimatedLoops
 from sim.harness.figures import EvaluatedRun, evaluate
 from sim.harness.finished_run import Run
+from sim.harness.results import group_of
 from sim.harness.runner import Progress, run
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import CommandSlam, SlamUnderTest, made_slam
@@ -109,7 +110,7 @@ class ClaimCheck:
         if outcome == "fails":
             return CheckFinding(False, "; ".join([measured, *usual_mistakes(base.run)]))
         if outcome == "unknown":
-            groups = {figure.split(".")[0] for figure in self.claim.figures} & _NEEDED_BY.keys()
+            groups = set(map(group_of, self.claim.figures)) & _NEEDED_BY.keys()
             lacks = any(not _has(base.run.estimate, _NEEDED_BY[group]) for group in groups)
             return CheckFinding(None, measured, is_withheld=lacks)
         return CheckFinding(True, measured)
@@ -196,17 +197,13 @@ class NotWorse:
         if isinstance(second, CheckFinding):
             return second
         figures = evaluate(second)
-        before = {name: base.result[name] for name, _ in self.tolerances if base.result[name] is not None}
-        if lost := [name for name in before if figures[name] is None]:
+        pairs = {name: (base.result[name], figures[name]) for name, _ in self.tolerances if base.result[name] is not None}
+        if lost := [name for name, (_, after) in pairs.items() if after is None]:
             return CheckFinding(False, f"only the unchanged run has {', '.join(lost)}")
-        if not before:
+        if not pairs:
             return CheckFinding(None, "the run has none of the figures")
-        pairs = {name: (value, figures[name]) for name, value in before.items()}
-        holds = all(
-            value - figures[name] <= tolerance
-            for name, tolerance in self.tolerances
-            if (value := before.get(name)) is not None
-        )
+        allowed = dict(self.tolerances)
+        holds = all(before - after <= allowed[name] for name, (before, after) in pairs.items())
         return CheckFinding(holds, ", ".join(f"{name} {a:.3g} -> {b:.3g}" for name, (a, b) in pairs.items()))
 
 

@@ -114,8 +114,9 @@ class LastLoopsFit:
     """Compares the trusted loop closures at the end of the walk with the trajectory.
 
     They do not fit if a SLAM optimises its trajectory now and then, and forgets to do so at the end, or stops too early. The
-    typical difference between a loop closure and the poses that it joins is the median. One or two loop closures have no
-    typical difference: each seventh trusted loop closure of LEXIS differs by more than 0.07 m. They are not judged.
+    typical difference between a loop closure and the poses that it joins is the median. An end of the walk with one or two
+    trusted loop closures is not judged, because these have no typical difference: of LEXIS's trusted loop closures, each
+    seventh differs by more than 0.07 m.
     """
 
     end_m: float
@@ -123,8 +124,8 @@ class LastLoopsFit:
     most_m: float
     """Largest typical difference at the end of the walk [m]."""
     ratio: float
-    """How many times the typical difference of the other trusted loop closures it may be, if this is more than `most_m`; for
-    SLAMs whose loop closures are less accurate."""
+    """Largest ratio of the typical difference at the end of the walk to that of the other trusted loop closures. It counts
+    if it allows more than `most_m`, for SLAMs whose loop closures are less accurate."""
 
     def __call__(self, run: Run) -> CheckFinding:
         """Examine a run."""
@@ -135,7 +136,7 @@ class LastLoopsFit:
         trusted = is_trusted(weights)
         last = trusted & (path[loops.query] >= path[-1] - self.end_m)
         others = trusted & ~last
-        if last.sum() < _LAST_LOOPS_AT_LEAST or not others.any():
+        if last.sum() < _FEWEST_LAST_LOOPS or not others.any():
             few = counted(int(last.sum()), "loop closure")
             return CheckFinding(None, f"the SLAM trusts {few} at the end of the walk and {others.sum()} before, too few")
         moved = _loop_errors(loops, poses)[0]
@@ -146,7 +147,7 @@ class LastLoopsFit:
         )
 
 
-_LAST_LOOPS_AT_LEAST = 3
+_FEWEST_LAST_LOOPS = 3
 """Least number of trusted loop closures at the end of the walk for a judgement."""
 _LAST_LOOPS = LastLoopsFit(end_m=1.0, most_m=0.07, ratio=2.0)
 """For LEXIS, the typical difference is at most 0.066 m in 98 % of the runs."""

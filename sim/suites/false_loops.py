@@ -31,7 +31,11 @@ class FalseLoops(NoChange):
     share: float = 0.3
     """Share of the keyframes with loop candidates that get a false loop."""
     error_m: float = 1.0
-    """Distance by which the relative pose of a false loop is wrong [m]."""
+    """Distance by which the relative pose of a false loop is wrong [m].
+
+    For a SLAM that asks `FeatureInput.verify`, the verifier knows no estimated poses. A false loop then says that the camera
+    was this far from its earlier pose, with the same orientation.
+    """
     seed: int = 0
 
     def features(self, features: FeatureInput) -> FeatureInput:

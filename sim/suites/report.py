@@ -336,6 +336,7 @@ def check_slam(
         SimError: the suite or the name of an expected failure is unknown, the seed is negative, `workers` is less than 1,
             `budget_s` is no number, `new_slam` cannot be called without arguments, makes no SLAM or cannot be sent to other
             processes, or no scenario of a part can be drawn.
+        EncoderError: LEXIS cannot load its encoder.
     """
     if not isinstance(new_slam, Program):
         check_slam_factory("check_slam: new_slam", new_slam)

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from lexis.evaluation.rooms import SHARE
 from sim.harness.diagnosis.first_wrong import misplaced
 from sim.harness.finished_run import Run
+from sim.harness.results import group_of
 
 ON_NO_FLOOR, TOO_HIGH, TOO_LOW = "placed on no floor", "placed on a floor too high", "placed on a floor too low"
 IN_NO_ROOM, SPLIT = "in no estimated room", "split from the rest of their room"
@@ -22,7 +23,7 @@ def error_kinds(run: Run, figure: str | None, labels: Mapping[str, str]) -> "Cou
         figure: the figure of the failure, such as "rooms.pq"; None if it is not known.
         labels: the label of every room in the original scenario, by the room's id. A smaller scenario may have changed it.
     """
-    match "" if figure is None else figure.partition(".")[0]:
+    match group_of(figure):
         case "floors":
             return Counter(_of_floors(run))
         case "rooms":

@@ -13,6 +13,7 @@ from lexis.types import Poses
 from sim.harness.diagnosis.wrong_motion import first_wrong_motion
 from sim.harness.finished_run import Run
 from sim.harness.loops import edge_truth
+from sim.harness.results import group_of
 from sim.report.data import NO_LABEL, ShownFailure
 from sim.session import Session
 
@@ -76,7 +77,7 @@ def first_wrong(run: Run, figure: str | None = None, reference: Run | None = Non
     the trajectory. The result is None if there is no such frame, or if the SLAM does not estimate what the figure needs. It
     is also None for a figure that describes the run as a whole, such as "coverage.path_covered".
     """
-    kind = "" if figure is None else figure.partition(".")[0]
+    kind = group_of(figure)
     found = _found(_SEARCHES[kind], run, reference) if kind in _SEARCHES else None
     if found is None and figure is None and (found := next(_position(run), None)) is not None:
         found = found._replace(what=f"no label is wrong; {found.what}" if run.estimate.labels is not None else found.what)

@@ -6,6 +6,7 @@ more. The tour of a candidate may differ from the tour of the scenario, so only 
 """
 
 import time
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import islice
@@ -222,23 +223,23 @@ class _Search:
         """
         unconfirmed = len(path) == 1 and len(on_features) > 1
         accepted = on_features if unconfirmed else path
-        best = accepted[-1].scenario
+        best, counts = accepted[-1].scenario, Counter(self.outcomes.values())
         return Reduction(
-            original,
-            best,
-            self.signature,
-            tuple(accepted[1:]),
-            tuple(self._passing(best)),
-            self.last_passing,
-            len(self.outcomes),
-            list(self.outcomes.values()).count("unavoidable"),
-            list(self.outcomes.values()).count("reference fails"),
-            list(self.outcomes.values()).count("fails differently"),
-            ended,
-            "features" if on_features else original.fidelity,
-            "features" if on_features and len(path) <= self.from_features else original.fidelity,
-            not unconfirmed,
-            self.on_features,
+            original=original,
+            scenario=best,
+            signature=self.signature,
+            accepted=tuple(accepted[1:]),
+            passing=tuple(self._passing(best)),
+            last_passing=self.last_passing,
+            tried=len(self.outcomes),
+            unavoidable=counts["unavoidable"],
+            of_reference=counts["reference fails"],
+            different=counts["fails differently"],
+            ended=ended,
+            searched_on="features" if on_features else original.fidelity,
+            ended_on="features" if on_features and len(path) <= self.from_features else original.fidelity,
+            confirmed=not unconfirmed,
+            on_features=self.on_features,
         )
 
     def _passing(self, best: Scenario) -> list[Change]:

@@ -12,7 +12,8 @@ from sim.faults.closing_doors import ClosingDoors, all_leaves, built_leaves
 from sim.faults.images import Blur
 from sim.faults.moved_furniture import with_furniture_moved
 from sim.faults.world import ClosedDoors, MovedFurniture, Pedestrian
-from sim.odometry.simulation import ODOMETRY_PRESETS, tour_odometry
+from sim.odometry.config import ODOMETRY_PRESETS
+from sim.odometry.simulation import tour_odometry
 from sim.render.camera import wide_camera
 from sim.session import Session
 from sim.tours.tour import Tour, TourConfig, plan_tour

@@ -5,7 +5,8 @@ import pytest
 
 from lexis.maths.se3 import between, compose_covariance, inverse, log, rotation_angle
 from sim.errors import SimError
-from sim.odometry.simulation import ODOMETRY_PRESETS, OdometryConfig, simulate_odometry, tour_odometry
+from sim.odometry.config import ODOMETRY_PRESETS, OdometryConfig
+from sim.odometry.simulation import simulate_odometry, tour_odometry
 from sim.tours.tour import TourConfig, plan_tour
 from worlds.house import build_house
 from worlds.presets import sample_house

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from sim.odometry.simulation import ODOMETRY_PRESETS, OdometryConfig, simulate_odometry
+from sim.odometry.config import ODOMETRY_PRESETS, OdometryConfig
+from sim.odometry.simulation import simulate_odometry
 from sim.robot import DeadReckoning
 
 RUNS, STEPS, FORWARD, TURN = 200, 60, 0.4, 0.05

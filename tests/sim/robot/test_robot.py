@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim.errors import SimError
-from sim.odometry.simulation import ODOMETRY_PRESETS, OdometryConfig
+from sim.odometry.config import ODOMETRY_PRESETS, OdometryConfig
 from sim.robot import DeadReckoning, Robot
 from sim.robot.body import RADIUS_M, Body
 from sim.robot.controller import HORIZON_M, LEAST_M, Controller
