@@ -14,7 +14,8 @@ from lexis.sight.cameras import mean
 
 _BELIEF_FLOOR = 0.01
 """Constant that is added to beliefs before their logarithm is taken, so that no neighbour can rule out a label."""
-_NEVER = 1e-9
+_LEAST_SUM = 1e-9
+"""Least sum by which a row is divided, so that a row without entries stays empty."""
 
 
 def pool_labels(
@@ -33,7 +34,8 @@ def pool_labels(
        `neighbour_weight`, to its evidence.
 
     Args:
-        similarities: cosine similarities of the images of every keyframe, one for each camera, with the room names.
+        similarities: cosine similarities of the images of every keyframe, one for each camera, with the room names; -inf for
+            a name that a keyframe cannot have, whose probability is then 0.
         seen_by: for each camera, the matrix that `lexis.sight.visible_space.sight` returns.
         config: the weights, the temperature of the probabilities, and the number of passes.
 
@@ -43,6 +45,7 @@ def pool_labels(
     """
     images = np.log(softmax(rounded(similarities) / config.temperature, axis=2) + config.least_probability)
     evidence = mean([seen @ own + config.own_weight * own for own, seen in zip(images.swapaxes(0, 1), seen_by, strict=True)])
+    evidence = np.where(np.isneginf(similarities).all(axis=1), -np.inf, evidence)
     neighbours = _between_others(mean(seen_by))
     beliefs = softmax(evidence, axis=1)
     for _ in range(config.passes):
@@ -54,4 +57,4 @@ def pool_labels(
 def _between_others(seen_by: csr_array) -> csr_array:
     """Return the matrix without its diagonal, with rows scaled to a sum of 1; rows without entries stay empty."""
     others = seen_by - diags_array(seen_by.diagonal())
-    return csr_array(diags_array(1.0 / np.maximum(others.sum(axis=1), _NEVER)) @ others)
+    return csr_array(diags_array(1.0 / np.maximum(others.sum(axis=1), _LEAST_SUM)) @ others)

@@ -56,7 +56,16 @@ def test_probabilities_are_the_weighted_product_of_the_images_probabilities(seed
 def test_a_name_that_is_excluded_is_never_a_label():
     similarities = np.array([[-np.inf, 0.1, 0.2], [-np.inf, 0.5, 0.2]])
     labels, probabilities = pool_labels(similarities[:, None], [csr_array(np.ones((2, 2)))], SightConfig())
-    assert 0 not in labels.tolist() and np.isfinite(probabilities).all()
+    assert 0 not in labels.tolist()
+    np.testing.assert_array_equal(probabilities[:, 0], 0.0)
+    np.testing.assert_allclose(probabilities.sum(axis=1), 1.0)
+
+
+def test_a_name_that_is_excluded_is_no_label_of_a_place_that_no_image_shows():
+    similarities = np.array([[-np.inf, 0.1, 0.2], [-np.inf, 0.5, 0.2]])
+    nowhere = [csr_array((2, 2))]
+    labels, _ = pool_labels(similarities[:, None], nowhere, SightConfig(own_weight=0.0))
+    assert labels.tolist() == [1, 1]
 
 
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 20))
