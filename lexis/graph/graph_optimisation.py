@@ -78,11 +78,6 @@ class GraphOptimiser:
         self._poses.insert(self._count, gtsam.Pose3(T_W_B))
         self._count += 1
 
-    def restart_at(self, T_W_B: Poses) -> None:
-        """Replace the poses of all keyframes, from which the next optimisation starts."""
-        for key, pose in enumerate(T_W_B):
-            self._poses.update(key, gtsam.Pose3(pose))
-
     def add_loops(self, loops: Sequence[LoopEdge]) -> None:
         """Add loop edges.
 

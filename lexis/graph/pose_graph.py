@@ -255,9 +255,8 @@ class PoseGraph:
         self.add_loops(loops)
 
     def _move_to(self, T_W_B: Poses) -> None:
-        assert self._optimiser is not None
         self._T_W_B.replace(np.arange(len(T_W_B)), T_W_B)
-        self._optimiser.restart_at(T_W_B[self.active])
+        self._restart()
 
     def add_loops(self, loops: Sequence[LoopEdge]) -> None:
         """Append verified loop edges; they take effect at the next optimisation.

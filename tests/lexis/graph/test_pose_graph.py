@@ -285,6 +285,17 @@ def test_keyframes_of_several_sessions_retire_but_no_odometry_joins_the_sessions
     assert np.abs(thin.T_W_B[:, :3, 3]).max() < 10.0
 
 
+def test_where_the_frame_of_a_resumed_map_lies_costs_nothing(rng):
+    """The relation of two sessions is unknown, and so is not a reason to stay near the frame of the odometry."""
+    graph = two_sessions(rng, PoseGraphConfig())
+    graph.optimise_if_due(final=True)
+    shift = np.eye(4)
+    shift[:2, 3] = 5e6, 3e6
+    moved = PoseGraph(PoseGraphConfig())
+    moved.resume(graph.keyframes, shift @ graph.T_W_B, graph.loops, np.zeros(2, int))
+    assert moved._optimiser.cost == pytest.approx(graph._optimiser.cost, rel=1e-3)
+
+
 def test_nothing_retires_while_the_sessions_are_not_joined(rng):
     T_O_B, loops = every_lap(rng, 200)
     graph = PoseGraph(THIN)
