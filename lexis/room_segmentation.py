@@ -7,14 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Int
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from lexis.config import LabelConfig, SegmentationConfig
 from lexis.floors import NO_FLOOR, assign_floors
+from lexis.maths.groups import groups_of
 from lexis.maths.stretches import consecutive_pairs
-from lexis.maths.ties import DECIMALS
+from lexis.maths.ties import DECIMALS, near_pairs
 from lexis.room_names import same_name
 from lexis.types import PerKeyframe, Positions, RoomInstance
 
@@ -138,9 +137,7 @@ def _merge(
     consecutive = consecutive[kinds[consecutive[:, 0]] == kinds[consecutive[:, 1]]]
     pairs = np.concatenate([consecutive, _adjacent(clusters, kinds, positions, adjacency_m)])
     own = np.stack([np.arange(n), clusters], axis=1)
-    rows, columns = np.concatenate([pairs, own]).T
-    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(n, n))
-    return np.asarray(connected_components(graph, directed=False)[1])
+    return groups_of(np.concatenate([pairs, own]), n)
 
 
 def _adjacent(clusters: PerKeyframe, kinds: PerKeyframe, positions: Positions, adjacency_m: float) -> Int[np.ndarray, "m 2"]:
@@ -148,8 +145,7 @@ def _adjacent(clusters: PerKeyframe, kinds: PerKeyframe, positions: Positions, a
 
     A kind lies between two keyframes if one of its keyframes is inside the ball that has the two as a diameter.
     """
-    tree = cKDTree(positions)
-    pairs = tree.query_pairs(adjacency_m, output_type="ndarray")
+    tree, pairs = cKDTree(positions), near_pairs(positions, adjacency_m)
     first, second = pairs.T
     pairs = pairs[(kinds[first] == kinds[second]) & (clusters[first] != clusters[second])]
     ends = positions[pairs]

@@ -2,10 +2,9 @@
 
 import numpy as np
 from jaxtyping import Float64, Int
-from scipy.spatial import cKDTree
 
 from lexis.maths.se3 import between, rotation_angle
-from lexis.maths.ties import MILLIONTH, rounded
+from lexis.maths.ties import near_pairs, rounded
 from lexis.types import Poses
 
 
@@ -26,9 +25,7 @@ def pairs_within(T_W_B: Poses, metres: float) -> tuple[Int[np.ndarray, "m"], Int
     Distances are rounded to a millionth. Memory grows with the number of these pairs, and not with the number of all pairs.
     """
     positions = T_W_B[:, :3, 3]
-    pairs = cKDTree(positions).query_pairs(metres + MILLIONTH, output_type="ndarray")  # none is lost before the rounding
-    each = np.arange(len(positions))
+    pairs, each = near_pairs(positions, metres), np.arange(len(positions))
     first, second = (np.concatenate([pairs[:, i], pairs[:, 1 - i], each]) for i in (0, 1))
-    near = rounded(np.linalg.norm(positions[first] - positions[second], axis=1)) <= metres
-    order = np.lexsort((second[near], first[near]))
-    return first[near][order], second[near][order]
+    order = np.lexsort((second, first))
+    return first[order], second[order]

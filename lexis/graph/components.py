@@ -4,9 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Int
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
+from lexis.maths.groups import groups_of
 from lexis.types import Keyframe, LexisMap, LoopArrays, LoopEdge, Poses
 
 _GAP_M = 10.0
@@ -23,8 +22,7 @@ def session_components(keyframes: Sequence[Keyframe], loops: Sequence[LoopEdge])
     sessions = sessions_of(keyframes)
     edges, count = LoopArrays.of(loops), int(sessions.max()) + 1
     ends = sessions[edges.query], sessions[edges.match]
-    graph = csr_array((np.ones(len(edges.query)), ends), shape=(count, count))
-    _, group = connected_components(graph, directed=False)
+    group = groups_of(np.stack(ends, axis=1), count)
     earliest = np.unique(group, return_index=True)[1]
     return np.asarray(earliest[group])
 

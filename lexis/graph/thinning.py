@@ -17,16 +17,14 @@ from those of its anchor.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int
-from scipy.spatial import cKDTree
 
 from lexis.maths.growing_array import GrowingArray
 from lexis.maths.se3 import between, rotation_angle
-from lexis.maths.ties import reaches, rounded
-from lexis.types import NO_LANDMARKS, CameraView, Features, Keyframe, LoopEdge, Pose, Poses
+from lexis.maths.ties import near_pairs, reaches, rounded
+from lexis.types import NO_FEATURES, NO_LANDMARKS, CameraView, Keyframe, LoopEdge, Pose, Poses
 
 STAYS = -1
 """Value in place of an anchor, for a keyframe that stays in the optimisation."""
@@ -40,7 +38,7 @@ needed although they show the same place."""
 HELD_M = 5.0
 """Largest odometry path between two linked nodes over which the drift of the odometry is neglected [m]."""
 FIT_M, FIT_RAD = 0.3, 0.1
-"""Largest difference between the relative pose that a loop edge measured and the current poses, for an edge that fits."""
+"""An edge fits if its measured relative pose differs from that of the current poses by at most this [m, rad]."""
 
 Ids = Int[np.ndarray, "k"]
 
@@ -102,16 +100,14 @@ class Retired:
 
 def as_retired(keyframe: Keyframe, anchor: Keyframe) -> Keyframe:
     """Return a keyframe as it is once it has retired: without features and landmarks, and with its anchor's embeddings."""
-    features = _no_features(keyframe.features.descriptors.shape[1])
-    others = tuple(CameraView(view.embedding, features, NO_LANDMARKS) for view in anchor.others)
     return replace(
-        keyframe, anchor=anchor.id, embedding=anchor.embedding, features=features, landmarks=NO_LANDMARKS, others=others
+        keyframe,
+        anchor=anchor.id,
+        embedding=anchor.embedding,
+        features=NO_FEATURES,
+        landmarks=NO_LANDMARKS,
+        others=tuple(CameraView(view.embedding, NO_FEATURES, NO_LANDMARKS) for view in anchor.others),
     )
-
-
-@cache
-def _no_features(descriptor_bytes: int) -> Features:
-    return Features(np.zeros((0, 2), np.float32), np.zeros((0, descriptor_bytes), np.uint8))
 
 
 def thinned_loops(loops: Sequence[LoopEdge], keyframes: Sequence[Keyframe]) -> list[LoopEdge]:
@@ -180,7 +176,7 @@ def _same_place(
 
     The pairs are sorted by the later node.
     """
-    pairs = np.sort(cKDTree(T_W_B[:, :3, 3]).query_pairs(SHOWN_M, output_type="ndarray"), axis=1)
+    pairs = near_pairs(T_W_B[:, :3, 3], SHOWN_M)
     pairs = pairs[np.lexsort(pairs.T)]
     earlier, later = pairs[reaches(path_m[pairs[:, 1]] - path_m[pairs[:, 0]], VISIT_M)].T
     T_earlier_later = between(T_W_B[earlier], T_W_B[later])

@@ -2,8 +2,8 @@
 
 `se3` and `quaternions` are about rigid motions, `projection` about the pinhole camera, `pnp` about its pose from matched
 points, and `rig` about several cameras on one body. `paths` measures length along a path,
-`stretches` cuts a sequence into stretches of equal values, `ties` compares values so that rounding errors decide nothing,
-and `growing_array` holds an array that grows row by row.
+`stretches` cuts a sequence into stretches of equal values, `groups` groups items that are joined by pairs, `ties` compares
+values so that rounding errors decide nothing, and `growing_array` holds an array that grows row by row.
 """
 
 import lazy_loader

@@ -1,3 +1,4 @@
+from .groups import groups_of as groups_of
 from .paths import arc_length as arc_length
 from .projection import project as project
 from .projection import project_jacobian as project_jacobian
@@ -8,6 +9,7 @@ from .quaternions import pose_rows as pose_rows
 from .quaternions import poses_of as poses_of
 from .stretches import Stretch as Stretch
 from .stretches import stretches_of as stretches_of
+from .ties import near_pairs as near_pairs
 from .ties import nearest_others as nearest_others
 from .ties import reaches as reaches
 from .ties import rounded as rounded

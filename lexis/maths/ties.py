@@ -24,6 +24,13 @@ def reaches(values: Float[np.ndarray, "*shape"] | float, limit: float) -> Bool[n
     return np.asarray(np.asarray(values) >= limit - MILLIONTH)
 
 
+def near_pairs(points: Float[np.ndarray, "n d"], distance: float) -> Int[np.ndarray, "m 2"]:
+    """Return the pairs of points that are at most `distance` apart, when rounded to `DECIMALS`, the smaller index first."""
+    pairs = cKDTree(points).query_pairs(distance + MILLIONTH, output_type="ndarray")  # none is lost before the rounding
+    lengths = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
+    return np.asarray(pairs[rounded(lengths) <= distance])
+
+
 def nearest_others(points: Float[np.ndarray, "n d"], count: int) -> Int[np.ndarray, "n k"]:
     """Return in row i the indices of the `count` nearest other points of point i, or of all others if there are fewer.
 

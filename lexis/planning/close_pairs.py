@@ -2,14 +2,14 @@
 
 import numpy as np
 from jaxtyping import Bool, Int
-from scipy.spatial import cKDTree
 
 from lexis.graph.thinning import STAYS
+from lexis.maths.ties import near_pairs, rounded
 from lexis.types import LexisMap
 
 
 def close_pairs(map: LexisMap, among: Bool[np.ndarray, "n"], metres: float) -> Int[np.ndarray, "m 2"]:
-    """Return the pairs of some keyframes of a map that are at most `metres` apart.
+    """Return the pairs of some keyframes of a map that are at most `metres` apart, when rounded.
 
     A keyframe that has retired is paired with its anchor alone. Retired keyframes lie where others lie, and there are more
     of them the longer the robot walks: all pairs would grow with the square of the hours, and these grow with the area.
@@ -17,7 +17,7 @@ def close_pairs(map: LexisMap, among: Bool[np.ndarray, "n"], metres: float) -> I
     positions = map.T_W_B[:, :3, 3]
     anchors = np.array([STAYS if keyframe.anchor is None else keyframe.anchor for keyframe in map.keyframes])
     active, retired = np.flatnonzero(among & (anchors == STAYS)), np.flatnonzero(among & (anchors != STAYS))
-    pairs = active[cKDTree(positions[active]).query_pairs(metres, output_type="ndarray")]
+    pairs = active[near_pairs(positions[active], metres)]
     retired = retired[among[anchors[retired]]]
     off_m = np.linalg.norm(positions[retired] - positions[anchors[retired]], axis=1)
-    return np.concatenate([pairs, np.stack([anchors[retired], retired], axis=1)[off_m <= metres]])
+    return np.concatenate([pairs, np.stack([anchors[retired], retired], axis=1)[rounded(off_m) <= metres]])

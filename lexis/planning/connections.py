@@ -6,6 +6,7 @@ from scipy.sparse import csr_array
 
 from lexis.config import PlannerConfig
 from lexis.graph.trusted_loops import is_trusted
+from lexis.maths.ties import rounded
 from lexis.planning.close_pairs import close_pairs
 from lexis.planning.shortcuts import shortcuts
 from lexis.types import LexisMap, LoopArrays, Pairs
@@ -36,14 +37,14 @@ def as_graph(map: LexisMap, connections: Pairs) -> csr_array:
     positions = map.T_W_B[:, :3, 3]
     connections = np.unique(np.sort(connections, axis=1), axis=0)
     # A length is at least one unit, because in a sparse graph, a zero means that there is no connection.
-    lengths = GRID_M * np.maximum(np.rint(_lengths(connections, positions) / GRID_M), 1.0)
+    lengths = GRID_M * np.maximum(np.rint(lengths_of(connections, positions) / GRID_M), 1.0)
     both = np.concatenate([connections, connections[:, ::-1]])
     return csr_array((np.tile(lengths, 2), (both[:, 0], both[:, 1])), shape=(len(positions), len(positions)))
 
 
 def _within_rooms(map: LexisMap, shortcut_m: float) -> Pairs:
     room_of = map.room_of
-    pairs = close_pairs(map, np.ones(len(room_of), bool), shortcut_m)
+    pairs = close_pairs(map, room_of >= 0, shortcut_m)
     return np.asarray(pairs[room_of[pairs[:, 0]] == room_of[pairs[:, 1]]])
 
 
@@ -53,8 +54,9 @@ def _trusted_loops(map: LexisMap) -> Pairs:
 
 
 def _pairs_within(pairs: Pairs, positions: Float64[np.ndarray, "n 3"], metres: float) -> Int[np.ndarray, "k 2"]:
-    return np.asarray(pairs[_lengths(pairs, positions) <= metres])
+    return np.asarray(pairs[rounded(lengths_of(pairs, positions)) <= metres])
 
 
-def _lengths(pairs: Pairs, positions: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "m"]:
+def lengths_of(pairs: Pairs, positions: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "m"]:
+    """Return the distances between pairs of positions [m]."""
     return np.asarray(np.linalg.norm(positions[pairs[:, 0]] - positions[pairs[:, 1]], axis=1))

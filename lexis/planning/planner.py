@@ -20,7 +20,7 @@ from lexis.config import PlannerConfig
 from lexis.errors import PlanError
 from lexis.graph.walked_steps import walked_steps
 from lexis.planning.arrivals import surely_inside
-from lexis.planning.connections import as_graph, unwalked_steps
+from lexis.planning.connections import as_graph, lengths_of, unwalked_steps
 from lexis.planning.path_ends import PathEnd, clear_ends, path_end
 from lexis.planning.shortcuts import chunks, points_between
 from lexis.room_names import find_rooms, instance_names
@@ -148,9 +148,9 @@ class PathPlanner:
 
     def _leads_past(self, steps: Pairs, closed: Bool[np.ndarray, "n"]) -> Bool[np.ndarray, "m"]:
         positions = self._map.T_W_B[:, :3, 3]
-        longest = max(self._config.shortcut_m, self._config.sight_m)
-        tree = cKDTree(positions)
-        past = [closed[tree.query(points_between(positions, part, longest))[1]].any(axis=1) for part in chunks(steps)]
+        longest = float(lengths_of(steps, positions).max(initial=0.0))
+        tree, parts = cKDTree(positions), chunks(steps, longest)
+        past = [closed[tree.query(points_between(positions, part, longest))[1]].any(axis=1) for part in parts]
         return np.concatenate([np.zeros(0, bool), *past])
 
     def _known_rooms(self, name: str) -> tuple[RoomInstance, ...]:

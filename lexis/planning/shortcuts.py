@@ -2,7 +2,7 @@
 
 Space is free where the camera itself has walked, and where a line of sight to a landmark passes below the height of table
 tops. A line of sight above a table does not count, because the robot could not follow it. Cells with an obstacle are not
-free: there, at least the share `BLOCKED_SHARE` of the keyframes that look into the cell see a landmark. This share is lower
+free: there, at least the share `BLOCKED_SHARE` of the camera views that reach the cell see a landmark. This share is lower
 than in `lexis.sight.storey_grid`, because most lines of sight pass above low furniture.
 
 A shortcut must have free space on both sides, as wide as the robot. Its ends are at most `sight_m` apart: longer shortcuts
@@ -27,17 +27,14 @@ from lexis.sight.storey_grid import ViewCounts, count_views, on_storey, storeys
 from lexis.types import LexisMap, Pairs
 
 BLOCKED_SHARE = 0.15
-"""A cell is occupied if at least this share of the keyframes that look into the cell see a landmark there."""
+"""A cell is occupied if at least this share of the camera views that reach the cell see a landmark there."""
 STAIRWELL_M = 0.8
 """Least distance of a shortcut from the keyframes on stairs, as seen from above [m]: half the width of stairs, and the
 radius of a robot."""
 SPACING_M = CELL_M / 2
 """Largest distance between the points of a shortcut at which the space is checked [m]."""
-_SPARE_M = 1e-5
-"""Distance by which the search radius for pairs exceeds `sight_m` [m], so that no pair is lost before the distances are
-rounded and compared with `sight_m`."""
-_CHUNK = 50_000
-"""Largest number of steps whose points are checked at a time, so that memory stays bounded."""
+_CHUNK = 3_000_000
+"""Largest number of points that are checked at a time, so that memory stays bounded."""
 
 
 def shortcuts(map: LexisMap, config: PlannerConfig) -> Pairs:
@@ -47,7 +44,7 @@ def shortcuts(map: LexisMap, config: PlannerConfig) -> Pairs:
     """
     if config.sight_m == 0.0:
         return np.zeros((0, 2), int)
-    return np.concatenate([np.zeros((0, 2), int), *(_on_storey(map, *storey, config) for storey in storeys(map))])
+    return np.concatenate([np.zeros((0, 2), int), *(_shortcuts_of_storey(map, *storey, config) for storey in storeys(map))])
 
 
 def points_between(positions: Float64[np.ndarray, "n d"], pairs: Pairs, metres: float) -> Float64[np.ndarray, "m points d"]:
@@ -55,34 +52,32 @@ def points_between(positions: Float64[np.ndarray, "n d"], pairs: Pairs, metres: 
 
     All steps get as many points as a step of length `metres` needs, so that no two are farther apart than `SPACING_M`.
     """
-    share = np.linspace(0.0, 1.0, int(np.ceil(metres / SPACING_M)) + 1)[:, None]
+    share = np.linspace(0.0, 1.0, _point_count(metres))[:, None]
     first, second = positions[pairs[:, :1]], positions[pairs[:, 1:]]
     return np.asarray((1.0 - share) * first + share * second)
 
 
-def chunks(pairs: Pairs) -> Iterator[Pairs]:
-    """Yield the pairs in parts of at most `_CHUNK`."""
-    for start in range(0, len(pairs), _CHUNK):
-        yield pairs[start : start + _CHUNK]
+def chunks(pairs: Pairs, metres: float) -> Iterator[Pairs]:
+    """Yield the pairs in parts, whose `points_between` for the same length `metres` fit into memory."""
+    count = max(1, _CHUNK // _point_count(metres))
+    for start in range(0, len(pairs), count):
+        yield pairs[start : start + count]
 
 
-def _on_storey(map: LexisMap, floor: int, component: int, config: PlannerConfig) -> Pairs:
+def _point_count(metres: float) -> int:
+    return int(np.ceil(metres / SPACING_M)) + 1
+
+
+def _shortcuts_of_storey(map: LexisMap, floor: int, component: int, config: PlannerConfig) -> Pairs:
     positions = map.T_W_B[:, :3, 3]
     try:
         clearance = _Clearance(count_views(map, floor, component), positions[map.floors == NO_FLOOR, :2])
     except MapError:
         return np.zeros((0, 2), int)
-    pairs = _within_sight(map, on_storey(map, floor, component), config.sight_m)
-    kept = [clearance.allows(points_between(positions[:, :2], chunk, config.sight_m), config) for chunk in chunks(pairs)]
+    pairs = np.sort(close_pairs(map, on_storey(map, floor, component), config.sight_m), axis=1)
+    parts = chunks(pairs, config.sight_m)
+    kept = [clearance.allows(points_between(positions[:, :2], part, config.sight_m), config) for part in parts]
     return np.asarray(pairs[np.concatenate([np.zeros(0, bool), *kept])])
-
-
-def _within_sight(map: LexisMap, among: Bool[np.ndarray, "n"], metres: float) -> Pairs:
-    """Return the pairs of some keyframes that are at most `metres` apart, when rounded, with the smaller id first."""
-    positions = map.T_W_B[:, :3, 3]
-    pairs = np.sort(close_pairs(map, among, metres + _SPARE_M), axis=1)
-    lengths = np.linalg.norm(positions[pairs[:, 0]] - positions[pairs[:, 1]], axis=1)
-    return np.asarray(pairs[rounded(lengths) <= metres])
 
 
 class _Clearance:

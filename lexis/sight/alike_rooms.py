@@ -44,7 +44,7 @@ def merge_alike(
         labels: label of every keyframe; all keyframes of a room have one label and floor.
         floors: floor of every keyframe; `NO_FLOOR` on stairs, which do not merge with rooms.
         probabilities: the probability of each label for every keyframe, from the images alone.
-        tied: the matrix that `lexis.sight.divided_rooms.ties` returns.
+        tied: the matrix that `lexis.sight.divided_rooms.sight_between` returns.
         config: the least cut and the largest log odds.
     """
     _, first, room, count = np.unique(rooms, return_index=True, return_inverse=True, return_counts=True)

@@ -36,7 +36,7 @@ _SHIFT = -1e-3
 """Eigenvalues are sought near this value, which is just below the smallest one, 0."""
 
 
-def ties(seen_by: csr_array, sessions: PerKeyframe) -> csr_array:
+def sight_between(seen_by: csr_array, sessions: PerKeyframe) -> csr_array:
     """Return how strongly each pair of keyframes is tied by sight, as a symmetric matrix with an empty diagonal.
 
     `seen_by` is the matrix that `lexis.sight.visible_space.sight` returns, `sessions` the session of every keyframe.
@@ -61,7 +61,7 @@ def split_divided(
         rooms: number of the room of every keyframe.
         divisible: whether the room of each keyframe may be split.
         positions: positions of the keyframes in W [m].
-        tied: the matrix that `ties` returns.
+        tied: the matrix that `sight_between` returns.
         past_passages: the same matrix, in which sight through narrow passages counts less.
         config: the limits `split_m` and `merge_cut`.
     """

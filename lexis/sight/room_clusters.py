@@ -2,18 +2,17 @@
 
 import numpy as np
 from jaxtyping import Bool
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+from scipy.sparse import csr_array
 
 from lexis.config import SightConfig
 from lexis.floors import NO_FLOOR
+from lexis.maths.groups import groups_of
 from lexis.maths.stretches import consecutive_pairs
-from lexis.maths.ties import rounded
+from lexis.maths.ties import near_pairs, rounded
 from lexis.room_labels import Probabilities
 from lexis.sight.alike_rooms import merge_alike
 from lexis.sight.borders import borders_in_passages
-from lexis.sight.divided_rooms import split_divided, ties
+from lexis.sight.divided_rooms import sight_between, split_divided
 from lexis.sight.passages import LinesOfSight, Passages, crossed, narrow_passages
 from lexis.types import Pairs, PerKeyframe, Positions
 
@@ -59,17 +58,16 @@ def cluster_by_sight(
         correct: whether labels may be corrected; if not, steps 1, 4 and 5 are left out.
     """
     n = len(labels)
-    found = narrow_passages(lines, floors, positions, sessions, config.passage_m)
+    passages = narrow_passages(lines, floors, positions, sessions, config.passage_m)
     if correct:
-        labels = borders_in_passages(labels, floors, positions, sessions, found, config.border_m)
+        labels = borders_in_passages(labels, floors, positions, sessions, passages, config.border_m)
     pairs = np.concatenate([consecutive_pairs(sessions), _seeing(seen_by, config.share)])
     first, second = pairs.T
     alike = (labels[first] == labels[second]) & (floors[first] == floors[second])
     joined = np.concatenate([pairs[alike], _on_one_staircase(floors == NO_FLOOR, positions)])
-    graph = coo_array((np.ones(len(joined)), (joined[:, 0], joined[:, 1])), shape=(n, n))
-    rooms = np.asarray(connected_components(graph, directed=False)[1])
-    tied = ties(seen_by, sessions)
-    past_passages = _weakened(tied, found, floors, positions, config.passage_weight)
+    rooms = groups_of(joined, n)
+    tied = sight_between(seen_by, sessions)
+    past_passages = _weakened(tied, passages, floors, positions, config.passage_weight)
     rooms = split_divided(rooms, floors != NO_FLOOR, positions, tied, past_passages, config)
     if not correct:
         return rooms, labels
@@ -77,10 +75,10 @@ def cluster_by_sight(
     return merge_alike(rooms, labels, floors, probabilities, tied, config)
 
 
-def _weakened(tied: csr_array, found: Passages, floors: PerKeyframe, positions: Positions, weight: float) -> csr_array:
+def _weakened(tied: csr_array, passages: Passages, floors: PerKeyframe, positions: Positions, weight: float) -> csr_array:
     """Return the ties of sight, of which those through a passage are multiplied by `weight`."""
     entries = tied.tocoo()
-    through = crossed(found, floors, positions, np.stack(entries.coords, axis=1))
+    through = crossed(passages, floors, positions, np.stack(entries.coords, axis=1))
     return csr_array((entries.data * np.where(through, weight, 1.0), entries.coords), shape=tied.shape)
 
 
@@ -93,8 +91,7 @@ def _seeing(seen_by: csr_array, share: float) -> Pairs:
 def _on_one_staircase(stairs: Bool[np.ndarray, "n"], positions: Positions) -> Pairs:
     """Return pairs of keyframes on stairs that are horizontally close."""
     climbing = np.flatnonzero(stairs)
-    close = cKDTree(positions[climbing, :2]).query_pairs(_STAIRCASE_M, output_type="ndarray")
-    return np.asarray(climbing[close]).reshape(-1, 2)
+    return np.asarray(climbing[near_pairs(positions[climbing, :2], _STAIRCASE_M)])
 
 
 def _absorbed(

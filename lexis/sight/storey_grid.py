@@ -156,8 +156,7 @@ def _sights(map: LexisMap, i: int) -> Iterator[tuple[Float64[np.ndarray, "3"], F
     for camera, view in zip(map.camera.rig, map.keyframes[i].views, strict=True):
         position = (map.T_W_B[i] @ camera.T_B_C)[:3, 3]
         points = transform(map.T_W_B[i], view.landmarks.points)
-        with np.errstate(over="ignore"):
-            yield position, np.asarray(points[np.linalg.norm(points - position, axis=1) <= RANGE_M])
+        yield position, np.asarray(points[np.linalg.norm(points - position, axis=1) <= RANGE_M])
 
 
 def _heights(cameras: Float64[np.ndarray, "n 3"], seen: Float64[np.ndarray, "k 3"]) -> tuple[float, float]:

@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 
 from lexis.config import SightConfig
 from lexis.maths.se3 import inverse, transform
-from lexis.maths.ties import rounded
+from lexis.maths.ties import MILLIONTH, rounded
 from lexis.types import Camera, Keyframe, Pose, Poses
 
 _VISIBLE_SHARE = 0.5
@@ -37,9 +37,6 @@ _BELOW_M, _ABOVE_M = 0.4, 0.6
 furniture is no obstacle, because it does not divide rooms."""
 _STEEP = 0.1
 """A camera counts as looking straight up or down if the cosine of its elevation is less than this."""
-_SPARE_M = 1e-5
-"""Distance by which the search radius for neighbours exceeds `near_m` [m], so that no neighbour is lost before the distances
-are rounded and compared with `near_m`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +142,8 @@ def sight(spaces: Sequence[VisibleSpace], T_W_B: Poses, T_B_C: Pose, near_m: flo
     local = np.concatenate([space.places for space in spaces])
     places = np.einsum("nij,nj->ni", T_W_C[viewer, :3, :3], local) + T_W_C[viewer, :3, 3]
     cameras = cKDTree(T_W_C[:, :3, 3])
-    near = cameras.sparse_distance_matrix(cKDTree(places), near_m + _SPARE_M, output_type="ndarray")
+    # The radius is a little larger, so that no neighbour is lost before the distances are rounded.
+    near = cameras.sparse_distance_matrix(cKDTree(places), near_m + MILLIONTH, output_type="ndarray")
     near = near[rounded(near["v"]) <= near_m]
     seen, place = near["i"], near["j"]
     return csr_array((weights[place], (seen, viewer[place])), shape=(len(spaces), len(spaces)))

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from lexis.config import LabelConfig
 from lexis.map.folder import load_map, save_map
-from lexis.maths.ties import nearest_others, reaches, rounded
+from lexis.maths.ties import near_pairs, nearest_others, reaches, rounded
 from lexis.planning import plan
 from lexis.room_labels import label_keyframes, similarities
 
@@ -35,6 +35,19 @@ def test_nearest_points_are_the_first_by_distance_then_index(seed, n, count):
         others = [j for j in range(n) if j != i]
         ordered = sorted(others, key=lambda j, i=i: (np.linalg.norm(points[j] - points[i]), j))
         assert row.tolist() == sorted(ordered[:count])
+
+
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(0, 30), distance=st.sampled_from([0.3, 0.5, 1.0]))
+def test_near_pairs_do_not_depend_on_the_last_digits(seed, n, distance):
+    """On a grid of 0.1 m, many distances are equal to the limit but for rounding errors."""
+    rng = np.random.default_rng(seed)
+    points = rng.integers(0, 8, (n, 2)) * 0.1
+    expected = [
+        [i, j] for i in range(n) for j in range(i + 1, n) if np.linalg.norm(points[i] - points[j]) <= distance + 1e-7
+    ]
+    for noise in (0.0, 1e-9):
+        found = near_pairs(points + noise * rng.standard_normal(points.shape), distance)
+        assert sorted(found.tolist()) == expected
 
 
 def test_steps_that_add_up_to_a_spacing_reach_it_in_every_order(rng):

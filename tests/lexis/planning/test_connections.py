@@ -19,6 +19,14 @@ def test_rooms_are_joined_where_the_robot_walked_and_not_through_a_wall(rng):
     assert PathPlanner(replace(lexis_map, rooms=())).graph[9, 10] > 0.0
 
 
+def test_keyframes_of_no_room_are_not_those_of_one_room(rng):
+    """An imported map may have keyframes of no room: here on both sides of the wall between two paths, 0.4 m apart."""
+    x = np.arange(0, 5, 0.5)
+    positions = np.concatenate([np.stack([x, 0 * x, 0 * x], 1), np.stack([x[::-1], 0 * x + 0.4, 0 * x], 1)])
+    lexis_map = build_map(positions, np.zeros(20, int), [("office", [9, 10])], ("office",), rng)
+    assert PathPlanner(lexis_map).graph[0, 19] == 0.0
+
+
 @pytest.mark.parametrize(("weight", "joined"), [(1.0, True), (0.1, False)])
 def test_only_trusted_loops_join_rooms(rng, weight, joined):
     lexis_map = corridor_with_offices(rng, loops=[(20, 10)], weights=[weight])

@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 
 from lexis.config import SightConfig
 from lexis.maths.se3 import exp, transform
-from lexis.sight.divided_rooms import _smallest_cut, split_divided, ties
+from lexis.sight.divided_rooms import _smallest_cut, sight_between, split_divided
 
 CONFIG = SightConfig()
 
@@ -74,7 +74,7 @@ def test_a_corridor_of_any_length_stays_whole(length_m, spacing_m):
     positions = np.arange(0.0, length_m, spacing_m)[:, None] * [1.0, 0.0, 0.0]
     ahead = positions[:, 0] - positions[:, :1]
     sees = np.where((ahead >= 0.0) & (ahead <= 3.0), 0.1, 0.0)  # every image shows the next three metres
-    assert len(np.unique(split(positions, ties(csr_array(sees), np.zeros(len(sees), int))))) == 1
+    assert len(np.unique(split(positions, sight_between(csr_array(sees), np.zeros(len(sees), int))))) == 1
 
 
 @given(seed=st.integers(0, 2**32 - 1))
@@ -108,9 +108,9 @@ def test_rooms_that_are_not_divisible_and_tiny_rooms_stay(rng):
 
 def test_ties_are_symmetric_and_include_the_steps_of_the_walk(rng):
     sees = csr_array(rng.random((5, 5)))
-    tied = ties(sees, np.array([0, 0, 0, 1, 1])).toarray()
+    tied = sight_between(sees, np.array([0, 0, 0, 1, 1])).toarray()
     np.testing.assert_array_equal(tied, tied.T)
     assert not tied.diagonal().any()
     walked = tied.diagonal(1) > (sees + sees.T).diagonal(1)
     assert walked.tolist() == [True, True, False, True]  # nobody walked from one session to the other
-    assert ties(csr_array((1, 1)), np.zeros(1, int)).toarray().tolist() == [[0.0]]
+    assert sight_between(csr_array((1, 1)), np.zeros(1, int)).toarray().tolist() == [[0.0]]
