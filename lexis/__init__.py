@@ -23,8 +23,8 @@ support the stages:
 Glossary:
 
 - features: the AKAZE key points of one image with their binary descriptors.
-- percept: the embedding of one image with its features, or with points on what it shows; LEXIS accepts a percept in place of
-  the image.
+- percept: the embedding and the features of one image, and perhaps points on what it shows; LEXIS accepts a percept in place
+  of the image.
 - label: the room name of a keyframe. An instance is one room of that name: two kitchens are two instances.
 - query: the new keyframe, for which earlier keyframes of the same place are sought. The command `lexis query`
   has another meaning: it asks a map a question.

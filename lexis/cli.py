@@ -3,7 +3,7 @@
 Each command is a module of `lexis/commands/`.
 
 The exit status is 0 on success. On bad input it is 2, and one line on stderr says what would be valid. If a recording breaks
-off, `lexis run` saves what it has mapped, and says so in a line before.
+off, `lexis run` first saves what it has mapped and prints a line about it; then it reports the error.
 """
 
 import argparse

@@ -25,8 +25,8 @@ class KeyframeConfig(Settings, place="keyframes", error=ConfigError):
     """Length of the odometry path between keyframes [m]. It is clearly below `lexis.keyframes.MAX_STEP_M`, because plans do
     not cross larger steps."""
     rotation_rad: Annotated[float, Gt(0)] | None = None
-    """Rotation after which a new keyframe is selected even if the path is shorter than `spacing_m` [rad]. None: only the
-    path length decides, as in the paper."""
+    """Sum of the rotations from frame to frame, in whatever direction, after which a new keyframe is selected even if the
+    path is shorter than `spacing_m` [rad]. None: only the path length decides, as in the paper."""
     support_spacing_m: Annotated[float, Gt(0)] = 0.25
     """Length of the odometry path from a keyframe or support frame to the next support frame [m]. Support frames only serve
     to triangulate landmarks."""
@@ -142,8 +142,9 @@ class SightConfig(Settings, place="sight", error=ConfigError):
     """If the label of the keyframes changes at most this far from a narrow passage on the path, it changes in the passage
     instead [m]. With 0, labels stay. See `lexis.sight.borders`."""
     merge_cut: Annotated[float, Gt(0)] = 0.08
-    """Least normalised cut of sight between two rooms that merge. With a value above 2, no rooms merge, because a cut is at
-    most 2. See `lexis.sight.alike_rooms`."""
+    """Least normalised cut of sight between two rooms that merge; a room is split only if the cut between its parts is below
+    it. With a value above 2, no rooms merge, because a cut is at most 2, and `split_m` alone decides on splits. See
+    `lexis.sight.alike_rooms` and `lexis.sight.divided_rooms`."""
     merge_log_odds: Annotated[float, Ge(0)] = 2.5
     """Two rooms merge only if in both of them, the mean log odds of the room's own label over the label of the other room
     are below this."""
@@ -289,7 +290,7 @@ class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
     """Largest number of Levenberg-Marquardt iterations in one optimisation."""
 
     def __post_init__(self) -> None:
-        """Raise ConfigError if an optimisation would not move all keyframes that are new since the one before."""
+        """Raise ConfigError if the shortest distance between two optimisations already exceeds the window."""
         super().__post_init__()
         if self.window < self.every:
             self.refuse("window", f">= every = {self.every}")

@@ -6,8 +6,7 @@ from jaxtyping import Bool, Int, UInt8
 
 from lexis.config import LandmarkConfig
 from lexis.errors import LexisError
-from lexis.inputs import DESCRIPTOR_BYTES
-from lexis.types import Features, Image
+from lexis.types import NO_FEATURES, Features, Image
 
 OPENCV = "opencv-python-headless>=4.10,<5"
 """Versions of OpenCV that LEXIS works with, as pip writes them. OpenCV 5 has no AKAZE in its main package."""
@@ -28,7 +27,7 @@ class FeatureExtractor:
         grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
         keypoints, descriptors = self._akaze.detectAndCompute(grey, None)
         if not keypoints:
-            return Features(np.zeros((0, 2), np.float32), np.zeros((0, DESCRIPTOR_BYTES), np.uint8))
+            return NO_FEATURES
         return Features(np.array([keypoint.pt for keypoint in keypoints], np.float32), np.asarray(descriptors))
 
 

@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float, Float64, Shaped
 
 from lexis.errors import LexisError, ObservationError, one_line
 from lexis.maths.se3 import is_rigid
-from lexis.types import Camera, Image, Observation, Percept
+from lexis.types import DESCRIPTOR_BYTES, Camera, Image, Observation, Percept
 
 MAX_ROOM_NAMES = 1000
 """Largest number of room names in a vocabulary."""
@@ -37,8 +37,6 @@ MAX_CAMERAS = 16
 """Largest number of cameras of a rig."""
 MIN_FOCAL_PX, MAX_FOCAL_PX = 1e-3, 1e6
 """Bounds of focal lengths [px]; the upper one also bounds the coordinates of principal points and key points."""
-DESCRIPTOR_BYTES = 61
-"""Length of an AKAZE descriptor, in bytes."""
 NORM_TOLERANCE = 1e-3
 """Largest deviation of an embedding's norm from 1."""
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict, fields, is_dataclass
 from functools import cache
 from numbers import Integral, Number, Real
+from operator import ge, gt, le, lt
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, SupportsFloat, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -19,7 +20,8 @@ _UNITS = {
 }  # fmt: skip
 """Unit for each ending of a field's name. The first ending in this order that fits decides."""
 _KINDS = {int: "a whole number", float: "a finite number", bool: "true or false", str: "a text that is not empty"}
-_SIGNS = {Gt: ("gt", ">"), Ge: ("ge", ">="), Lt: ("lt", "<"), Le: ("le", "<=")}
+_SIGNS = {Gt: ("gt", ">", gt), Ge: ("ge", ">=", ge), Lt: ("lt", "<", lt), Le: ("le", "<=", le)}
+"""For each kind of bound, the name of its limit, its sign, and the comparison that has to hold."""
 _Settings = TypeVar("_Settings", bound="Settings")
 
 
@@ -172,14 +174,6 @@ def _limit(bound: Any) -> Any:
 
 
 def _holds(value: Any, bound: Any) -> bool:
-    match bound:
-        case MinLen(minimum):
-            return len(value) >= minimum
-        case Gt():
-            return bool(value > bound.gt)
-        case Ge():
-            return bool(value >= bound.ge)
-        case Lt():
-            return bool(value < bound.lt)
-        case _:
-            return bool(value <= bound.le)
+    if isinstance(bound, MinLen):
+        return len(value) >= bound.min_length
+    return bool(_SIGNS[type(bound)][2](value, _limit(bound)))

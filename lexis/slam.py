@@ -196,10 +196,10 @@ class Slam:
         return len(self._graph.keyframes)
 
     def finish(self) -> LexisMap:
-        """Complete the last keyframes without the frames they were waiting for, and return the map of all observations.
+        """Complete the last keyframes without the frames they were waiting for, and return the map of all sessions.
 
         Raises:
-            LexisError: there was no observation.
+            LexisError: there is no keyframe, neither of an observation nor of an earlier map.
         """
         with self._timed("landmarks"):
             complete = self._window.flush()

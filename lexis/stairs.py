@@ -4,7 +4,8 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int
 
 from lexis.config import LabelConfig
-from lexis.maths.stretches import Stretch, stretches_of
+from lexis.maths.paths import arc_length
+from lexis.maths.stretches import Stretch, stretches_of, true_stretches
 
 LANDING_M = 2.5
 """Longest path between the first and the last keyframe of a half landing between two flights [m]."""
@@ -91,7 +92,7 @@ def _on_flights(positions: Float64[np.ndarray, "n 3"], config: LabelConfig) -> B
     """Whether each keyframe of a walk without rides in a lift stands on stairs."""
     if len(positions) < 2:
         return np.zeros(len(positions), bool)
-    path = _path(positions)
+    path = arc_length(positions) + 1e-9 * np.arange(len(positions))  # interpolation needs values that increase
     half = config.stairs_window_m / 2
     height = positions[:, 2]
     change = np.interp(path + half, path, height) - np.interp(path - half, path, height)
@@ -109,10 +110,8 @@ def _level_ends(stairs: Bool[np.ndarray, "n"], height: Metres) -> Bool[np.ndarra
     tells that two floors are apart.
     """
     level = np.zeros(len(stairs), bool)
-    for run in stretches_of(stairs):
-        if not stairs[run.start]:
-            continue
-        own, ends = height[run.slice], level[run.slice]
+    for run in true_stretches(stairs):
+        own, ends = height[run], level[run]
         if run.start > 0:
             ends |= _as_high_as(height[run.start - 1], own)
         if run.stop < len(stairs):
@@ -141,9 +140,3 @@ def _landings(climbs: Metres, path: Metres, height: Metres) -> list[slice]:
 def _joins_flights(run: Stretch, climbs: Metres, path: Metres) -> bool:
     inside = run.start > 0 and run.stop < len(climbs)
     return bool(inside and climbs[run.start - 1] == climbs[run.stop] and path[run.stop - 1] - path[run.start] <= LANDING_M)
-
-
-def _path(positions: Float64[np.ndarray, "n 3"]) -> Metres:
-    """Return the path length up to every keyframe [m]. It always increases, because interpolation needs distinct values."""
-    steps = np.linalg.norm(np.diff(positions, axis=0), axis=1)
-    return np.concatenate([[0.0], np.cumsum(np.maximum(steps, 1e-9))])

@@ -22,6 +22,8 @@ Pairs = Int[np.ndarray, "m 2"]
 """Ids of two keyframes, one pair a row."""
 Image = UInt8[np.ndarray, "h w 3"]
 Covariance = Float64[np.ndarray, "6 6"]
+DESCRIPTOR_BYTES = 61
+"""Length of an AKAZE descriptor, in bytes."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,7 @@ class Features:
     keypoints: Float32[np.ndarray, "n 2"]
     """Image coordinates, x right and y down [px]."""
     descriptors: UInt8[np.ndarray, "n bytes"]
+    """Binary descriptors of `DESCRIPTOR_BYTES` bytes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +122,7 @@ class Landmarks:
     points have no key points."""
 
 
+NO_FEATURES = Features(np.zeros((0, 2), np.float32), np.zeros((0, DESCRIPTOR_BYTES), np.uint8))
 NO_LANDMARKS = Landmarks(np.zeros((0, 3)), np.zeros(0, int))
 
 
@@ -196,13 +200,13 @@ LoopOutcome = Literal[
     "accepted", "few matches", "few inliers", "crowded inliers", "uncertain pose", "far from the estimate", "surplus",
     "unconfirmed", "contradicted", "unsupported",
 ]  # fmt: skip
-"""What became of a loop candidate. Inliers are crowded if they cover too little of the image. The outcome is
-"uncertain pose" if the standard deviation of the pose is large and the pose is not close to the current estimate, or no
-estimate relates the two keyframes; and also if the inliers cover little of the image and the rotation is not close to the
-current estimate. A candidate is surplus if enough others of the same query have more inliers. It is
-unconfirmed if a simulated verifier rejects it without a reason. It is contradicted if other loops of the same query, with at
-least as many inliers in all, lead to another pose. It is unsupported if it leads to a session that shares no frame with the
-query, and too few keyframes agree with it to join both.
+"""What became of a loop candidate. Inliers are crowded if they cover too little of the image. A pose is uncertain in two
+cases. Its standard deviation is large, and it is not close to the current estimate, or there is no estimate for the two
+keyframes. Or the inliers cover little of the image, and the rotation is not close to the current estimate. A candidate is
+surplus if enough others of the same query have more inliers. It is unconfirmed if a simulated verifier rejects it without a
+reason. It is contradicted if other loops of the same query, with at least as many inliers in all, lead to another pose. It
+is unsupported if it leads to a session that shares no frame with the query, and too few keyframes agree with it to join
+both.
 """
 LOOP_OUTCOMES: tuple[LoopOutcome, ...] = get_args(LoopOutcome)
 """Saved maps contain the positions of outcomes in this list, so a new outcome belongs at its end."""

@@ -8,7 +8,7 @@ from lexis.command_line import Commands, add_command
 from lexis.commands.arguments import CALIBRATION_HELP, JSON_HELP, add_settings, counted, map_encoder, settings
 from lexis.errors import PlanError
 from lexis.map.folder import load_map
-from lexis.map.path_directions import directions, place, plan_summary
+from lexis.map.path_directions import directions, name_and_floor, plan_summary
 from lexis.planning.planner import plan
 from lexis.room_names import find_rooms, instance_names
 from lexis.types import LexisMap
@@ -45,7 +45,7 @@ def _plan(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(json.dumps(plan_summary(lexis_map, result), indent=1))
         return 0
-    start, goal = (place(lexis_map, room.id) for room in (result.start, result.goal))
+    start, goal = (name_and_floor(lexis_map, room.id) for room in (result.start, result.goal))
     print(f"{start} to {goal}: {result.length_m:.1f} m, {counted(len(result.keyframes), 'keyframe')}")
     for number, step in enumerate(directions(lexis_map, result), 1):
         print(f"{number:3d}. {step.at_m:6.1f} m  {step.text}")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from lexis.command_line import Commands, add_command, positive
 from lexis.commands.arguments import CALIBRATION_HELP, MAP_ENCODER_HELP, map_encoder
 from lexis.map.folder import load_map
-from lexis.map.path_directions import place
+from lexis.map.path_directions import name_and_floor
 from lexis.types import LexisMap
 
 if TYPE_CHECKING:
@@ -59,13 +59,17 @@ def _print_answer(lexis_map: LexisMap, answer: "Answer", arguments: argparse.Nam
     """Print the rooms that fit best, and the keyframes that `--keyframes` asks for; or that nothing fits."""
     best = answer.rooms[0]
     if answer.unknown:
-        print(f"nothing in this map fits (best: {place(lexis_map, best.room.id)}, probability {best.probability:.2f})")
+        print(
+            f"nothing in this map fits (best: {name_and_floor(lexis_map, best.room.id)}, probability {best.probability:.2f})"
+        )
         return
     for fit in answer.rooms[: arguments.top]:
         likely = "" if fit.probability is None else f"probability {fit.probability:.2f}  "
-        print(f"{place(lexis_map, fit.room.id):28s} {likely}similarity {fit.similarity:.3f}  keyframe {fit.keyframe}")
+        print(
+            f"{name_and_floor(lexis_map, fit.room.id):28s} {likely}similarity {fit.similarity:.3f}  keyframe {fit.keyframe}"
+        )
     room_of = lexis_map.room_of
     for i, similarity in answer.keyframes[: arguments.keyframes]:
         x, y, z = lexis_map.T_W_B[i, :3, 3]
-        room = place(lexis_map, int(room_of[i])) if room_of[i] >= 0 else "no room"
+        room = name_and_floor(lexis_map, int(room_of[i])) if room_of[i] >= 0 else "no room"
         print(f"keyframe {i:<19d} similarity {similarity:.3f}  {x:.2f} {y:.2f} {z:.2f} m  {room}")

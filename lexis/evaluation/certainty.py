@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Float64
 
 _BINS = 15
-"""Number of intervals of equal width for the calibration error, as in the article."""
+"""Number of intervals of equal width for the calibration error, as in Guo et al. (2017)."""
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,20 @@ from jaxtyping import Int, Shaped
 
 from lexis.errors import MapError
 from lexis.files.arrays import Arrays, Layout
-from lexis.inputs import DESCRIPTOR_BYTES, MAX_POSITION_M, MAX_STAMP_S, NORM_TOLERANCE, is_invertible, usable_covariances
+from lexis.inputs import MAX_POSITION_M, MAX_STAMP_S, NORM_TOLERANCE, is_invertible, usable_covariances
 from lexis.map.other_views import pack_others, unpack_others
 from lexis.maths.se3 import is_rigid
-from lexis.types import LOOP_OUTCOMES, Features, Keyframe, Landmarks, LexisMap, LoopArrays, LoopDecision, LoopEdge
+from lexis.types import (
+    DESCRIPTOR_BYTES,
+    LOOP_OUTCOMES,
+    Features,
+    Keyframe,
+    Landmarks,
+    LexisMap,
+    LoopArrays,
+    LoopDecision,
+    LoopEdge,
+)
 
 LAYOUT: Layout = {
     "session": ("i8", ("keyframes",)),
@@ -223,7 +233,6 @@ def _check_references(arrays: Arrays) -> None:
         "decision_outcome": (0, len(LOOP_OUTCOMES)),
         "decision_counts": (_UNKNOWN, np.inf),
         "decision_misfit": (_UNKNOWN, np.inf),
-        "landmark_feature": (-1, max(len(arrays["keypoints"]), 1)),
         "loop_weight": (0.0, np.nextafter(1.0, 2.0)),
     }
     for name, (low, high) in bounds.items():

@@ -10,8 +10,7 @@ import numpy as np
 from jaxtyping import Int, Shaped
 
 from lexis.files.arrays import Arrays, Layout
-from lexis.inputs import DESCRIPTOR_BYTES
-from lexis.types import CameraView, Features, Keyframe, Landmarks
+from lexis.types import DESCRIPTOR_BYTES, CameraView, Features, Keyframe, Landmarks
 
 LAYOUT: Layout = {
     "other_embedding": ("f4", ("active", "others", "d")),

@@ -64,7 +64,7 @@ def plan_summary(map: LexisMap, plan: Plan) -> dict[str, Any]:
     }
 
 
-def place(map: LexisMap, room: int) -> str:
+def name_and_floor(map: LexisMap, room: int) -> str:
     """Name and floor of the room with the id `room`: "office 2 (floor 1)", or "stairs (between floors)"."""
     floor = map.rooms[room].floor
     return f"{instance_names(map.rooms)[room]} ({'between floors' if floor is None else f'floor {floor}'})"
@@ -78,9 +78,12 @@ def _rooms(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[St
     rooms = map.room_of[list(plan.keyframes)]
     known = np.maximum.accumulate(np.where(rooms >= 0, np.arange(len(rooms)), 0))
     rooms = _from_start_to_goal(rooms[known], plan)
-    entered = [Step(float(path[run.start]), f"enter {place(map, int(rooms[run.start]))}") for run in stretches_of(rooms)[1:]]
-    arrived = Step(float(path[-1]), f"arrive in {place(map, plan.goal.id)}")
-    return [Step(0.0, f"start in {place(map, plan.start.id)}"), *entered, arrived]
+    entered = [
+        Step(float(path[run.start]), f"enter {name_and_floor(map, int(rooms[run.start]))}")
+        for run in stretches_of(rooms)[1:]
+    ]
+    arrived = Step(float(path[-1]), f"arrive in {name_and_floor(map, plan.goal.id)}")
+    return [Step(0.0, f"start in {name_and_floor(map, plan.start.id)}"), *entered, arrived]
 
 
 def _from_start_to_goal(rooms: Int[np.ndarray, "n"], plan: Plan) -> Int[np.ndarray, "n"]:

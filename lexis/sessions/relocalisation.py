@@ -48,7 +48,7 @@ class Relocaliser:
     """Collects loop edges between components, and returns edges that agree as soon as there are enough of them."""
 
     def __init__(self, config: SessionConfig, tolerances: VerificationConfig) -> None:
-        """Begin without edges. `tolerances` contains the limits within which two edges agree, as in `_fit`."""
+        """Begin without edges. `tolerances` has the limits of `lexis.verification.within_drift` within which edges agree."""
         self._config, self._tolerances = config, tolerances
         self._edges: list[LoopEdge] = []
 
@@ -63,7 +63,7 @@ class Relocaliser:
         components = graph.components
         for edge in edges:
             rivals = [other for other in self._edges if _ends(other, components) == _ends(edge, components)]
-            fits = _fit(edge, rivals, graph, self._tolerances)
+            fits = _agree(edge, rivals, graph, self._tolerances)
             found = tuple(other for other, fit in zip(rivals, fits.tolist(), strict=True) if fit)
             if self._suffice(found, rivals, graph):
                 return found
@@ -110,7 +110,7 @@ def _ends(edge: LoopEdge, components: Int[np.ndarray, "n"]) -> tuple[int, int]:
     return int(components[edge.query]), int(components[edge.match])
 
 
-def _fit(
+def _agree(
     edge: LoopEdge, others: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig
 ) -> Bool[np.ndarray, "others"]:
     """Whether each other edge implies the same relative pose of the components as `edge`, within the accuracy of odometry.

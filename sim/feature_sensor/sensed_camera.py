@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float32, Float64
 
 from lexis.maths.se3 import inverse
-from lexis.types import Camera, Features, Percept, Poses
+from lexis.types import NO_FEATURES, Camera, Percept, Poses
 from sim.feature_sensor.ray_origins import RayGrid, cameras_at
 from sim.feature_sensor.surroundings import Surroundings, survey
 from sim.feature_sensor.true_view import TrueView, true_views
@@ -21,8 +21,6 @@ from worlds.house import House
 
 _CHUNK = 256
 """Number of frames whose rays are cast together."""
-NO_FEATURES = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
-"""The features of all simulated percepts: no key points, because loops are verified by covisibility."""
 _COLUMNS, _ROWS = np.r_[2:20:4, 21:40:4], np.r_[1:30:3]
 """Columns and rows of the 100 rays whose end points a percept contains, symmetric about the centre of the image."""
 Embed = Callable[[VisibleShares, Poses], Float32[np.ndarray, "n d"]]

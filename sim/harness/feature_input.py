@@ -10,7 +10,7 @@ from jaxtyping import Int
 
 from lexis.config import VerificationConfig
 from lexis.perception import Encoder
-from lexis.types import NO_LANDMARKS, Camera, Features, Keyframe, LoopEdge, Poses
+from lexis.types import NO_FEATURES, NO_LANDMARKS, Camera, Keyframe, LoopEdge, Poses
 from lexis.verification import Verifier
 from sim.errors import SimError
 from sim.feature_sensor.covisibility_verifier import CovisibilityVerifier
@@ -106,6 +106,5 @@ class _Observations:
 @lru_cache(maxsize=32)
 def _observations(count: int) -> _Observations:
     """Return `count` observations without content, as keyframes."""
-    features = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
-    first = Keyframe(0, 0, 0.0, np.eye(4), np.eye(6), np.zeros(1, np.float32), features, NO_LANDMARKS)
+    first = Keyframe(0, 0, 0.0, np.eye(4), np.eye(6), np.zeros(1, np.float32), NO_FEATURES, NO_LANDMARKS)
     return _Observations(tuple(replace(first, id=i, observation_index=i, stamp=float(i)) for i in range(count)))

@@ -14,7 +14,7 @@ import numpy as np
 from lexis.errors import MapError
 from lexis.files.reading import FileKind, read_model
 from lexis.floors import NO_FLOOR
-from lexis.inputs import DESCRIPTOR_BYTES, check_camera, check_room_names
+from lexis.inputs import check_camera, check_room_names
 from lexis.map.arrays import check, pack
 from lexis.map.interchange.spark_dsg_format import (
     AGENTS,
@@ -31,10 +31,10 @@ from lexis.map.interchange.spark_dsg_format import (
 )
 from lexis.maths.quaternions import poses_of
 from lexis.types import (
+    NO_FEATURES,
     NO_LANDMARKS,
     CameraView,
     EncoderId,
-    Features,
     Keyframe,
     LexisMap,
     LoopDecision,
@@ -151,10 +151,9 @@ def _keyframe(i: int, agent: AgentAttributes, place: PlaceAttributes) -> Keyfram
 
 def _view(embedding: Sequence[float]) -> CameraView:
     """Return the view of a camera of which only the embedding is known."""
-    features = Features(np.zeros((0, 2), np.float32), np.zeros((0, DESCRIPTOR_BYTES), np.uint8))
     with np.errstate(over="ignore"):  # what is too large becomes infinite, and is refused later
         single = np.array(embedding).astype(np.float32)
-    return CameraView(single, features, NO_LANDMARKS)
+    return CameraView(single, NO_FEATURES, NO_LANDMARKS)
 
 
 def _poses(agents: Iterable[AgentAttributes]) -> Poses:
