@@ -13,10 +13,13 @@ FLOOR_PATH_M = 4.0
 """Least length of a level stretch of the walk that certainly lies on a floor and not on a landing [m]."""
 FLOOR_TOLERANCE_M = 0.4
 """Smallest height difference between a half landing and the nearest floor [m]."""
-LEVEL_M = 0.045
+LEVEL_M = 0.065
 """A keyframe at an end of the stairs is on the floor if its height differs from that of the next keyframe off the stairs by
-less than this [m]. Odometry drifts by less than this from one keyframe to the next, and a stair riser is more than three
-times as high."""
+less than this [m]. Odometry drifts by less than this from one keyframe to the next, and a stair riser is more than twice as
+high."""
+LEVEL_SLOPE = 0.4
+"""Smallest ratio of climb to path between two keyframes of which one is certainly on stairs. Keyframes that are much closer
+than usual climb less than `LEVEL_M` on stairs."""
 RIDE_M = 1.2
 """Smallest change of height of a ride in a lift [m]."""
 RIDE_SLOPE = 1.3
@@ -100,10 +103,10 @@ def _on_flights(positions: Float64[np.ndarray, "n 3"], config: LabelConfig) -> B
     stairs = np.asarray(climbs != 0)
     for landing in _landings(climbs, path, height):
         stairs[landing] = True
-    return np.asarray(stairs & ~_level_ends(stairs, height))
+    return np.asarray(stairs & ~_level_ends(stairs, path, height))
 
 
-def _level_ends(stairs: Bool[np.ndarray, "n"], height: Metres) -> Bool[np.ndarray, "n"]:
+def _level_ends(stairs: Bool[np.ndarray, "n"], path: Metres, height: Metres) -> Bool[np.ndarray, "n"]:
     """Whether each keyframe is at an end of the stairs, but as high as the next keyframe, which is on a floor.
 
     If no keyframe would be left on the stairs, their images were lost, and all of their keyframes stay: they are all that
@@ -111,18 +114,21 @@ def _level_ends(stairs: Bool[np.ndarray, "n"], height: Metres) -> Bool[np.ndarra
     """
     level = np.zeros(len(stairs), bool)
     for run in true_stretches(stairs):
-        own, ends = height[run], level[run]
+        ends = level[run]
         if run.start > 0:
-            ends |= _as_high_as(height[run.start - 1], own)
+            before = slice(run.start - 1, run.stop)
+            ends |= _as_high_as_first(path[before], height[before])
         if run.stop < len(stairs):
-            ends |= _as_high_as(height[run.stop], own[::-1])[::-1]
+            after = slice(run.start, run.stop + 1)
+            ends |= _as_high_as_first(path[after][::-1], height[after][::-1])[::-1]
         ends &= not ends.all()
     return level
 
 
-def _as_high_as(floor: float, height: Metres) -> Bool[np.ndarray, "n"]:
-    """Whether each keyframe, and all keyframes before it, are as high as the floor [m]."""
-    return np.asarray(np.logical_and.accumulate(np.abs(height - floor) < LEVEL_M))
+def _as_high_as_first(path: Float64[np.ndarray, "k"], height: Float64[np.ndarray, "k"]) -> Bool[np.ndarray, "m"]:
+    """Whether each keyframe after the first one, and all keyframes in between, are as high as the first one."""
+    same = np.abs(height[1:] - height[0]) < LEVEL_M
+    return np.asarray(np.logical_and.accumulate(same & (np.abs(np.diff(height)) < LEVEL_SLOPE * np.abs(np.diff(path)))))
 
 
 def _landings(climbs: Metres, path: Metres, height: Metres) -> list[slice]:

@@ -31,6 +31,13 @@ def test_no_keyframe_on_a_level_floor_is_on_the_stairs(pitch, spacing, sign):
     assert stairs[leg == 1][1:-1].all()
 
 
+@given(pitch=st.floats(28.0, 42.0), spacing=st.floats(0.3, 0.7), error=st.floats(-0.06, 0.06))
+def test_a_keyframe_on_a_floor_may_be_measured_six_centimetres_too_low_or_too_high(pitch, spacing, error):
+    positions, leg = profile((8, 0), (2.8 / np.tan(np.radians(pitch)), 2.8), (8, 0), spacing=spacing)
+    positions[np.flatnonzero(leg == 2)[0], 2] += error
+    assert not on_stairs(positions, LabelConfig())[leg != 1].any()
+
+
 @pytest.mark.parametrize("spacing", [0.25, 0.3, 0.45, 0.55])
 def test_floors_stay_apart_if_the_images_of_the_stairs_between_them_are_lost(spacing):
     positions, leg = profile((8, 0), (1.5, 1.1), (8, 0), spacing=spacing)
