@@ -73,8 +73,8 @@ LABEL_MUTANTS = (
     Mutant(
         "places in a square along the axes of the map count as near, instead of those in a circle",
         "sight/visible_space.py",
-        'cameras.sparse_distance_matrix(cKDTree(places), near_m + _SPARE_M, output_type="ndarray")',
-        'cameras.sparse_distance_matrix(cKDTree(places), near_m + _SPARE_M, p=np.inf, output_type="ndarray")',
+        'cameras.sparse_distance_matrix(cKDTree(places), near_m + MILLIONTH, output_type="ndarray")',
+        'cameras.sparse_distance_matrix(cKDTree(places), near_m + MILLIONTH, p=np.inf, output_type="ndarray")',
     ),
     Mutant(
         "the similarities of a keyframe are mixed with those of the keyframe before it",
