@@ -28,6 +28,7 @@ from lexis.commands.arguments import (
 )
 from lexis.encoder.options import PRECISIONS, EncoderOptions
 from lexis.errors import DatasetError, EncoderError, LexisError, ObservationError, one_line
+from lexis.files.replace import similar_name
 from lexis.map.folder import JSON_FILE, save_map
 
 if TYPE_CHECKING:
@@ -92,12 +93,12 @@ def _run(arguments: argparse.Namespace) -> int:
     if old is not None and holds_image(old, next(iter(dataset)), encoder):
         print(f"note: {arguments.map} already holds this recording; the new map will hold it twice", file=sys.stderr)
     note_replacement(arguments.out, JSON_FILE)
-    before = slam.keyframe_count
+    before, is_kept = slam.keyframe_count, (arguments.out / JSON_FILE).is_file() and not arguments.save_every
     with interrupted_later() as pressed:
         try:
             _process(slam, dataset, pressed, arguments)
         except (DatasetError, ObservationError, EncoderError, _Stopped):
-            _save_part(slam, before, arguments.out)
+            _save_part(slam, before, arguments.out, is_kept)
             raise
         lexis_map = slam.finish()
         save_map(lexis_map, arguments.out)
@@ -127,13 +128,18 @@ class _Stopped(KeyboardInterrupt):
     """Ctrl-C, between two observations."""
 
 
-def _save_part(slam: "Slam", before: int, folder: Path) -> None:
-    """Save what a run that ends early has added to the `before` keyframes of an earlier map, if anything, and say so."""
+def _save_part(slam: "Slam", before: int, out: Path, is_kept: bool) -> None:
+    """Save what a run that ends early has added to the `before` keyframes of an earlier map, if anything, and say so.
+
+    If a map in `out` is to be kept, because it may be a finished one, the part is saved under a similar name.
+    """
     try:
         part = slam.finish()
     except LexisError:  # there was no observation
         return
     if len(part.keyframes) > before:
+        folder = similar_name(out) if is_kept else out
         save_map(part, folder)
         told = f"lexis: the run ended early; {folder} holds the map until then, {counted(len(part.keyframes), 'keyframe')}"
-        print(one_line(told, MAX_LINE), file=sys.stderr)
+        kept = f"; {out} is unchanged" if is_kept else ""
+        print(one_line(f"{told}{kept}", MAX_LINE), file=sys.stderr)

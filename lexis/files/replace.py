@@ -6,11 +6,12 @@
 3. Rename it to the target. For a folder that exists, exchange the two names (`lexis.files.swap`), so that the target exists
    at any time.
 
-A folder is only replaced if this module has written all files in it. Every folder therefore holds a list of its files,
-`.lexis-contents`.
+A folder is only replaced if this module has written all files in it, and nobody has changed them since. Every folder
+therefore holds a list of its files with their checksums, `.lexis-contents`.
 """
 
 import errno
+import hashlib
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -22,7 +23,7 @@ from lexis.files.swap import swap, sync, sync_folder
 from lexis.files.temporary_folder import remove_abandoned, temporary_folder
 
 CONTENTS = ".lexis-contents"
-"""File in every folder that `replaced_folder` has written: the names of all other files in it, one a line."""
+"""File in every folder that `replaced_folder` has written: checksum and name of every other file in it, one a line."""
 _CACHES = {"__pycache__", ".pytest_cache", ".hypothesis"}
 """Folders in which Python and pytest keep what can be made again, for example when a written test is run."""
 _TRIES = 100
@@ -54,10 +55,10 @@ def replaced_folder(path: Path, *markers: str) -> Iterator[Path]:
     """Yield an empty temporary folder, which replaces `path` if the `with` block ends without an exception.
 
     An existing folder is only replaced if it is empty, or if it holds one of the files `markers` and no file that somebody
-    else has put there. If the system can exchange names (`lexis.files.swap`), `path` is at any time the complete old folder
-    or the complete new one, even if this process is killed. A symbolic link is followed. Raises LexisError if `path` is any
-    other folder or cannot be written. If the new folder was written but cannot be renamed to `path`, it is kept under a
-    similar name, which the error states.
+    else has put there or changed. If the system can exchange names (`lexis.files.swap`), `path` is at any time the complete
+    old folder or the complete new one, even if this process is killed. A symbolic link is followed. Raises LexisError if
+    `path` is any other folder or cannot be written. If the new folder was written but cannot be renamed to `path`, it is
+    kept under a similar name, which the error states.
     """
     check_replaceable(path, *markers)
     target = _resolved(path)
@@ -67,7 +68,7 @@ def replaced_folder(path: Path, *markers: str) -> Iterator[Path]:
             new = folder / "new" / target.name
             new.mkdir()
             yield new
-            (new / CONTENTS).write_bytes(b"".join(os.fsencode(f"{name}\n") for name in _files(new)))
+            (new / CONTENTS).write_bytes(b"".join(os.fsencode(f"{line}\n") for line in _files(new).values()))
             _install(path, new, target, lambda: _replace_folder(path, new, target, folder / "old" / target.name, markers))
 
 
@@ -102,6 +103,11 @@ def check_outside(path: Path, folder: Path) -> None:
         raise LexisError(f"{path}: is inside {folder}, which is only read; valid: a place outside of it")
 
 
+def similar_name(path: Path) -> Path:
+    """Return the first name that nothing has: `map-1`, `map-2` and so on for a path that ends with `map`."""
+    return next(name for i in count(1) if not os.path.lexists(name := path.with_stem(f"{path.stem}-{i}")))
+
+
 def _resolved(path: Path) -> Path:
     """The path with all symbolic links resolved. Raises OSError if links form a loop."""
     target = Path(os.path.realpath(path))
@@ -128,7 +134,7 @@ def _check_may_replace(path: Path, target: Path, markers: tuple[str, ...]) -> No
 
 
 def _check_own(path: Path, target: Path) -> None:
-    """Raise LexisError if the folder `target` holds a file that is not in its list. `path` is for messages.
+    """Raise LexisError if the folder `target` holds a file that is not in its list, or has changed. `path` is for messages.
 
     If another process replaces the folder meanwhile, nothing is known about its files: LexisError is not raised, but
     FileNotFoundError may be.
@@ -137,17 +143,31 @@ def _check_own(path: Path, target: Path) -> None:
         return
     before = target.stat()
     own = os.fsdecode((target / CONTENTS).read_bytes()).split("\n") if (target / CONTENTS).is_file() else []
-    strange = sorted(set(_files(target)) - set(own))
+    names, lines = {line.partition(" ")[2] for line in own}, set(own)
+    strange = [name for name, line in _files(target).items() if line not in lines]
     if strange and os.path.samestat(before, target.stat()):
-        raise LexisError(
-            f"{path}: holds {strange[0]}, which was not written with this folder and would be lost; valid: a new name"
-        )
+        what = "was changed since this folder was written" if strange[0] in names else "was not written with this folder"
+        raise LexisError(f"{path}: holds {strange[0]}, which {what} and would be lost; valid: a new name")
 
 
-def _files(folder: Path) -> list[str]:
-    """Return the paths of all files in a folder, relative to it, except for its list and for caches of Python."""
+def _files(folder: Path) -> dict[str, str]:
+    """Return the lines of a folder's list by the names of the files: checksum and path relative to the folder.
+
+    The list itself and the caches of Python are left out.
+    """
     paths = (path.relative_to(folder) for path in folder.rglob("*") if path.is_symlink() or not path.is_dir())
-    return sorted(path.as_posix() for path in paths if path != Path(CONTENTS) and not _CACHES & set(path.parts))
+    names = sorted(path.as_posix() for path in paths if path != Path(CONTENTS) and not _CACHES & set(path.parts))
+    return {name: f"{_checksum(folder / name)} {name}" for name in names}
+
+
+def _checksum(path: Path) -> str:
+    """Return a checksum of a file, or of the target's name for a symbolic link; "" for a device or a pipe."""
+    if path.is_symlink():
+        return hashlib.sha256(os.fsencode(os.readlink(path))).hexdigest()[:16]
+    if not path.is_file():
+        return ""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()[:16]
 
 
 @contextmanager
@@ -166,7 +186,7 @@ def _install(path: Path, new: Path, target: Path, replace: Callable[[], object])
         with _os_errors_as_lexis_errors(path, "a name that no other process writes to"):
             replace()
     except LexisError as error:
-        kept = next(name for i in count(1) if not os.path.lexists(name := target.with_stem(f"{target.stem}-{i}")))
+        kept = similar_name(target)
         new.rename(kept)
         raise LexisError(f"{error}; the new content is kept as {kept}") from None
     finally:

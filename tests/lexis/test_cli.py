@@ -486,6 +486,20 @@ def test_a_run_that_ends_at_an_image_that_cannot_be_read_leaves_the_map_until_th
     assert len(capsys.readouterr().err.splitlines()) == 1 and not (tmp_path / "none").exists()
 
 
+def test_a_run_that_ends_early_leaves_an_earlier_map_and_saves_its_part_beside_it(dataset, tmp_path, capsys):
+    out = tmp_path / "map"
+    command = ["run", str(dataset), "--rooms", "kitchen, office", "-o", str(out)]
+    assert cli.main(command) == 0
+    earlier = (out / "map.json").read_bytes()
+    (dataset / "rgb" / "000060.png").write_bytes(b"")
+    for beside in ("map-1", "map-2"):
+        capsys.readouterr()
+        assert cli.main(command) == 2
+        assert (out / "map.json").read_bytes() == earlier and len(load_map(tmp_path / beside).keyframes) == 12
+        told = f"lexis: the run ended early; {tmp_path / beside} holds the map until then, 12 keyframes; {out} is unchanged"
+        assert told in capsys.readouterr().err.splitlines()
+
+
 def test_ctrl_c_ends_a_run_after_the_present_image_and_leaves_the_map_until_then(dataset, tmp_path, capsys, monkeypatch):
     process = Slam.process
 

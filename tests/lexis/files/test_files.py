@@ -11,6 +11,7 @@ import time
 from itertools import count
 
 import pytest
+from helpers.listed_folder import list_files
 from helpers.map_builder import corridor_with_offices
 
 from lexis.errors import LexisError
@@ -223,7 +224,7 @@ def test_a_folder_that_is_replaced_while_it_is_checked_holds_no_files_of_others(
         folder.rename(tmp_path / "old")
         if then == "another":
             shutil.copytree(tmp_path / "old", folder)
-        return ["inner"]
+        return {"inner": "0123456789abcdef inner"}
 
     monkeypatch.setattr(files, "_files", listed_while_it_is_replaced)
     check_replaceable(place, MARKER)
@@ -333,6 +334,16 @@ def test_a_mount_point_is_refused_before_the_work(tmp_path, monkeypatch):
         check_replaceable(tmp_path / "map", MARKER)
 
 
+def test_a_folder_with_a_file_that_the_user_has_changed_is_not_replaced(tmp_path):
+    place = tmp_path / "map"
+    write(place, "old")
+    write(place, "new")
+    (place / "inner" / "more").write_text("mine")
+    with pytest.raises(LexisError, match="holds inner/more, which was changed since this folder was written and would be"):
+        write(place, "newer")
+    assert (place / "inner" / "more").read_text() == "mine"
+
+
 def test_a_writer_that_takes_the_place_in_the_middle_of_a_swap_is_replaced(tmp_path, monkeypatch):
     """Where names cannot be exchanged atomically, there is a moment at which the name does not exist."""
     place = tmp_path / "map"
@@ -345,7 +356,7 @@ def test_a_writer_that_takes_the_place_in_the_middle_of_a_swap_is_replaced(tmp_p
         if next(calls) == 0:
             folder.mkdir()
             (folder / MARKER).write_text("another")
-            (folder / CONTENTS).write_text(MARKER)
+            list_files(folder)
 
     monkeypatch.setattr(swap, "move_folder", and_another_writes)
     write(place, "new")
