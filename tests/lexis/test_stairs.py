@@ -31,7 +31,7 @@ def test_no_keyframe_on_a_level_floor_is_on_the_stairs(pitch, spacing, sign):
     assert stairs[leg == 1][1:-1].all()
 
 
-@given(pitch=st.floats(28.0, 42.0), spacing=st.floats(0.3, 0.7), error=st.floats(-0.06, 0.06))
+@given(pitch=st.floats(36.0, 42.0), spacing=st.floats(0.3, 0.7), error=st.sampled_from([-0.06, 0.06]))
 def test_a_keyframe_on_a_floor_may_be_measured_six_centimetres_too_low_or_too_high(pitch, spacing, error):
     positions, leg = profile((8, 0), (2.8 / np.tan(np.radians(pitch)), 2.8), (8, 0), spacing=spacing)
     positions[np.flatnonzero(leg == 2)[0], 2] += error
