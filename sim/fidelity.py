@@ -9,3 +9,5 @@ FIDELITIES: tuple[Fidelity, ...] = get_args(Fidelity)
 ORACLE = "oracle"
 """Name of the encoder that knows the ground truth. It serves to test the stages after the encoder. Never report its results
 as LEXIS's."""
+ENCODERS_ON_FEATURES = ("mini", ORACLE)
+"""Encoders that the included feature model imitates. A name with a colon may be a copy of `mini` under another path."""

@@ -16,7 +16,7 @@ from sim.errors import SimError
 from sim.faults import FAULTS, Fault
 from sim.faults.images import OF_IMAGES
 from sim.faults.world import ClosedDoors, Pedestrian
-from sim.fidelity import ORACLE, Fidelity
+from sim.fidelity import ENCODERS_ON_FEATURES, ORACLE, Fidelity
 from sim.odometry.config import ODOMETRY_PRESETS
 from sim.render.rig import RigConfig
 from sim.tours.config import FASTEST_HZ, LONGEST_M, TourKind
@@ -85,11 +85,23 @@ class Scenario(Settings, place="scenario", error=SimError):
             raise SimError(f"unknown odometry {self.odometry!r}{guess}; valid: {', '.join(ODOMETRY_PRESETS)}")
         if not isinstance(self.faults, tuple) or not all(isinstance(fault, Fault) for fault in self.faults):
             self.refuse("faults", 'a tuple of faults, such as (parse_fault("kidnap:20"),); see sim.faults')
+        house: object = self.house
+        if house is not None and not isinstance(house, HouseSpec):
+            self.refuse("house", "a HouseSpec, such as HouseSpec.load(path), or None")
         if self.fidelity == "render" and self.encoder == ORACLE:
             raise SimError(f"encoder {ORACLE!r} is told the truth and sees no images; valid: with fidelity 'features'")
+        self._check_imitated()
         unseen = [fault.name for fault in self.faults if isinstance(fault, NEEDS_PIXELS)]
         if self.fidelity == "features" and unseen:
             raise SimError(f"fault {unseen[0]!r} is seen in images only; valid: with fidelity 'render'")
+
+    def _check_imitated(self) -> None:
+        """Raise SimError if the included feature model, which imitates `mini`, would stand for another encoder."""
+        is_known = self.encoder in ENCODERS_ON_FEATURES or ":" in self.encoder
+        if self.fidelity == "features" and self.feature_model is None and not is_known:
+            guess = did_you_mean(self.encoder, ENCODERS_ON_FEATURES)
+            valid = f"{', '.join(ENCODERS_ON_FEATURES)}; others with a feature_model of their own, or with fidelity 'render'"
+            raise SimError(f"encoder {self.encoder!r:.60}{guess} is not the one that features imitate; valid: {valid}")
 
     def data(self) -> dict[str, Any]:
         """Return the scenario as plain data for JSON; `scenario_from_data` is the inverse.

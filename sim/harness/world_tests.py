@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, ParamSpec, Protocol, TypeVar, get_args, runtime_checkable
 
 from sim.errors import SimError
-from sim.fidelity import ORACLE
+from sim.fidelity import ENCODERS_ON_FEATURES, ORACLE
 from sim.number_checks import check_count
 from sim.odometry.config import ODOMETRY_PRESETS
 from worlds.floor_plans.preset_names import MAX_ROOMS_ASKED, MAX_STOREYS_ASKED, MIN_ROOMS_ASKED, PRESETS
@@ -40,8 +40,6 @@ SCENARIO = "scenario.json"
 """File of a run, of a failure or of a crash: what was run. It identifies the folder of a failed test."""
 TEST_REPLAY = "test_replay.py"
 """File with a test that replays the failure of its folder."""
-_ENCODERS_ON_FEATURES = ("mini", ORACLE)
-"""Encoders that the included feature model imitates. A name with a colon may be a copy of `mini` under another path."""
 _NOT_IN_NAMES = re.compile(r"[^\w.]+")
 WITH_PARAMETERS = "+"
 """Character between a test's name and its parameters in the name of a failure folder. `slug_of` never returns it."""
@@ -315,9 +313,9 @@ def _check_encoder(encoder: object, fidelity: TestFidelity) -> None:
             raise SimError(
                 f"worlds: encoder {ORACLE!r} is told the truth and sees no images; valid: with fidelity 'features'"
             )
-    elif encoder not in _ENCODERS_ON_FEATURES and ":" not in encoder:
-        guess = did_you_mean(encoder, _ENCODERS_ON_FEATURES)
-        valid = f"{', '.join(_ENCODERS_ON_FEATURES)}; other encoders with fidelity 'render'"
+    elif encoder not in ENCODERS_ON_FEATURES and ":" not in encoder:
+        guess = did_you_mean(encoder, ENCODERS_ON_FEATURES)
+        valid = f"{', '.join(ENCODERS_ON_FEATURES)}; other encoders with fidelity 'render'"
         raise SimError(f"worlds: encoder is {encoder!r:.60}{guess}; valid with fidelity {fidelity!r}: {valid}")
 
 

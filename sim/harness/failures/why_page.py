@@ -34,7 +34,7 @@ _UNITS = {
     "drift": "drift (kinds of odometry error)",
     "motion": "motion (number of complications)",
     "length_m": "length of the tour [m]",
-    "area_m2": "area of the rooms [m²]",
+    "area_m2": "area of the rooms, gardens included [m²]",
 }
 _HOW_TO_REPLAY = (
     "## Replay",
@@ -286,7 +286,7 @@ def _mends(blamed: BlameTable, figure: str) -> Iterator[str]:
     """
     yield "## What mends it"
     yield from _effects(blamed, figure, "the smallest scenario")
-    if blamed.not_needed:
+    if blamed.not_needed and blamed.not_needed not in str(blamed):
         yield ""
         yield f"In the smallest scenario, the failure needs {blamed.not_needed}."
     if blamed.original is not None:

@@ -140,6 +140,23 @@ def test_the_hash_stays_the_same_in_a_file(tmp_path):
     assert again == scenario and again.content_hash == scenario.content_hash
 
 
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"house": "home.json"}, r"^scenario\.house is 'home\.json'; valid: a HouseSpec, such as HouseSpec\.load\(path\)"),
+        ({"encoder": "oracl", "fidelity": "features"}, r"^encoder 'oracl' \(did you mean 'oracle'\?\) is not the one that"),
+    ],
+)
+def test_a_house_that_is_none_and_an_encoder_that_features_do_not_imitate_are_refused(settings, message):
+    with pytest.raises(SimError, match=message):
+        unchecked(Scenario, **settings)
+
+
+def test_features_of_another_encoder_have_a_model_of_their_own(tmp_path):
+    assert Scenario(encoder="ViT-B-32", fidelity="features", feature_model=tmp_path / "model.npz").encoder == "ViT-B-32"
+    assert Scenario(encoder="ViT-B-32").encoder == "ViT-B-32"
+
+
 @pytest.mark.parametrize("faults", ["kidnap", ("kidnap:at_s=3",), [Kidnap()], (Kidnap,)])
 def test_faults_that_are_no_tuple_of_faults_are_refused(faults):
     with pytest.raises(SimError, match=r"^scenario\.faults is .*; valid: a tuple of faults, such as \(parse_fault\("):
