@@ -153,11 +153,13 @@ class TimeFigures:
     scene_s: float
     render_s: float
     slam_s: float
-    """Time inside the SLAM under test, as the harness measured it [s]."""
+    """Time in which the SLAM under test processed the walk, as the harness measured it [s]."""
     stages_s: Mapping[str, float]
     """Time by stage, as the SLAM reports it [s]."""
     realtime_factor: float | None
     """Duration of the tour divided by `slam_s`."""
+    start_s: float = 0.0
+    """Time in which the SLAM under test was started [s]. LEXIS loads its encoder then; 0 for a program."""
 
 
 @dataclass(frozen=True)

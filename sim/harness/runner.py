@@ -45,7 +45,7 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
         session = session_of(scenario, model)
     rendered_before_s = session.render_seconds
     last.done = 0.0
-    with timed("slam_s"), last.calling_slam():
+    with timed("start_s"), last.calling_slam():
         _start(slam, scenario, session, model)
     last.started = True
     given, delivered, refused = _processed(slam, session, timed, progress)

@@ -35,7 +35,7 @@ CONTRACT = {
     "planning": ["queries", "success", "spl", "collisions"],
     "run": ["path_m", "duration_s", "frames", "keyframes"],
     "house": ["rooms", "floors", "area_m2", "openness"],
-    "time": ["house_s", "scene_s", "render_s", "slam_s", "realtime_factor"],
+    "time": ["house_s", "scene_s", "render_s", "start_s", "slam_s", "realtime_factor"],
 }
 
 
