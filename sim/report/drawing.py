@@ -78,7 +78,6 @@ STYLES: dict[str, Style] = {
     "later-estimate": Style(fill="#ffffff", radius=0.05),
     "name": Style(fill="#3a4149"),
     "note": Style(fill="#3a4149"),
-    "error": Style(stroke="#d5202a", width=3.0),
     "heading": Style(stroke="#2b3138", width=2.2),
     "right": Style(fill="#ffffff", stroke="#ffffff", width=1.6, radius=0.085),
     "loop-false": Style(stroke="#d5202a", width=4.5, dash=(14.0, 8.0)),
@@ -86,11 +85,13 @@ STYLES: dict[str, Style] = {
     "plan-end": Style(stroke="#d5202a", width=6.0),
     "plan-number": Style(fill="#d5202a"),
     "wrong": Style(fill="#ffffff", stroke="#d5202a", width=4.0, radius=0.115),
+    "error": Style(stroke="#d5202a", width=4.0),
 }
 """Styles by name, in painting order. For readers who cannot tell green from red, marks of errors are not only red, but also
-larger, dashed or with a thick outline. The camera lies beneath the dot that shows what is estimated there. Estimates for
-many frames lie beneath the names of rooms: rings of wrong estimates beneath all dots, so that the dots of neighbouring
-frames, which overlap, can still be seen."""
+larger, dashed or with a thick outline. The camera lies beneath the dot that shows what is estimated there, and the line of
+an error above both, because errors are often smaller than the dots. Estimates for many frames lie beneath the names of
+rooms: rings of wrong estimates beneath all dots, so that the dots of neighbouring frames, which overlap, can still be
+seen."""
 
 
 @dataclass(frozen=True, eq=False)

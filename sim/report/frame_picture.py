@@ -78,7 +78,10 @@ def frame_marks(
             more = list(_dot_entries(estimates, shown))
         elif estimates.T_W_B is not None and (estimates.frames == frame).any():
             marks += _error(session, frame, estimates.T_W_B[estimates.frames == frame][0])
-            more = [LegendEntry("line", "error", "from the true to the estimated position")]
+            more = [
+                LegendEntry("dot", "right", "the estimated position", _BLUE),
+                LegendEntry("line", "error", "from the true to the estimated position"),
+            ]
     marks += _sight(session, frame)
     return marks, [*legend, LegendEntry("dot", "camera", "the camera at this frame"), *more]
 
