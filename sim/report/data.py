@@ -35,6 +35,8 @@ class PlannedOpening:
     kind: OpeningKind
     ends: Float64[np.ndarray, "2 2"]
     """Both ends of the opening, in W [m]."""
+    has_leaf: bool = False
+    """Whether it is a door with a leaf; the leaf is an entry of `FloorPlan.leaves`."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -84,8 +84,8 @@ STYLES: dict[str, Style] = {
     "plan-failed": Style(stroke="#d5202a", width=5.5, dash=(5.0, 5.0)),
     "plan-end": Style(stroke="#d5202a", width=6.0),
     "plan-number": Style(fill="#d5202a"),
-    "wrong": Style(fill="#ffffff", stroke="#d5202a", width=4.0, radius=0.115),
     "error": Style(stroke="#d5202a", width=4.0),
+    "wrong": Style(fill="#ffffff", stroke="#d5202a", width=4.0, radius=0.115),
 }
 """Styles by name, in painting order. For readers who cannot tell green from red, marks of errors are not only red, but also
 larger, dashed or with a thick outline. The camera lies beneath the dot that shows what is estimated there, and the line of

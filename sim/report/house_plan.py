@@ -98,7 +98,7 @@ def _plan(house: House, level: int) -> FloorPlan:
         rooms=tuple(PlannedRoom(room.id, room.label, np.array(room.polygon_m)) for room in storey.rooms),
         walls=tuple(_outline(wall.footprint) for wall in high),
         fences=tuple(_outline(wall.footprint) for wall in fences),
-        openings=tuple(PlannedOpening(o.kind, np.array([o.start_m, o.end_m])) for o in storey.openings),
+        openings=tuple(PlannedOpening(o.kind, np.array([o.start_m, o.end_m]), o.leaf is not None) for o in storey.openings),
         furniture=tuple(_outline(piece.footprint) for piece in house.furniture if piece.storey == level),
         treads=(
             *(_tread(part) for stairs in house.stairs if level - stairs.storey in (0, 1) for part in stairs.treads),

@@ -91,7 +91,7 @@ def _corners(outline: Float64[np.ndarray, "corners 2"]) -> Iterator[tuple[Float6
 
 def _legend(plan: FloorPlan, start: Float64[np.ndarray, "2"], right: float) -> Iterator[Mark]:
     """Yield the marks of the legend: each symbol of the plan with its name, in rows as wide as the plan."""
-    kinds = {opening.kind for opening in plan.openings}
+    kinds = {opening.kind for opening in plan.openings if not opening.has_leaf}
     leaf, window = [WITH_LEAF] if plan.leaves else [], [WINDOW] if plan.windows else []
     x, y = start
     for name in [*leaf, *(NAMES[kind] for kind in NAMES if kind in kinds), *window]:

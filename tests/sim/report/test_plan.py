@@ -120,8 +120,16 @@ def test_a_house_is_drawn_as_it_is_built():
         assert not any(walls.contains(Point(opening.ends.mean(axis=0))) for opening in plan.openings)
 
 
-def test_every_kind_of_opening_has_a_symbol_of_its_own_and_is_named():
+def plan_of_every_opening():
+    """Return the plan of a house with all kinds of openings; the garden's door has a leaf, and the other door has none."""
     plan = floor_plans(build_house(every_kind()))[0]
+    first = next(i for i, opening in enumerate(plan.openings) if opening.kind == "door")
+    openings = tuple(replace(opening, has_leaf=opening.has_leaf and i != first) for i, opening in enumerate(plan.openings))
+    return replace(plan, openings=openings, leaves=plan.leaves[1:])
+
+
+def test_every_kind_of_opening_has_a_symbol_of_its_own_and_is_named():
+    plan = plan_of_every_opening()
     symbols = {o.kind: sorted((mark.kind, mark.style) for mark in opening_marks(o)) for o in plan.openings}
     assert set(symbols) == set(NAMES)
     assert len({tuple(symbol) for symbol in symbols.values()}) == len(NAMES)
@@ -135,7 +143,7 @@ def test_every_kind_of_opening_has_a_symbol_of_its_own_and_is_named():
 
 
 def test_the_switch_for_the_names_of_rooms_leaves_the_legend_and_the_scale():
-    plan = floor_plans(build_house(every_kind()))[0]
+    plan = plan_of_every_opening()
     marks = plan_drawing(plan, label_colours(ROOM_LABELS)).marks
     said = " ".join(f"{room.name} ({room.label})" for room in plan.rooms)
     assert all(mark.text in said for mark in marks if mark.style == "name")
@@ -150,6 +158,13 @@ def test_the_legend_names_doors_with_a_leaf_where_there_are_any():
         marks = plan_drawing(drawn, label_colours(ROOM_LABELS)).marks
         assert ("door with a leaf" in [mark.text for mark in marks]) == bool(drawn.leaves)
         assert len([mark for mark in marks if mark.style == "swing"]) == len(drawn.leaves) + bool(drawn.leaves)
+
+
+def test_the_legend_names_doorways_only_where_one_has_no_leaf():
+    all_with_leaves = floor_plans(build_house(every_kind()))[0]
+    for drawn, is_named in ((plan_of_every_opening(), True), (all_with_leaves, False)):
+        marks = plan_drawing(drawn, label_colours(ROOM_LABELS)).marks
+        assert (NAMES["door"] in [mark.text for mark in marks if mark.kind == "text"]) == is_named
 
 
 def test_leaves_windows_and_fences_are_the_houses():
