@@ -60,6 +60,8 @@ class FloorPlan:
     openings: tuple[PlannedOpening, ...] = ()
     furniture: tuple[Outline, ...] = ()
     treads: tuple[Outline, ...] = ()
+    climbs: tuple[Float64[np.ndarray, "_ 2"], ...] = ()
+    """For each staircase, the path up the flight that begins on this storey, or else that ends here, in W [m]."""
     leaves: tuple[PlannedLeaf, ...] = ()
     windows: tuple[Float64[np.ndarray, "2 2"], ...] = ()
     """Each window as the two ends of a line, in W [m]."""

@@ -49,6 +49,7 @@ class Style:
 STYLES: dict[str, Style] = {
     "room": Style(fill="#cccccc", fill_opacity=0.24),
     "tread": Style(stroke="#8a929c", width=0.9),
+    "climb": Style(stroke="#59626c", width=1.8),
     "furniture": Style(fill="#7a828c", fill_opacity=0.13, stroke="#7a828c", width=0.8),
     "fence": Style(fill="#9aa2ab"),
     "wall": Style(fill="#2b3138"),

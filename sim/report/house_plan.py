@@ -1,12 +1,12 @@
 """Makes the floor plans of a house, as data for reports and as pictures."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float64, UInt8
 from shapely.affinity import rotate
-from shapely.geometry import Polygon, box
+from shapely.geometry import LineString, Point, Polygon, box
 
 from sim.render.image_files import encoded
 from sim.report.data import FloorPlan, PlannedLeaf, PlannedOpening, PlannedRoom
@@ -30,6 +30,10 @@ _WIDEST_PX = 1000
 """Largest width of these plans [px]; the scale of very wide ones is therefore smaller."""
 _LETTER_PX = 13
 """Height of the letters in the legend of these plans [px]."""
+_MARGIN_M, _TITLE_M = 0.5, 0.24
+"""Distance of the title of a storey from the left edge of its plan, and height of its letters [m]."""
+_SHORT_M = 1e-6
+"""Length of a step on the path up the stairs below which it has no direction [m]."""
 _MOST_PIXELS = 12e6
 """Largest number of pixels of one storey's picture; larger plans are drawn at a smaller scale."""
 
@@ -81,7 +85,16 @@ def _scale(drawing: Drawing, pixels_per_metre: int) -> int:
 def _drawings(house: House, names_labels: bool = True) -> list[Drawing]:
     plans = floor_plans(house)
     colours = label_colours(room.label for plan in plans for room in plan.rooms)
-    return [plan_drawing(plan, colours, names_labels) for plan in plans]
+    drawings = [plan_drawing(plan, colours, names_labels) for plan in plans]
+    return [_titled(drawing) for drawing in drawings] if len(drawings) > 1 else drawings
+
+
+def _titled(drawing: Drawing) -> Drawing:
+    """Return the drawing with its title above it."""
+    title = Mark(
+        "text", "note", np.array([[drawing.low[0] + _MARGIN_M, drawing.high[1]]]), text=drawing.title, size=_TITLE_M
+    )
+    return replace(drawing, marks=[*drawing.marks, title], high=drawing.high + [0.0, 2 * _TITLE_M])
 
 
 def _plan(house: House, level: int) -> FloorPlan:
@@ -104,6 +117,7 @@ def _plan(house: House, level: int) -> FloorPlan:
             *(_tread(part) for stairs in house.stairs if level - stairs.storey in (0, 1) for part in stairs.treads),
             *(triangle for room in storey.rooms if room.climb == "lift" for triangle in _cabin(room)),
         ),
+        climbs=tuple(_climbs(house, level)),
         leaves=tuple(
             PlannedLeaf(_outline(leaf.footprint), np.array(leaf.arc(leaf.turn)))
             for leaf in house.leaves
@@ -112,6 +126,20 @@ def _plan(house: House, level: int) -> FloorPlan:
         windows=tuple(np.array([window.start, window.end]) for window in house.windows if window.storey == level),
         house=house.spec.name,
     )
+
+
+def _climbs(house: House, level: int) -> Iterator[Float64[np.ndarray, "k 2"]]:
+    """Yield the part inside the stairs' room of the path up each flight whose direction a plan shows."""
+    cells = {stairs: house.room_by_id[stairs.room] for stairs in house.stairs if stairs.kind != "lift"}
+    begin_here = {cell for stairs, cell in cells.items() if stairs.storey == level}
+    for stairs, cell in cells.items():
+        if stairs.storey == level or (stairs.storey == level - 1 and cell not in begin_here):
+            path = stairs.walking_line[:, :2].copy()
+            for end, inner in ((0, 1), (-1, -2)):  # both ends lie in the rooms in front of the stairs
+                border = LineString(path[[end, inner]]).intersection(cell.polygon.exterior)
+                path[end] = border.coords[0] if isinstance(border, Point) else path[end]
+            moves = np.linalg.norm(np.diff(path, axis=0), axis=1) > _SHORT_M
+            yield path[np.append(True, moves)]
 
 
 def _outline(polygon: Polygon) -> Float64[np.ndarray, "corners 2"]:

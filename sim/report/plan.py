@@ -8,7 +8,7 @@ from jaxtyping import Float64
 from sim.errors import SimError
 from sim.report.data import FloorPlan, PlannedRoom
 from sim.report.drawing import GLYPH_ASPECT, Drawing, Mark
-from sim.report.symbols import NAMES, WINDOW, WITH_LEAF, leaf_marks, opening_marks, sample_marks, window_marks
+from sim.report.symbols import NAMES, WINDOW, WITH_LEAF, climb_marks, leaf_marks, opening_marks, sample_marks, window_marks
 
 _MARGIN_M = 0.5
 _INSET_M = 0.16
@@ -35,6 +35,7 @@ def plan_drawing(plan: FloorPlan, colours: Mapping[str, str], names_labels: bool
     marks = [
         *(Mark("polygon", "room", r.outline, colours[r.label], f"{r.name} ({r.label})") for r in plan.rooms),
         *(Mark("polygon", "tread", outline) for outline in plan.treads),
+        *(mark for path in plan.climbs for mark in climb_marks(path)),
         *(Mark("polygon", "furniture", outline) for outline in plan.furniture),
         *(Mark("polygon", "fence", outline) for outline in plan.fences),
         *(Mark("polygon", "wall", outline) for outline in plan.walls),

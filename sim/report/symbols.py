@@ -23,6 +23,8 @@ NAMES: dict[OpeningKind, str] = {
 WINDOW, WITH_LEAF = "window", "door with a leaf"
 """Further names in the legend."""
 _HALF = WALL_THICKNESS_M / 2
+_HEAD_M = 0.18
+"""Length of the head of an arrow [m]."""
 
 
 def opening_marks(opening: PlannedOpening) -> Iterator[Mark]:
@@ -51,6 +53,15 @@ def leaf_marks(leaf: PlannedLeaf) -> Iterator[Mark]:
     """Yield the marks of a door leaf (the moving panel) at its opening angle, and of the arc on which its free end moves."""
     yield Mark("line", "swing", leaf.arc)
     yield Mark("polygon", "leaf", leaf.outline, text="door leaf")
+
+
+def climb_marks(path: Float64[np.ndarray, "k 2"]) -> Iterator[Mark]:
+    """Yield an arrow along the path up a flight of stairs."""
+    yield Mark("line", "climb", path, text="stairs, upwards")
+    back = path[-2] - path[-1]
+    back *= _HEAD_M / np.linalg.norm(back)
+    across = np.array([-back[1], back[0]]) / 2
+    yield Mark("line", "climb", path[-1] + np.stack([back + across, np.zeros(2), back - across]), text="stairs, upwards")
 
 
 def sample_marks(name: str, ends: Float64[np.ndarray, "2 2"]) -> Iterator[Mark]:

@@ -7,13 +7,13 @@ import cv2
 import numpy as np
 import pytest
 from helpers.opening_rooms import every_kind
-from shapely.geometry import Point, Polygon, box
+from shapely.geometry import LineString, Point, Polygon, box
 from shapely.ops import unary_union
 
 from sim.errors import SimError
 from sim.report.data import FloorPlan, PlannedOpening, PlannedRoom
 from sim.report.drawing import STYLES, Drawing, Mark
-from sim.report.house_plan import floor_plans, plan_png
+from sim.report.house_plan import floor_plans, plan_png, plan_svg
 from sim.report.palette import label_colours
 from sim.report.plan import plan_drawing
 from sim.report.png import to_image
@@ -165,6 +165,27 @@ def test_the_legend_names_doorways_only_where_one_has_no_leaf():
     for drawn, is_named in ((plan_of_every_opening(), True), (all_with_leaves, False)):
         marks = plan_drawing(drawn, label_colours(ROOM_LABELS)).marks
         assert (NAMES["door"] in [mark.text for mark in marks if mark.kind == "text"]) == is_named
+
+
+@pytest.mark.parametrize("climb", [None, "spiral"])
+def test_an_arrow_leads_up_the_stairs_inside_their_room_on_both_storeys(climb):
+    house = build_house(variant(sample_house("home", 7), climb=climb))
+    (stairs,), plans = house.stairs, floor_plans(house)
+    cell = house.room_by_id[stairs.room].polygon.buffer(1e-6)
+    for plan in plans:
+        (path,) = plan.climbs
+        assert cell.contains(LineString(path))
+        assert {*map(tuple, stairs.walking_line[1:-1, :2])} <= {*map(tuple, path)}
+        line, head = (mark.points for mark in plan_drawing(plan, label_colours(ROOM_LABELS)).marks if mark.style == "climb")
+        np.testing.assert_array_equal(line, path)
+        np.testing.assert_array_equal(head[1], path[-1])
+        assert np.linalg.norm(head - head[1], axis=1).max() < 0.3
+
+
+def test_titles_tell_the_storeys_of_a_house_apart():
+    for storeys, expected in ((2, ["0", "1"]), (1, [])):
+        svg = plan_svg(build_house(sample_house("home", 7, storeys=storeys)))
+        assert re.findall(r">storey (\d), floor at [\d.]+ m</text>", svg) == expected
 
 
 def test_leaves_windows_and_fences_are_the_houses():
