@@ -270,6 +270,9 @@ class HouseSpec(_Data):
             data = read_json(text, json_schema())
         except SpecError as error:
             raise SpecError(f"{source}: {error}") from None
+        if isinstance(data, dict) and "storeys" not in data and "format" in data:
+            what = f"is a file of the format {data['format']!r:.60}, and no house"
+            raise SpecError(f"{source}: {what}; valid: a house, as 'lexis-sim house generate' writes it")
         try:
             return cls.model_validate_json(text, strict=True)
         except ValidationError as error:

@@ -183,7 +183,7 @@ def _install(path: Path, new: Path, target: Path, replace: Callable[[], object])
     """Sync `new` to the disk, then replace `target` by `new`; if that fails, keep `new` under a similar name."""
     sync(new)
     try:
-        with _os_errors_as_lexis_errors(path, "a name that no other process writes to"):
+        with _os_errors_as_lexis_errors(path, "a name that no other process writes to, or a folder that may be changed"):
             replace()
     except LexisError as error:
         kept = similar_name(target)

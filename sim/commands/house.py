@@ -2,9 +2,12 @@
 
 import argparse
 import json
+import sys
 from collections.abc import Mapping
+from pathlib import Path
 
-from lexis.command_line import Commands, positive
+from lexis.command_line import MAX_LINE, Commands, positive
+from lexis.errors import one_line
 from lexis.files.replace import replaced_file
 from sim.commands.action import Action, add_actions
 from sim.commands.arguments import SEED, argument, out_file
@@ -15,11 +18,12 @@ from sim.errors import SimError
 from sim.house_files import MODELS, PLANS, Writer, writer_for
 from sim.output_files import check_ending, check_not_input
 from sim.wording import counted
-from worlds.house import build_house
+from worlds.errors import WorldsError
+from worlds.house import House, build_house
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec, json_schema
 from worlds.valid_names import did_you_mean, listed
-from worlds.validation import built_and_checked
+from worlds.validation import built_and_checked, problems
 
 _VIEW_PX = (960, 720)
 """Width and height of the picture of a room [px]."""
@@ -43,11 +47,22 @@ def _export(arguments: argparse.Namespace) -> int:
 def _write(arguments: argparse.Namespace, writers: Mapping[str, Writer], checked: bool) -> int:
     write = writer_for(arguments.out, writers)
     check_not_input(arguments.out, arguments.file)
-    spec = HouseSpec.load(arguments.file)
-    house = built_and_checked(spec) if checked else build_house(spec)
+    house = _built(arguments.file, checked)
     write(house, arguments.out)
     print(f"{arguments.out}: {describe(house)}")
     return 0
+
+
+def _built(file: Path, checked: bool = False) -> House:
+    """Build the house of a file. A note names the first rule that it breaks; with `checked`, `WorldsError` is raised."""
+    spec = HouseSpec.load(file)
+    try:
+        house = built_and_checked(spec) if checked else build_house(spec)
+    except WorldsError as error:
+        raise WorldsError(f"{file}: {error}") from None
+    if not checked and (problem := next(problems(house), None)) is not None:
+        print(one_line(f"note: the house is not valid: {problem}", MAX_LINE), file=sys.stderr)
+    return house
 
 
 def _view(arguments: argparse.Namespace) -> int:
@@ -56,7 +71,7 @@ def _view(arguments: argparse.Namespace) -> int:
 
     check_ending(arguments.out, [".png"])
     check_not_input(arguments.out, arguments.file)
-    house = build_house(HouseSpec.load(arguments.file))  # unchecked, because a picture helps to see what is wrong
+    house = _built(arguments.file)  # unchecked, because a picture helps to see what is wrong
     if (room := house.room_by_id.get(arguments.room)) is None:
         guess = did_you_mean(arguments.room, house.room_by_id)
         raise SimError(

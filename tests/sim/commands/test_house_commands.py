@@ -175,6 +175,15 @@ def test_a_bad_house_costs_a_line_that_names_the_place_and_leaves_nothing(conten
     assert [path.name for path in here.iterdir()] == ["bad.json"]
 
 
+def test_the_plan_of_a_house_that_is_not_valid_is_drawn_with_a_note(here, capsys):
+    (here / "shut.json").write_text(two_rooms(openings=[]))
+    assert status_of("show", "shut.json", "-o", "plan.png") == 0
+    assert capsys.readouterr().err.startswith("note: the house is not valid: not reachable on foot")
+    (here / "bad.json").write_text(two_rooms(rooms=[KITCHEN, BEDROOM | {"polygon_m": [[3, 0], [8, 0], [8, 3], [3, 3]]}]))
+    assert status_of("show", "bad.json", "-o", "none.png") == 2
+    assert capsys.readouterr().err.startswith("lexis-sim: bad.json: rooms 'kitchen' and 'bedroom' overlap")
+
+
 def test_every_malformed_field_has_a_line_of_its_own(here, capsys):
     (here / "bad.json").write_text(two_rooms(rooms=[KITCHEN | {"label": "lair"}, BEDROOM | {"seed": -1}]))
     assert status_of("check", "bad.json") == 2
