@@ -6,15 +6,14 @@ has to give the same house in every run. Rooms without an essential piece, such 
 
 import hashlib
 import json
-import multiprocessing
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from itertools import repeat
 
 import numpy as np
 
+from sim.processes import process_pool
 from worlds.checks.essentials import missing_essentials
 from worlds.errors import WorldsError
 from worlds.furniture.placing.counts import USUAL
@@ -89,19 +88,14 @@ def prove(wanted: Sequence[Case], processes: int) -> Iterator[Proof]:
 
     At least two processes are used, even for `processes` below 2, because each house is generated in two of them.
     """
-    # Spawned processes start as another run would: with another hash seed and with empty caches.
-    context = multiprocessing.get_context("spawn")
     workers = max(1, processes // 2)
-    with ProcessPoolExecutor(workers, context) as first, ProcessPoolExecutor(workers, context) as second:
-        try:
-            once = first.map(_make, wanted, repeat(True), chunksize=_CHUNK)
-            again = second.map(_make, wanted, repeat(False), chunksize=_CHUNK)
-            for case, one, other in zip(wanted, once, again, strict=True):
-                differs = "is another house when generated again" if one.digest != other.digest else None
-                yield Proof(case, one.seconds, one.failure or differs, one.rooms, one.lacking)
-        finally:
-            first.shutdown(cancel_futures=True)
-            second.shutdown(cancel_futures=True)
+    # New processes start as another run would: with another hash seed and with empty caches.
+    with process_pool(workers) as first, process_pool(workers) as second:
+        once = first.map(_make, wanted, repeat(True), chunksize=_CHUNK)
+        again = second.map(_make, wanted, repeat(False), chunksize=_CHUNK)
+        for case, one, other in zip(wanted, once, again, strict=True):
+            differs = "is another house when generated again" if one.digest != other.digest else None
+            yield Proof(case, one.seconds, one.failure or differs, one.rooms, one.lacking)
 
 
 def _make(case: Case, validated: bool) -> _Made:

@@ -56,7 +56,7 @@ IN_ROOM = "storeys[0].rooms[0].polygon_m"
         ('{"storeys": [{"rooms": [{"id": "a", "label": "gym"}]}]}', f"{IN_ROOM} (room 'a'): is missing; valid: a list of 4"),
         ('{"storeys": []}', "storeys: has 0 items; valid: a list of 1 to 8, each an object with rooms"),
         ("[]", "is a list of 0; valid: an object with storeys"),
-        ('{"format": "lexis-scenario", "seed": 7}', "is a file of the format 'lexis-scenario', and no house; valid: a house, as"),
+        ('{"format": "lexis-scenario", "seed": 7}', "is a file of the format 'lexis-scenario', and no house; valid: a"),
         ('{"seed": 1,\n"seed": 2}', "has the field 'seed' 2 times"),
         ('{"storeys":\n[,]}', "is not JSON: Expecting value at line 2 column 2"),
     ],

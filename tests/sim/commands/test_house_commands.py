@@ -267,7 +267,7 @@ def test_cases_cover_every_family_plain_and_as_open_and_cluttered_as_can_be():
 )
 def test_a_failure_and_a_difference_are_reported(changed, why, monkeypatch):
     made = house_proof._Made(0.1, "digest", None)
-    monkeypatch.setattr(house_proof, "ProcessPoolExecutor", InTurn)
+    monkeypatch.setattr(house_proof, "process_pool", InTurn)
     monkeypatch.setattr(house_proof, "_make", lambda case, first: replace(made, **changed) if first else made)
     assert [proof.failure for proof in prove(cases(["home"], 0, 2), 2)] == [why, why]
 
@@ -286,9 +286,6 @@ class InTurn:
 
     def map(self, work, *items, chunksize):
         return list(map(work, *items))
-
-    def shutdown(self, cancel_futures):
-        pass
 
 
 @pytest.mark.slow
