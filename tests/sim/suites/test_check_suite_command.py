@@ -21,6 +21,7 @@ from sim.commands.check_suite import SUITE_HELP
 from sim.harness.adapters import OdometryOnly
 from sim.harness.crash import COMPLETES
 from sim.programs import Program
+from sim.render.rig import RigConfig
 from sim.suites.catalogue import SUITES
 from sim.suites.consistency import CONSISTENCY
 from sim.suites.examination import examine
@@ -140,7 +141,8 @@ def broken_pipe(*_, **__):
 
 def test_a_program_is_checked_on_images_by_what_needs_no_change_of_its_input(capsys, monkeypatch):
     checks = (*claims(0.9, "trajectory.ate_m <= 1.0"), LAWS["same run twice"], *CONSISTENCY)
-    part = replace(PART, draw=lambda rng, number: replace(OPEN_FLAT, encoder="mini", length_m=8.0), checks=checks, n=1)
+    small = replace(OPEN_FLAT, encoder="mini", length_m=8.0, rig=RigConfig(width=160, height=120))
+    part = replace(PART, draw=lambda rng, number: small, checks=checks, n=1)
     monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": replace(FLAT, parts=(part,))})
     assert main(["check", "--suite", "flat", "--workers", "1", "--command", program("drift")]) == 0
     shown = capsys.readouterr().out
