@@ -59,15 +59,13 @@ def _print_answer(lexis_map: LexisMap, answer: "Answer", arguments: argparse.Nam
     """Print the rooms that fit best, and the keyframes that `--keyframes` asks for; or that nothing fits."""
     best = answer.rooms[0]
     if answer.unknown:
-        print(
-            f"nothing in this map fits (best: {name_and_floor(lexis_map, best.room.id)}, probability {best.probability:.2f})"
-        )
+        name = name_and_floor(lexis_map, best.room.id)
+        print(f"nothing in this map fits (best: {name}, probability {best.probability:.2f})")
         return
     for fit in answer.rooms[: arguments.top]:
         likely = "" if fit.probability is None else f"probability {fit.probability:.2f}  "
-        print(
-            f"{name_and_floor(lexis_map, fit.room.id):28s} {likely}similarity {fit.similarity:.3f}  keyframe {fit.keyframe}"
-        )
+        name = name_and_floor(lexis_map, fit.room.id)
+        print(f"{name:28s} {likely}similarity {fit.similarity:.3f}  keyframe {fit.keyframe}")
     room_of = lexis_map.room_of
     for i, similarity in answer.keyframes[: arguments.keyframes]:
         x, y, z = lexis_map.T_W_B[i, :3, 3]

@@ -78,10 +78,8 @@ def _rooms(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[St
     rooms = map.room_of[list(plan.keyframes)]
     known = np.maximum.accumulate(np.where(rooms >= 0, np.arange(len(rooms)), 0))
     rooms = _from_start_to_goal(rooms[known], plan)
-    entered = [
-        Step(float(path[run.start]), f"enter {name_and_floor(map, int(rooms[run.start]))}")
-        for run in stretches_of(rooms)[1:]
-    ]
+    begins = [run.start for run in stretches_of(rooms)[1:]]
+    entered = [Step(float(path[i]), f"enter {name_and_floor(map, int(rooms[i]))}") for i in begins]
     arrived = Step(float(path[-1]), f"arrive in {name_and_floor(map, plan.goal.id)}")
     return [Step(0.0, f"start in {name_and_floor(map, plan.start.id)}"), *entered, arrived]
 
