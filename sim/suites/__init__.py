@@ -10,9 +10,10 @@ with their `checks`. `laws` lists the laws that relate two runs, and `consistenc
 `staircases` and `plans` hold some. Some laws change the SLAM's input: `stream_changes`, `frame_changes` and `false_loops`
 define the changes, `changed_stream` applies them, and `agreement` tells whether the SLAM's outputs in two runs agree.
 `image_evidence` holds laws about images. `examination` runs the scenarios in processes. `report` gives the verdicts, and
-`suite_means` those about means over the whole suite. `smallest` finds the smallest scenario in which a check fails,
-`expected_failures` lists checks that are known to fail, `figure_table` shows medians of figures, `openness_chart` draws room
-quality against openness, and `pytest_items` makes a test for pytest, whose failures leave the folders of `failed_items`.
+`suite_means` those about means over the whole suite. `smallest` finds the smallest scenario in which a check fails, and
+`replay_folder` writes the folder of a failure. `expected_failures` lists checks that are known to fail, `figure_table` shows
+medians of figures, `openness_chart` draws room quality against openness, and `pytest_items` makes a test for pytest, whose
+failures leave the folders of `failed_items`.
 
 Glossary:
 

@@ -5,13 +5,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lexis.errors import one_line
-from lexis.files.replace import replaced_folder
 from sim.errors import USER_ERRORS
 from sim.harness.failures.failed_test import FailedPytest, folder_of
-from sim.harness.failures.why_page import WHY
 from sim.harness.scenario import Scenario
-from sim.harness.world_tests import SCENARIO, TEST_REPLAY
+from sim.harness.world_tests import TEST_REPLAY
 from sim.suites.checks import ClaimCheck, NewSlam
+from sim.suites.replay_folder import write_replay_folder
 from sim.suites.report import CheckVerdict
 from sim.wording import qualified_name
 
@@ -69,10 +68,7 @@ def _write(folder: Path, verdict: CheckVerdict, test: FailedPytest) -> None:
         f"In all scenarios of the part: {str(verdict).splitlines()[0]}",
         f"`pytest {TEST_REPLAY}` in this folder checks this scenario again.",
     )
-    with replaced_folder(folder, SCENARIO) as beside:
-        first.scenario.save(beside / SCENARIO)
-        (beside / WHY).write_text("\n\n".join(page) + "\n", encoding="utf-8")
-        (beside / TEST_REPLAY).write_text(test.replay, encoding="utf-8")
+    write_replay_folder(folder, first.scenario, page, test.replay)
 
 
 def _has_plugin(item: "pytest.Item") -> bool:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lexis.errors import LexisError, one_line
-from lexis.files.replace import replaced_folder
 from sim.errors import USER_ERRORS, SimError
 from sim.harness.adapters.lexis import Lexis
 from sim.harness.crash import COMPLETES, Runner
@@ -20,10 +19,11 @@ from sim.harness.shrinking.failure_signature import Signature
 from sim.harness.shrinking.failure_test import FailureTest
 from sim.harness.shrinking.reducer import DEADLINE_S, reduce
 from sim.harness.shrinking.reduction import Reduction
-from sim.harness.world_tests import SCENARIO, TEST_REPLAY, slug_of
+from sim.harness.world_tests import TEST_REPLAY, slug_of
 from sim.suites import catalogue
 from sim.suites.checks import Check, CheckFinding, ClaimCheck, NewSlam
 from sim.suites.examination import DIED, finding, replayed_finding
+from sim.suites.replay_folder import write_replay_folder
 from sim.suites.report import CheckVerdict
 
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
@@ -130,13 +130,8 @@ def _written(verdict: CheckVerdict, slam: SlamUnderSearch, out: Path) -> tuple[s
         smallest = finding(check, reduction.scenario, slam.new_slam)
         if _signature(check, smallest) != reduction.signature:
             raise not_reproduced(reduction)
-        with replaced_folder(folder, *MARKERS) as beside:
-            reduction.scenario.save(beside / SCENARIO)
-            (beside / WHY).write_text(_why(verdict, smallest.measured, reduction), encoding="utf-8")
-            (beside / TEST_REPLAY).write_text(
-                _REPLAY.format(**names, imports=imports, before=slam.replay.before, new_slam=slam.replay.new_slam),
-                encoding="utf-8",
-            )
+        replay = _REPLAY.format(**names, imports=imports, before=slam.replay.before, new_slam=slam.replay.new_slam)
+        write_replay_folder(folder, reduction.scenario, _why(verdict, smallest.measured, reduction), replay, MARKERS)
         found, interrupted = f"replay: pytest {folder / TEST_REPLAY}", reduction.ended == "interrupted"
     old, new = reduction.sizes
     return f"{verdict.name}: {old} -> {new}\n  {found}", interrupted
@@ -173,14 +168,13 @@ def _signature(check: Check | None, found: CheckFinding) -> Signature | None:
     return Signature(_NUMBER.sub("...", found.measured.partition("; valid:")[0]) if check is None else check.name)
 
 
-def _why(verdict: CheckVerdict, measured: str, reduction: Reduction) -> str:
-    """Return the page about a failed law: what the law demands, and what was measured."""
+def _why(verdict: CheckVerdict, measured: str, reduction: Reduction) -> tuple[str, ...]:
+    """Return the paragraphs of the page about a failed law: what the law demands, and what was measured."""
     old, new = reduction.sizes
-    lines = (
+    return (
         f"# {verdict.name}",
         verdict.says,
         f"In the smallest scenario ({new}): {measured}",
         f"In the original scenario ({old}): {verdict.failures[0].findings[verdict.check].measured}",
         "Run `pytest PATH/test_replay.py`, with the path of this folder, where the suite was started. It checks this again.",
     )
-    return "\n\n".join(lines) + "\n"
