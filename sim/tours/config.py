@@ -48,7 +48,7 @@ class TourConfig(Settings, place="tour", error=SimError):
     eye_height_m: Annotated[float, Gt(0)] = 1.4
     """Height of the body frame above the walked surface [m]."""
     glance_rad: float = 0.3
-    """Largest angle by which the camera turns away from the path [rad]. In rooms, it does so about once in 4 m."""
+    """Largest angle by which the camera turns away from the path [rad]. In rooms, it looks once to each side in 4 m."""
     pitch_on_stairs: bool = False
     """Whether the camera pitches with the slope of stairs. If False, the camera stays level."""
     sway: SwayName = "none"

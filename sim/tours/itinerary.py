@@ -100,7 +100,7 @@ class Planner:
     def _both_ways(self, most_m: float, rng: np.random.Generator) -> Itinerary:
         stops, lap, _ = self._lap(most_m, rng, there_and_back=True)
         there_and_back = [*lap, *lap[-2::-1]]
-        return _itinerary(stops, there_and_back, there_and_back[1:])
+        return _itinerary(stops, there_and_back, there_and_back[1:] or lap)
 
     def _lap(self, most_m: float, rng: np.random.Generator, there_and_back: bool) -> tuple[Stops, list[int], list[int]]:
         """Return the stops, a lap through all rooms as a list of stops, and the stops of the lap on the lowest storey.
@@ -135,8 +135,7 @@ class Planner:
         around = polyline_length(self.paths.line([*nodes, nodes[0]]))
         if self.config.circuit_m is not None and around < 0.8 * self.config.circuit_m:
             raise SimError(f"tour: circuit_m is {self.config.circuit_m:g}; valid: up to {around:.0f} in this house")
-        again = [*nodes[1:], nodes[0]]
-        return Itinerary(nodes, again, self.config.laps * len(again) - len(nodes), self.paths.length)
+        return Itinerary(nodes, nodes, (self.config.laps - 1) * len(nodes), self.paths.length)
 
     def _random(self, _: float, rng: np.random.Generator) -> Itinerary:
         comfortable = self.walkable.connected & (self.walkable.clearance >= COMFORT_M) & ~self._on_stairs()

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -8,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from sim.errors import SimError
 from sim.tours.config import TOUR_KINDS
-from sim.tours.tour import TourConfig, plan_tour
+from sim.tours.tour import TourConfig, plan_tour, shortest_length
 from worlds.house import build_house
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec, RoomSpec, StoreySpec
@@ -154,6 +155,20 @@ def test_a_loop_is_the_same_circuit_again():
 
 def test_the_shortest_circuit_is_walked_in_every_house(preset):
     assert 1.0 < tour_of(*preset, kind="loop", circuit_m=2.0, laps=2).length_m < 6.0
+
+
+def test_a_loop_has_as_many_laps_as_are_asked_for(preset):
+    once, thrice = (tour_of(*preset, kind="loop", circuit_m=2.0, laps=laps).length_m for laps in (1, 3))
+    assert thrice == pytest.approx(3.0 * once, rel=0.15)
+
+
+def test_every_kind_of_tour_leads_through_a_house_of_one_room(kind):
+    room = RoomSpec(id="a", label="bedroom", polygon_m=((0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)))
+    house = build_house(HouseSpec(storeys=(StoreySpec(rooms=(room,), furniture=()),)))
+    walkable, config = Walkable(house, RADIUS), TourConfig(kind=kind)
+    shortest_m = shortest_length(house, walkable, np.random.default_rng(0), config)
+    longer = replace(config, length_m=shortest_m + 2.0)
+    assert plan_tour(house, walkable, np.random.default_rng(0), longer).length_m == pytest.approx(shortest_m + 2.0, abs=1.0)
 
 
 def test_a_lawn_mower_comes_near_every_free_place(preset, house):
