@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float, UInt8
 from PIL import Image, ImageColor, ImageDraw, ImageFont
 
+from lexis.maths.paths import arc_length
 from sim.report.drawing import STYLES, Drawing, Mark
 
 _OVERSAMPLING = 3
@@ -66,7 +67,7 @@ def _dashes(
 ) -> Iterator[list[tuple[float, float]]]:
     """Yield the dashes of a line, each as a list of points. `scale` is in pixels per unit of `dash`."""
     line = np.array(points)
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    along = arc_length(line)
     drawn, left_out = (length * scale for length in dash)
     for start in np.arange(0.0, along[-1], drawn + left_out):
         stop = min(start + drawn, along[-1])

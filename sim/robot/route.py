@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Float64
 
+from lexis.maths.paths import arc_length
 from lexis.stairs import lift_rides
 
 _SAMPLE_M = 0.1
@@ -30,7 +31,7 @@ class Route:
     """The polyline through the waypoints, and the robot's progress along the polyline, which never decreases."""
 
     def __init__(self, waypoints: Float64[np.ndarray, "k 3"]) -> None:
-        along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(waypoints[:, :2], axis=0), axis=1)))
+        along = arc_length(waypoints[:, :2])
         samples = np.append(np.arange(0.0, along[-1], _SAMPLE_M), along[-1])
         x, y, z = (np.interp(samples, along, column) for column in waypoints.T)
         self.points, self._heights = np.stack([x, y], axis=1), z

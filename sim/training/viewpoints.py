@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Int
 
+from lexis.maths.paths import arc_length
 from lexis.types import Pose
 from sim.errors import SimError
 from sim.tours.tour import Tour, TourConfig, plan_tour
@@ -44,7 +45,7 @@ LEXIS_VIEWS = ViewpointConfig(size=(480, 360))
 
 def evenly_along(positions: Float64[np.ndarray, "n 3"], spacing_m: float, most: int) -> Int[np.ndarray, "k"]:
     """Return indices of points `spacing_m` apart along a path, or farther apart, so that there are at most `most` points."""
-    path = _path_m(positions)
+    path = arc_length(positions)
     spacing_m = max(spacing_m, path[-1] / most)
     return np.unique(np.searchsorted(path, np.arange(0.0, path[-1], spacing_m)))
 
@@ -58,16 +59,11 @@ def poses_along_tour(house: House, views: ViewpointConfig, rng: np.random.Genera
         tour = plan_tour(house, Walkable(house), rng, TourConfig())
     except SimError:
         return np.zeros((0, 4, 4))
-    way = _path_m(tour.T_W_B[:, :3, 3])
+    way = arc_length(tour.T_W_B[:, :3, 3])
     stops = np.arange(0.0, way[-1], views.spacing_m)
     if len(stops) > views.most // 2:
         stops = np.sort(rng.choice(stops, views.most // 2, replace=False))
     return np.array([pose for at in stops for pose in _pair(tour, way, float(at), rng)]).reshape(-1, 4, 4)
-
-
-def _path_m(positions: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n"]:
-    """Return the length of the path up to each point [m]."""
-    return np.append(0.0, np.cumsum(np.linalg.norm(np.diff(positions, axis=0), axis=1)))
 
 
 def _pair(tour: Tour, way: Float64[np.ndarray, "n"], at: float, rng: np.random.Generator) -> tuple[Pose, Pose]:
