@@ -13,7 +13,7 @@ from lexis.evaluation.trajectory import LEAST_POSES, STRETCHES_M, ate_rmse, rpe_
 from lexis.graph.trusted_loops import TRUSTED_WEIGHT
 from sim.report.data import UNKNOWN, KeyframeTable, PlanPath, ReportData
 from sim.report.room_errors import SUBSTANTIAL, Groups, room_errors, surplus
-from sim.wording import counted
+from sim.wording import counted, joined
 from worlds.valid_names import listed
 
 _EXAMPLES = 3
@@ -80,7 +80,7 @@ def rooms_without_keyframe(rooms: Sequence[str]) -> str | None:
     """Return a sentence that names the rooms without a keyframe, which no figure covers; None if `rooms` is empty."""
     if not rooms:
         return None
-    names = f"{', '.join(rooms[:-1])} and {rooms[-1]}" if len(rooms) > 1 else rooms[0]
+    names = joined(rooms, "and")
     count = counted(len(rooms), "room")
     return f"No keyframe was taken in {count} of the walk, so the figures of labels and rooms do not cover {names}."
 

@@ -23,6 +23,7 @@ def add_outlines(spec: "mujoco.MjSpec", house: House, height_m: float) -> list["
     """Add upright boxes for walls, railings, doors and solid furniture to `spec`, and return their geoms.
 
     Boxes reach from the floor to `height_m` above the floor or higher. Obstacles that begin above `height_m` are left out.
+    The boxes of a railing begin at the underside of each post or rail.
     """
     floors = [storey.floor_m for storey in house.storeys]
     # Walls extend through the slab above, so that beams cannot pass between two storeys on the stairs.

@@ -135,7 +135,7 @@ def without_overlaps(openings: Mapping[OpeningSpec, str]) -> tuple[OpeningSpec, 
 
 
 def _with_end_at(opening: OpeningSpec, axis: int, along: float, end: Callable[[float, float], float]) -> OpeningSpec:
-    """The opening with its upper end (if `end` is `max`) or its lower end (if `end` is `min`) moved to `along` [m]."""
+    """Return the opening with its upper end (`end` is `max`) or its lower end (`end` is `min`) moved to `along` [m]."""
     moved = end(opening.start_m[axis], opening.end_m[axis])
     a, b = (
         (along if axis == 0 else x, along if axis == 1 else y) if (x, y)[axis] == moved else (x, y)

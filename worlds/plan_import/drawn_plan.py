@@ -101,7 +101,7 @@ def find_label(text: str) -> str | None:
 
 
 def label_of(where: str, text: str) -> str:
-    """The room label that a text stands for. Raises `SpecError` if the text is no known label."""
+    """Return the room label that a text stands for. Raises `SpecError` if the text is no known label."""
     if (label := find_label(text)) is None:
         guess = did_you_mean(normalised_name(text), ROOM_LABELS)
         raise SpecError(f"{where}: unknown label {text[:60]!r}{guess}; valid: {', '.join(ROOM_LABELS)}")
@@ -115,7 +115,7 @@ def find_kind(text: str) -> OpeningKind | None:
 
 
 def opening_kind_of(where: str, text: str) -> OpeningKind:
-    """The kind of opening that a text stands for. Raises `SpecError` if the text is no known kind."""
+    """Return the kind of opening that a text stands for. Raises `SpecError` if the text is no known kind."""
     if (kind := find_kind(text)) is None:
         guess = did_you_mean(normalised_name(text), KINDS)
         raise SpecError(f"{where}: unknown kind of opening {text[:60]!r}{guess}; valid: {', '.join(KINDS)}")

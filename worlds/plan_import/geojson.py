@@ -100,7 +100,10 @@ def _in_degrees(rooms: Sequence[DrawnRoom]) -> bool:
 
 
 def to_geojson(spec: HouseSpec) -> str:
-    """The rooms and openings of a house as GeoJSON in metres; to read it back, call `read_geojson` with 1 metre per unit."""
+    """Return the rooms and openings of a house as GeoJSON in metres.
+
+    To read it back, call `read_geojson` with 1 metre per unit.
+    """
     features = []
     for level, storey in enumerate(spec.storeys):
         for room in storey.rooms:

@@ -43,7 +43,7 @@ class Atlas:
 
     @staticmethod
     def of(paints: Iterable[Paint], spec: HouseSpec) -> "Atlas":
-        """The atlas of all `paints`. Once the atlas is full, further paints share the patches of earlier ones."""
+        """Return the atlas of all `paints`. Once the atlas is full, further paints share the patches of earlier ones."""
         distinct = list(dict.fromkeys(paints))
         rows = -(-min(max(len(distinct), 1), _MAX_PATCHES) // _COLUMNS)
         image = np.zeros((rows * _PATCH_PX, _COLUMNS * _PATCH_PX, 3), np.uint8)

@@ -55,7 +55,7 @@ class _Object:
 
 
 def visuals(house: House) -> Visuals:
-    """All visuals of a house: walls, floors and ceilings by room, then furniture, stairs, door leaves and windows."""
+    """Return all visuals of a house: walls, floors and ceilings by room, then furniture, stairs, door leaves and windows."""
     images, parts = {}, []
     for sheet in surface_textures(house, surfaces(house)):
         name = f"{sheet.room}/{sheet.kind}"

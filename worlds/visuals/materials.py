@@ -60,7 +60,7 @@ MAX_PIXELS = 1 << 25
 def texture(
     pattern: str, colour: Colour, rng: Generator, shape: tuple[int, int], metres: tuple[float, float]
 ) -> UInt8[np.ndarray, "height width 3"]:
-    """An RGB texture of `shape` (height, width) [px] for a surface of `metres` (width, height) [m].
+    """Return an RGB texture of `shape` (height, width) [px] for a surface of `metres` (width, height) [m].
 
     Raises `WorldsError` for an unknown pattern, a size that is not positive, or more than `MAX_PIXELS` pixels.
     """
@@ -80,7 +80,7 @@ def texture(
 
 
 def tileable(pattern: str, colour: Colour, rng: Generator, side: int, side_m: float) -> UInt8[np.ndarray, "side side 3"]:
-    """A square texture of `side` [px] that covers `side_m` [m] and can be repeated side by side without a visible seam."""
+    """Return a square texture of `side` [px] that covers `side_m` [m] and can be repeated without a visible seam."""
     over = max(1, side // 6)
     whole, scale = side + over, side_m / side
     image = texture(pattern, colour, rng, (whole, whole), (whole * scale, whole * scale)).astype(np.float32)

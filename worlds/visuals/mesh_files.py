@@ -21,7 +21,7 @@ _Y_UP = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0
 
 
 def to_trimesh(house: House) -> trimesh.Scene:
-    """The house as a scene in the world frame W [m], z up. Each node has the name of its `house_visuals.Visual`."""
+    """Return the house as a scene in the world frame W [m], z up. Each node has the name of its `house_visuals.Visual`."""
     seen, scene = visuals(house), trimesh.Scene()
     materials = {name: _material(name, image) for name, image in seen.images.items()}
     for visual in seen.parts:

@@ -65,13 +65,13 @@ def solids_mesh(solids: Sequence[Solid]) -> SolidsMesh:
 
 
 def normals(corners: Float64[np.ndarray, "q 4 3"]) -> Float64[np.ndarray, "q 3"]:
-    """Unit normals of quads, computed from the diagonals, so that a quad with two equal corners still has a normal."""
+    """Return the unit normals of quads. They follow from the diagonals: a quad with two equal corners has a normal, too."""
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12))
 
 
 def triangles(quads: int) -> Int[np.ndarray, "t 3"]:
-    """Two triangles per quad, as indices into the list of all corners (four per quad)."""
+    """Return two triangles per quad, as indices into the list of all corners (four per quad)."""
     return np.asarray(4 * np.arange(quads)[:, None, None] + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
 
 

@@ -49,7 +49,7 @@ def finishes(house: House) -> dict[str, Finish]:
 
 
 def surface_textures(house: House, faces: Sequence[Surface]) -> Iterator[SurfaceTexture]:
-    """The textures of all `faces` of the shell of `house`, grouped by room and kind."""
+    """Return the textures of all `faces` of the shell of `house`, grouped by room and kind."""
     groups: dict[tuple[str, SurfaceKind], list[Surface]] = defaultdict(list)
     for face in faces:
         groups[face.room, face.kind].append(face)

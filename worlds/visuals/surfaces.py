@@ -237,7 +237,7 @@ def _undersides(house: House, unrolling: _Unrolling) -> Iterator[Surface]:
 
 
 def rectangles(polygon: Polygon) -> list[tuple[float, float, float, float]]:
-    """Rectangles (x0, y0, x1, y1) [m] that tile a rectilinear polygon."""
+    """Return rectangles (x0, y0, x1, y1) [m] that tile a rectilinear polygon."""
     ring = np.array(polygon.exterior.coords)
     xs, ys = np.unique(ring[:, 0]), np.unique(ring[:, 1])
     if len(xs) == len(ys) == 2:

@@ -81,7 +81,10 @@ def _word_scores(tree: WordTree, features: int, seen: SeenKeyframes) -> Float64[
 
 
 def l1_scores(histograms: Float64[np.ndarray, "n words"]) -> Float64[np.ndarray, "n n"]:
-    """Score of every histogram (rows) with all histograms before it: 1 - |v - w| / 2, which is 1 for equal histograms."""
+    """Return the score of every histogram (rows) with all histograms before it.
+
+    The score is 1 - |v - w| / 2, which is 1 for equal histograms.
+    """
     scores = np.zeros((len(histograms), len(histograms)))
     for query, own in enumerate(histograms):
         words = np.flatnonzero(own)

@@ -48,7 +48,7 @@ class SequenceMatching:
         return seen.only_eligible(np.max([self._along(similarities, speed) for speed in self.speeds], axis=0))
 
     def _along(self, similarities: Float64[np.ndarray, "n n"], speed: float) -> Float64[np.ndarray, "n n"]:
-        """Mean similarity along paths of one speed that end at each pair of a query and an earlier keyframe."""
+        """Return the mean similarity along paths of one speed that end at each pair of a query and an earlier keyframe."""
         total, count = np.zeros_like(similarities), np.zeros_like(similarities)
         for back in range(self.length):
             match_back = round(back * speed)
@@ -60,7 +60,7 @@ class SequenceMatching:
 
 
 def cosines(seen: SeenKeyframes) -> Float64[np.ndarray, "n n"]:
-    """Cosine similarities of the embeddings of all pairs of keyframes."""
+    """Return the cosine similarities of the embeddings of all pairs of keyframes."""
     embeddings = seen.embeddings.astype(np.float64)
     return np.asarray(embeddings @ embeddings.T)
 

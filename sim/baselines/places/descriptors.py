@@ -34,7 +34,7 @@ class TrainingDescriptors:
 
 
 def strongest_orb(image: Image) -> UInt8[np.ndarray, "n 32"]:
-    """ORB descriptors of an RGB image, those of the strongest key points first; none for a blank image."""
+    """Return the ORB descriptors of an RGB image, those of the strongest key points first; none for a blank image."""
     orb = cv2.ORB.create(nfeatures=ORB_FEATURES, fastThreshold=_FAST_THRESHOLD)  # a new one per call keeps no state
     keypoints, descriptors = orb.detectAndCompute(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), None)
     if not keypoints:
@@ -45,7 +45,10 @@ def strongest_orb(image: Image) -> UInt8[np.ndarray, "n 32"]:
 
 @lru_cache(maxsize=1)
 def training_descriptors() -> TrainingDescriptors:
-    """Descriptors of 300 images from houses of all presets and looks, none of which is in a benchmark; in half a minute."""
+    """Return descriptors of 300 images from houses of all presets and looks, none of which is in a benchmark.
+
+    This takes half a minute.
+    """
     draws = draw_houses(_HOUSES, TRAINING_SEEDS, np.random.default_rng(_SEED))
     return described([image for draw in draws for image in frames_of_house(draw, _VIEWS).images])
 

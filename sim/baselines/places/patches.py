@@ -21,7 +21,7 @@ _STAGE = 3
 
 
 def patch_features(image: Image) -> Float16[np.ndarray, "cells channels"]:
-    """Features of the cells of an RGB image of any size, row by row: 8 x 10 cells with 152 channels."""
+    """Return features of the cells of an RGB image of any size, row by row: 8 x 10 cells with 152 channels."""
     trunk, preprocessing = _tower()
     with torch.inference_mode():
         (maps,) = trunk.forward_intermediates(preprocessing.apply(image)[None], indices=[_STAGE], intermediates_only=True)
@@ -30,6 +30,6 @@ def patch_features(image: Image) -> Float16[np.ndarray, "cells channels"]:
 
 @lru_cache(maxsize=1)
 def _tower() -> tuple[Any, Preprocessing]:
-    """The image tower of `mini` without its pooling and projection, and its preprocessing of images."""
+    """Return the image tower of `mini` without its pooling and projection, and its preprocessing of images."""
     network, _, preprocessing = load_network(MINI, parse_model(MINI))
     return network.visual.trunk.eval(), preprocessing

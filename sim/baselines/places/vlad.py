@@ -65,7 +65,7 @@ class Vlad:
         return Vlad(centres, mean, np.ascontiguousarray(axes[:dims].T / spreads[:dims]), kind)
 
     def vectors(self, images: Sequence[Descriptors]) -> Float32[np.ndarray, "images dims"]:
-        """VLAD vectors of images, with unit norm; zeros for an image without descriptors."""
+        """Return VLAD vectors of images, with unit norm; zeros for an image without descriptors."""
         found = np.array([self._aggregated(_components(descriptors)) for descriptors in images], np.float32)
         if not self.whitening.size:
             return found
@@ -84,7 +84,7 @@ class Vlad:
 
 
 def _components(descriptors: Descriptors) -> Float32[np.ndarray, "n components"]:
-    """Components of descriptors as numbers: the bits of binary ones."""
+    """Return the components of descriptors as numbers: the bits of binary ones."""
     return (np.unpackbits(descriptors, axis=1) if descriptors.dtype == np.uint8 else descriptors).astype(np.float32)
 
 

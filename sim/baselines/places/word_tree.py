@@ -51,14 +51,17 @@ class WordTree:
         return WordTree(tuple(levels), np.where(having > 0, np.log(len(images) / np.maximum(having, 1)), 0.0))
 
     def words(self, descriptors: Descriptors) -> Int[np.ndarray, "n"]:
-        """The word of every descriptor."""
+        """Return the word of every descriptor."""
         branching, nodes = len(self.levels[0]), np.zeros(len(descriptors), np.intp)
         for level in self.levels:
             nodes = nodes * branching + _nearest_child(descriptors, level.reshape(-1, branching, 32)[nodes])
         return nodes
 
     def histograms(self, images: Sequence[Descriptors]) -> Float64[np.ndarray, "images words"]:
-        """The tf-idf histogram of every image over the words that occur, with unit sum; zeros for images without words."""
+        """Return the tf-idf histogram of every image over the words that occur, with unit sum.
+
+        The histogram of an image without words is zero.
+        """
         found = [self.words(descriptors) for descriptors in images]
         occurring, columns = np.unique(np.concatenate(found), return_inverse=True)
         rows = np.repeat(np.arange(len(images)), [len(each) for each in found])
@@ -70,7 +73,7 @@ class WordTree:
 def nearest(
     descriptors: Descriptors, others: UInt8[np.ndarray, "k 32"]
 ) -> tuple[Int[np.ndarray, "n"], Int[np.ndarray, "n"]]:
-    """For every descriptor, the number of bits that differ from the nearest of the others, and the row of that one."""
+    """Return, for every descriptor, how many bits differ from the nearest of the others, and the row of that one."""
     bits, rows = cv2.batchDistance(descriptors, others, cv2.CV_32S, normType=cv2.NORM_HAMMING, K=1)
     return bits[:, 0].astype(np.int64), rows[:, 0].astype(np.intp)
 
@@ -81,7 +84,7 @@ def _nearest_child(descriptors: Descriptors, children: UInt8[np.ndarray, "n k 32
 
 
 def _split(descriptors: Descriptors, count: int, rng: np.random.Generator) -> UInt8[np.ndarray, "k 32"]:
-    """Cluster centres of binary descriptors; each descriptor is a centre if there are no more than `count` of them."""
+    """Return cluster centres of binary descriptors. All descriptors are centres if there are no more than `count`."""
     different = np.unique(descriptors, axis=0)
     if len(different) <= count:
         return np.concatenate([different, np.repeat(different[:1], count - len(different), axis=0)])
@@ -109,5 +112,5 @@ def _seeds(descriptors: Descriptors, count: int, rng: np.random.Generator) -> UI
 
 
 def _squared(descriptors: Descriptors, chosen: int) -> Int[np.ndarray, "n"]:
-    """Squared Hamming distances from one of the descriptors."""
+    """Return the squared Hamming distances from one of the descriptors."""
     return nearest(descriptors, descriptors[chosen : chosen + 1])[0] ** 2

@@ -47,7 +47,7 @@ class HydraPlaces:
         return grown(seeds, free)
 
     def _rooms(self, graph: csr_array, distances_m: Float32[np.ndarray, "n"], least_places: float) -> Int[np.ndarray, "n"]:
-        """Room of every place, from 1, under the chosen dilation; 0: none."""
+        """Return the room of every place, from 1, under the chosen dilation; 0: none."""
         dilations_m = np.linspace(self.least_dilation_m, self.most_dilation_m, self.steps)
         found = [_components(graph, distances_m > dilation_m, least_places) for dilation_m in dilations_m]
         counts = [int(rooms.max()) for rooms in found]
@@ -55,7 +55,10 @@ class HydraPlaces:
 
 
 def _graph(places: Int[np.ndarray, "n 2"], free: Free, stride: int) -> csr_array:
-    """Edges between places that are neighbours on the grid and have free cells between them, with lengths in grid steps."""
+    """Return the edges between places that are neighbours on the grid and have free cells between them.
+
+    Their lengths are in grid steps.
+    """
     count = len(places)
     number = np.full(np.add(free.shape, 2 * stride), -1)
     number[tuple((places + stride).T)] = np.arange(count)

@@ -24,7 +24,7 @@ class MapSegmentation(Protocol):
     """Interface of a method that divides the free cells of a storey into rooms."""
 
     def segments(self, free: Free, resolution_m: float) -> Segments:
-        """Segment of every free cell, from 1; 0 for cells that are not free."""
+        """Return the segment of every free cell, from 1; 0 for cells that are not free."""
 
 
 class MapRooms:

@@ -26,7 +26,10 @@ class ObjectScores(Protocol):
     """Interface of a method that scores room names for categories of objects."""
 
     def scores(self, pieces: Mapping[str, int], names: Sequence[str]) -> Float64[np.ndarray, "categories names"]:
-        """Score of each room name for each category in `pieces`, the numbers of objects in the whole house by category."""
+        """Return the score of each room name for each category.
+
+        `pieces` are the numbers of objects in the whole house by category.
+        """
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,7 @@ class Similarity:
     encoder: TextEncoder
 
     def scores(self, pieces: Mapping[str, int], names: Sequence[str]) -> Float64[np.ndarray, "categories names"]:
-        """Score of each room name for each category."""
+        """Return the score of each room name for each category."""
         return similarities(self.encoder.encode_texts(tuple(pieces)), self.encoder.encode_rooms(names))
 
 
@@ -55,14 +58,17 @@ class RelativeSimilarity:
     """Temperature of the softmax that turns relative similarities into probabilities: the best of 0.02 to 0.4."""
 
     def scores(self, pieces: Mapping[str, int], names: Sequence[str]) -> Float64[np.ndarray, "categories names"]:
-        """Score of each room name for each category."""
+        """Return the score of each room name for each category."""
         found = Similarity(self.encoder).scores(pieces, names)
         relative = found - np.average(found, axis=0, weights=list(pieces.values()))
         return np.asarray(relative * _information(relative / self.temperature)[:, None])
 
 
 def _information(logits: Float64[np.ndarray, "categories names"]) -> Float64[np.ndarray, "categories"]:
-    """One minus the entropy of the softmax of each row, relative to the largest entropy; 1 if there is only one name."""
+    """Return one minus the entropy of the softmax of each row, relative to the largest entropy.
+
+    The result is 1 if there is only one name.
+    """
     if logits.shape[1] == 1:
         return np.ones(len(logits))
     powers = np.exp(logits - logits.max(axis=1, keepdims=True))
@@ -85,7 +91,7 @@ class Counted:
     to 3 are equally good."""
 
     def scores(self, pieces: Mapping[str, int], names: Sequence[str]) -> Float64[np.ndarray, "categories names"]:
-        """Score of each room name for each category.
+        """Return the score of each room name for each category.
 
         A label that the training houses lack has the lowest of all scores, so that it is never preferred to a known label.
         """
