@@ -6,14 +6,10 @@ from jaxtyping import Float64
 from lexis.maths.stretches import stretches_of
 from sim.render.image_files import encoded
 from sim.report.drawing import Mark
-from sim.report.house_plan import floor_plans
-from sim.report.palette import label_colours
-from sim.report.plan import plan_drawing
-from sim.report.png import joined_pictures, to_image
+from sim.report.house_plan import plan_image
 from worlds.house import House
 from worlds.truth import storey_of
 
-_PIXELS_PER_METRE = 60
 _SAME_STOREY_M = 0.3
 """Points on stairs are drawn on the plan of the upper storey if they are at most this far below its floor [m]."""
 
@@ -26,24 +22,15 @@ def drive_png(
     The path `planned` is dashed and the driven path `path` is solid; both are in W [m]. A circle marks the end of the drive.
     The name of the first object in `touched`, with which the robot collided, stands beside the circle.
     """
-    plans = floor_plans(house)
-    floors = [plan.floor_m for plan in plans]
-    colours = label_colours(room.label for plan in plans for room in plan.rooms)
-    lines = {"odometry": planned, "path": path}
-    levels = {style: storey_of(line[:, 2] + _SAME_STOREY_M, floors) for style, line in lines.items()}
-    pictures = []
-    for plan in plans:
-        marks = [
-            Mark("line", style, line[stretch.slice, :2])
-            for style, line in lines.items()
-            for stretch in stretches_of(levels[style])
-            if levels[style][stretch.start] == plan.level and stretch.stop - stretch.start > 1
-        ]
-        if levels["path"][-1] == plan.level:
-            end = path[-1:, :2]
-            marks += [
-                Mark("dot", "wrong", end),
-                Mark("text", "name", end + [0.3, 0.0], text=", ".join(touched[:1]), size=0.3),
-            ]
-        pictures.append(to_image(plan_drawing(plan, colours).with_marks(marks), pixels_per_metre=_PIXELS_PER_METRE))
-    return encoded(joined_pictures(pictures), ".png")
+    marks: dict[int, list[Mark]] = {level: [] for level in range(len(house.storeys))}
+    for style, line in (("odometry", planned), ("path", path)):
+        levels = storey_of(line[:, 2] + _SAME_STOREY_M, [storey.floor_m for storey in house.storeys])
+        for stretch in stretches_of(levels):
+            if stretch.stop - stretch.start > 1:
+                marks[int(levels[stretch.start])].append(Mark("line", style, line[stretch.slice, :2]))
+    end = path[-1:, :2]  # on the last of the levels of `path`
+    marks[int(levels[-1])] += [
+        Mark("dot", "wrong", end),
+        Mark("text", "name", end + [0.3, 0.0], text=", ".join(touched[:1]), size=0.3),
+    ]
+    return encoded(plan_image(house, marks=marks), ".png")

@@ -1,7 +1,8 @@
 """Makes the floor plans of a house, as data for reports and as pictures."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 from jaxtyping import Float64, UInt8
@@ -53,9 +54,14 @@ def plan_svg(house: House) -> str:
     return side_by_side(_drawings(house))
 
 
-def plan_image(house: House, pixels_per_metre: int = _PIXELS_PER_METRE) -> UInt8[np.ndarray, "h w 3"]:
-    """Draw the plans of all storeys side by side, the lowest on the left. Large houses are drawn at a smaller scale."""
-    drawings = _drawings(house)
+def plan_image(
+    house: House, pixels_per_metre: int = _PIXELS_PER_METRE, marks: Mapping[int, Sequence[Mark]] = MappingProxyType({})
+) -> UInt8[np.ndarray, "h w 3"]:
+    """Draw the plans of all storeys side by side, the lowest on the left. Large houses are drawn at a smaller scale.
+
+    `marks` are further marks by the level of the storey on whose plan they are drawn.
+    """
+    drawings = [drawing.with_marks(marks.get(level, ())) for level, drawing in enumerate(_drawings(house))]
     scale = min(_scale(drawing, pixels_per_metre) for drawing in drawings)
     return joined_pictures([to_image(drawing, pixels_per_metre=scale) for drawing in drawings])
 

@@ -62,6 +62,7 @@ class MapRooms:
     def _begin(self) -> None:
         self._selector = KeyframeSelector(KeyframeConfig())
         self._frames: list[int] = []
+        self._last = -1
 
     def process(self, observation: Observation) -> None:
         """Note the number of the observation if it is a keyframe.
@@ -70,9 +71,9 @@ class MapRooms:
         """
         if not np.isfinite(observation.T_O_B).all():
             raise ObservationError(f"observation {observation.index}: T_O_B is not finite; valid: a rigid motion")
-        if self._frames and observation.index <= self._frames[-1]:
-            last = self._frames[-1]
-            raise ObservationError(f"observation {observation.index} comes after {last}; valid: ascending numbers")
+        if observation.index <= self._last:
+            raise ObservationError(f"observation {observation.index} comes after {self._last}; valid: ascending numbers")
+        self._last = observation.index
         frame = self._selector.select(observation)
         if frame is not None and frame.is_keyframe:
             self._frames.append(observation.index)

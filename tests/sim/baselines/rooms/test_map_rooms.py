@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.small_inputs import observations
 
+from lexis.errors import ObservationError
 from sim.baselines.rooms import MapRooms, Voronoi, WordlessLexis
 from sim.errors import SimError
 from sim.harness import Scenario, evaluate, run
@@ -35,6 +37,16 @@ def test_stairs_are_a_room_of_their_own_and_storeys_share_no_room():
 def test_a_run_without_observations_is_refused():
     with pytest.raises(SimError, match="no observation"):
         MapRooms.of(CLOSED, Voronoi()).finish()
+
+
+def test_an_observation_that_comes_before_an_earlier_one_is_refused():
+    """The earlier one here is no keyframe, because the body stands still."""
+    slam = MapRooms.of(CLOSED, Voronoi())
+    first = next(iter(observations()))
+    for index in (0, 5):
+        slam.process(replace(first, index=index))
+    with pytest.raises(ObservationError, match="observation 3 comes after 5; valid: ascending numbers"):
+        slam.process(replace(first, index=3))
 
 
 def test_wordless_lexis_estimates_rooms_but_no_labels():
