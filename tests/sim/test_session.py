@@ -16,7 +16,8 @@ from sim.faults.images import Blur, Noise
 from sim.faults.poses import Kidnap, OdometryFreeze, OdometryJump
 from sim.faults.stamps import StampJitter
 from sim.faults.world import MovedFurniture
-from sim.odometry.simulation import ODOMETRY_PRESETS, simulate_odometry
+from sim.odometry.config import ODOMETRY_PRESETS
+from sim.odometry.simulation import simulate_odometry
 from sim.prefetch import THREAD
 from sim.render.camera import CameraRenderer, wide_camera
 from sim.render.lens import Distortion

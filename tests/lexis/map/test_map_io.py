@@ -102,14 +102,14 @@ def test_anchors_that_are_not_active_or_not_earlier_are_refused(lexis_map, tmp_p
 
 
 def test_embeddings_are_those_of_active_keyframes_and_sessions_begin_with_one(lexis_map, tmp_path):
-    save_map(with_retired(lexis_map, RETIRED), tmp_path / "map")
-    rewritten(tmp_path / "map", anchor=np.full(40, -1))
-    with pytest.raises(MapError, match="embedding has 36 rows; valid: 40"):
-        load_map(tmp_path / "map")
-    save_map(with_retired(lexis_map, RETIRED), tmp_path / "map")
-    rewritten(tmp_path / "map", session=np.repeat([0, 1], 20))
-    with pytest.raises(MapError, match="first keyframe of a session"):
-        load_map(tmp_path / "map")
+    changes = {"embedding has 36 rows; valid: 40": {"anchor": np.full(40, -1)}}
+    changes |= {"first keyframe of a session": {"session": np.repeat([0, 1], 20)}}
+    for number, (message, changed) in enumerate(changes.items()):
+        folder = tmp_path / f"map{number}"
+        save_map(with_retired(lexis_map, RETIRED), folder)
+        rewritten(folder, **changed)
+        with pytest.raises(MapError, match=message):
+            load_map(folder)
 
 
 def test_a_map_of_one_camera_has_nothing_of_others(lexis_map, tmp_path):
