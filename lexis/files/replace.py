@@ -68,7 +68,7 @@ def replaced_folder(path: Path, *markers: str) -> Iterator[Path]:
             new = folder / "new" / target.name
             new.mkdir()
             yield new
-            (new / CONTENTS).write_bytes(b"".join(os.fsencode(f"{line}\n") for line in _files(new).values()))
+            write_contents(new)
             _install(path, new, target, lambda: _replace_folder(path, new, target, folder / "old" / target.name, markers))
 
 
@@ -141,23 +141,37 @@ def _check_own(path: Path, target: Path) -> None:
     """
     if not target.is_dir():
         return
-    before = target.stat()
-    own = os.fsdecode((target / CONTENTS).read_bytes()).split("\n") if (target / CONTENTS).is_file() else []
-    names, lines = {line.partition(" ")[2] for line in own}, set(own)
-    strange = [name for name, line in _files(target).items() if line not in lines]
-    if strange and os.path.samestat(before, target.stat()):
-        what = "was changed since this folder was written" if strange[0] in names else "was not written with this folder"
-        raise LexisError(f"{path}: holds {strange[0]}, which {what} and would be lost; valid: a new name")
+    before, contents = target.stat(), target / CONTENTS
+    lines = os.fsdecode(contents.read_bytes()).split("\n") if contents.is_file() else []
+    own = {name: checksum for checksum, _, name in (line.partition(" ") for line in lines)}
+    files = _files(target)
+    strange, what = next((name for name in files if name not in own), None), "was not written with this folder"
+    if strange is None and own:
+        since_ns, what = contents.stat().st_ctime_ns, "was changed since this folder was written"
+        strange = next((name for name in files if _has_changed(target / name, own[name], since_ns)), None)
+    if strange is not None and os.path.samestat(before, target.stat()):
+        raise LexisError(f"{path}: holds {strange}, which {what} and would be lost; valid: a new name")
 
 
-def _files(folder: Path) -> dict[str, str]:
-    """Return the lines of a folder's list by the names of the files: checksum and path relative to the folder.
+def write_contents(folder: Path) -> None:
+    """Write the list of the files that a folder holds now, with their checksums."""
+    lines = [f"{_checksum(folder / name)} {name}\n" for name in _files(folder)]
+    (folder / CONTENTS).write_bytes(os.fsencode("".join(lines)))
 
-    The list itself and the caches of Python are left out.
-    """
+
+def _files(folder: Path) -> list[str]:
+    """Return the paths of all files in a folder, relative to it, except for its list and for caches of Python."""
     paths = (path.relative_to(folder) for path in folder.rglob("*") if path.is_symlink() or not path.is_dir())
-    names = sorted(path.as_posix() for path in paths if path != Path(CONTENTS) and not _CACHES & set(path.parts))
-    return {name: f"{_checksum(folder / name)} {name}" for name in names}
+    return sorted(path.as_posix() for path in paths if path != Path(CONTENTS) and not _CACHES & set(path.parts))
+
+
+def _has_changed(path: Path, checksum: str, since_ns: int) -> bool:
+    """Whether a file has another checksum.
+
+    A file whose status last changed before the time `since_ns` [ns], at which its checksum was stored, is not read: a
+    recording has gigabytes. No program can set this time back, as it can the time of modification.
+    """
+    return path.lstat().st_ctime_ns >= since_ns and _checksum(path) != checksum
 
 
 def _checksum(path: Path) -> str:

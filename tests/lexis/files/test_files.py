@@ -11,13 +11,12 @@ import time
 from itertools import count
 
 import pytest
-from helpers.listed_folder import list_files
 from helpers.map_builder import corridor_with_offices
 
 from lexis.errors import LexisError
 from lexis.files import replace as files
 from lexis.files import swap, temporary_folder
-from lexis.files.replace import CONTENTS, check_replaceable, replaced_file, replaced_folder
+from lexis.files.replace import CONTENTS, check_replaceable, replaced_file, replaced_folder, write_contents
 from lexis.map.folder import load_map, save_map
 
 MARKER = "marker"
@@ -224,7 +223,7 @@ def test_a_folder_that_is_replaced_while_it_is_checked_holds_no_files_of_others(
         folder.rename(tmp_path / "old")
         if then == "another":
             shutil.copytree(tmp_path / "old", folder)
-        return {"inner": "0123456789abcdef inner"}
+        return ["inner"]
 
     monkeypatch.setattr(files, "_files", listed_while_it_is_replaced)
     check_replaceable(place, MARKER)
@@ -338,10 +337,21 @@ def test_a_folder_with_a_file_that_the_user_has_changed_is_not_replaced(tmp_path
     place = tmp_path / "map"
     write(place, "old")
     write(place, "new")
-    (place / "inner" / "more").write_text("mine")
+    more = place / "inner" / "more"
+    before = more.stat()
+    more.write_text("own")
+    os.utime(more, ns=(before.st_atime_ns, before.st_mtime_ns))  # as if an older file had been moved there
     with pytest.raises(LexisError, match="holds inner/more, which was changed since this folder was written and would be"):
         write(place, "newer")
-    assert (place / "inner" / "more").read_text() == "mine"
+    assert more.read_text() == "own"
+
+
+def test_a_copy_of_a_folder_can_be_replaced(tmp_path):
+    place = tmp_path / "map"
+    write(place, "old")
+    shutil.copytree(place, tmp_path / "copy")
+    write(tmp_path / "copy", "new")
+    assert content_of(tmp_path / "copy") == "new"
 
 
 def test_a_writer_that_takes_the_place_in_the_middle_of_a_swap_is_replaced(tmp_path, monkeypatch):
@@ -356,7 +366,7 @@ def test_a_writer_that_takes_the_place_in_the_middle_of_a_swap_is_replaced(tmp_p
         if next(calls) == 0:
             folder.mkdir()
             (folder / MARKER).write_text("another")
-            list_files(folder)
+            write_contents(folder)
 
     monkeypatch.setattr(swap, "move_folder", and_another_writes)
     write(place, "new")

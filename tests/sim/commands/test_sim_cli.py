@@ -11,9 +11,9 @@ import cv2
 import numpy as np
 import pytest
 from helpers.command_line import status_of
-from helpers.listed_folder import list_files
 
 from lexis.config import Config, PlannerConfig
+from lexis.files.replace import write_contents
 from sim.bench.kernels import KernelRow
 from sim.bench.peers.difficulty_sweep import SweepRow
 from sim.bench.peers.labels import LabelRow
@@ -245,7 +245,7 @@ def test_what_will_be_replaced_is_said_before_the_work(command, marker, tmp_path
     assert status_of([command, "--out", tmp_path]) == 2
     assert capsys.readouterr().err == "lexis-sim: so far\n"
     (tmp_path / marker).write_text("{}")
-    list_files(tmp_path)
+    write_contents(tmp_path)
     assert status_of([command, "--out", tmp_path]) == 2
     note = f"note: {tmp_path} holds an earlier result; the new one will replace it\n"
     assert capsys.readouterr().err == f"{note}lexis-sim: so far\n"

@@ -9,10 +9,10 @@ import pytest
 import shapely
 import yaml
 from helpers.landmarks import without_key_points
-from helpers.listed_folder import list_files
 from helpers.two_rooms import ROOMS, two_rooms, with_session_apart
 
 from lexis.errors import LexisError, MapError
+from lexis.files.replace import write_contents
 from lexis.map.export import export_map
 from lexis.maths.se3 import transform
 
@@ -85,7 +85,7 @@ def test_a_session_that_shares_no_frame_with_the_first_has_grids_of_its_own(fold
 def test_an_earlier_folder_is_replaced_and_anything_else_is_left_alone(folder, tmp_path):
     written = {path.name for path in folder.iterdir()}
     (folder / "floor1.pgm").write_bytes(b"of an earlier map")
-    list_files(folder)
+    write_contents(folder)
     export_map(two_rooms(np.random.default_rng(3)), "ros", folder)
     assert {path.name for path in folder.iterdir()} == written
     (tmp_path / "thesis").mkdir()
