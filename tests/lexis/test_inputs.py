@@ -9,7 +9,7 @@ from helpers.unchecked import unchecked, untyped
 from lexis.errors import LexisError, ObservationError
 from lexis.inputs import check_camera, check_observation, check_room_names
 from lexis.map.folder import save_map
-from lexis.types import Camera, Features, Observation, Percept
+from lexis.types import NO_FEATURES, Camera, Features, Observation, Percept
 
 GOOD = Observation(3, 0.3, np.zeros((240, 320, 3), np.uint8), np.eye(4), 1e-6 * np.eye(6))
 LEANING = np.eye(4) + 0.01
@@ -141,12 +141,11 @@ def test_impossible_intrinsics_are_refused(change):
 
 
 UNIT = np.array([0.6, 0.8], np.float32)
-NONE = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
 
 
-def percept(embedding=UNIT, keypoints=NONE.keypoints, descriptors=NONE.descriptors):
+def percept(embedding=UNIT, keypoints=NO_FEATURES.keypoints, descriptors=NO_FEATURES.descriptors):
     """A percept without type checks: the annotations, which are enforced in tests, would refuse a bad one earlier."""
-    features, made = Features(**vars(NONE)), Percept(UNIT, NONE)
+    features, made = Features(**vars(NO_FEATURES)), Percept(UNIT, NO_FEATURES)
     object.__setattr__(features, "keypoints", keypoints)
     object.__setattr__(features, "descriptors", descriptors)
     object.__setattr__(made, "embedding", embedding)

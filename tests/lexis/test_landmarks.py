@@ -10,7 +10,7 @@ from lexis.features import FeatureExtractor
 from lexis.landmarks import View, triangulate
 from lexis.maths import se3
 from lexis.maths.projection import project
-from lexis.types import Camera, Features, Intrinsics
+from lexis.types import NO_FEATURES, Camera, Features, Intrinsics
 
 CONFIG = LandmarkConfig()
 
@@ -81,7 +81,7 @@ def test_a_camera_that_only_turns_sees_no_depth(points):
 
 
 def test_no_features_and_no_supports_give_no_landmarks(sideways):
-    empty = View(sideways[0], Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8)))
+    empty = View(sideways[0], NO_FEATURES)
     assert triangulate(empty, [empty, empty], FORWARD_CAMERA, CONFIG).points.shape == (0, 3)
     assert triangulate(empty, [], FORWARD_CAMERA, CONFIG).points.shape == (0, 3)
 

@@ -14,11 +14,10 @@ from lexis.inputs import pixels
 from lexis.map.relabelling import relabel
 from lexis.perception import embedding_of, features_of
 from lexis.slam import Slam
-from lexis.types import EncoderId, Features, Observation, Percept
+from lexis.types import NO_FEATURES, EncoderId, Observation, Percept
 from lexis.verification import Verification
 
 CONFIG = Config(landmarks=LandmarkConfig(max_features=200))
-NOTHING = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
 BITS = np.zeros((1, 61), np.uint8)
 
 
@@ -150,10 +149,12 @@ def test_loops_are_the_verifiers(observations):
 @pytest.mark.parametrize(
     ("percept", "message"),
     [
-        (Percept(np.full(3, np.nan, np.float32), NOTHING), "unit norm"),
-        (Percept(np.float32([0.0, 2.0, 0.0]), NOTHING), "unit norm"),
+        (Percept(np.full(3, np.nan, np.float32), NO_FEATURES), "unit norm"),
+        (Percept(np.float32([0.0, 2.0, 0.0]), NO_FEATURES), "unit norm"),
         (
-            Percept(np.float32([0.0, 1.0, 0.0]), replace(NOTHING, keypoints=np.float32([[np.inf, 0.0]]), descriptors=BITS)),
+            Percept(
+                np.float32([0.0, 1.0, 0.0]), replace(NO_FEATURES, keypoints=np.float32([[np.inf, 0.0]]), descriptors=BITS)
+            ),
             "finite",
         ),
     ],

@@ -10,16 +10,15 @@ from lexis.graph.thinning import as_retired
 from lexis.maths import se3
 from lexis.place_recognition import propose, revisit_log_odds
 from lexis.sessions.relocalisation import candidates_elsewhere
-from lexis.types import NO_LANDMARKS, CameraView, Features, Keyframe, RoomInstance
+from lexis.types import NO_FEATURES, NO_LANDMARKS, CameraView, Keyframe, RoomInstance
 
-NOTHING = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
 CONFIG = PlaceRecognitionConfig(method="room", candidates=3, min_gap_s=10.0, min_gap_m=5.0)
 
 
 def keyframe(i, x, embedding):
     T = se3.exp(np.array([0.0, 0.0, 0.0, x, 0.0, 0.0]))
     unit = np.asarray(embedding, np.float32) / np.float32(np.linalg.norm(embedding))
-    return Keyframe(i, i, float(i), T, np.eye(6), unit, NOTHING, NO_LANDMARKS)
+    return Keyframe(i, i, float(i), T, np.eye(6), unit, NO_FEATURES, NO_LANDMARKS)
 
 
 def room(i, label, ids, graph):
@@ -148,7 +147,7 @@ def there_and_back(rng, camera):
     for i, x in enumerate([*range(10), *range(9, -1, -1)]):
         seen = (ahead[x], behind[x]) if i < 10 else (behind[x], ahead[x])
         first, second = (keyframe(i, float(x), embedding) for embedding in seen)
-        others = (CameraView(second.embedding, NOTHING, second.landmarks),) if camera is not None else ()
+        others = (CameraView(second.embedding, NO_FEATURES, second.landmarks),) if camera is not None else ()
         graph.add_keyframe(replace(first, T_O_B=first.T_O_B @ (np.eye(4) if i < 10 else turned), others=others))
     return graph
 

@@ -7,11 +7,10 @@ from lexis.config import PoseGraphConfig
 from lexis.errors import LexisError
 from lexis.graph.pose_graph import PoseGraph
 from lexis.maths import se3
-from lexis.types import NO_LANDMARKS, Features, Keyframe, LoopEdge
+from lexis.types import NO_FEATURES, NO_LANDMARKS, Keyframe, LoopEdge
 
 STEP_COVARIANCE = np.diag(np.repeat([0.01, 0.03], 3) ** 2)
 LOOP_COVARIANCE = np.diag(np.repeat([0.005, 0.02], 3) ** 2)
-NOTHING = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
 
 
 @pytest.fixture
@@ -27,7 +26,7 @@ def odometry(rng):
 def graph_of(T_O_B, config=None):
     graph = PoseGraph(config or PoseGraphConfig())
     for i, T in enumerate(T_O_B):
-        graph.add_keyframe(Keyframe(i, i, float(i), T, STEP_COVARIANCE, np.ones(1, np.float32), NOTHING, NO_LANDMARKS))
+        graph.add_keyframe(Keyframe(i, i, float(i), T, STEP_COVARIANCE, np.ones(1, np.float32), NO_FEATURES, NO_LANDMARKS))
     return graph
 
 

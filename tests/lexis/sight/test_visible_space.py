@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from lexis.config import SightConfig
 from lexis.maths.se3 import exp, inverse, transform
 from lexis.sight.visible_space import OBSTACLE_RANGE_M, VisibleSpace, sight, space_in_view
-from lexis.types import Features, Keyframe
+from lexis.types import NO_FEATURES, Keyframe
 
 FORWARD = np.array([[0.0, 0.0, 1.0, 0.1], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.2], [0.0, 0.0, 0.0, 1.0]])
 """A camera on a body with x forward and z up that looks forward."""
@@ -18,11 +18,10 @@ NEAR_M = 0.7
 
 def keyframe(points, T_O_B=None):
     """A keyframe that has these landmarks in its body frame."""
-    nothing = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
     points = np.asarray(points, float).reshape(-1, 3)
     landmarks = without_key_points(points)
     pose = np.eye(4) if T_O_B is None else T_O_B
-    return Keyframe(0, 0, 0.0, pose, np.eye(6), np.ones(2, np.float32), nothing, landmarks)
+    return Keyframe(0, 0, 0.0, pose, np.eye(6), np.ones(2, np.float32), NO_FEATURES, landmarks)
 
 
 def scattered(rng, n):

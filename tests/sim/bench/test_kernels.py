@@ -10,7 +10,7 @@ import pytest
 from lexis.config import Config, PoseGraphConfig, VerificationConfig
 from lexis.evaluation.loops import true_edges
 from lexis.maths.se3 import between, exp, inverse, log
-from lexis.types import NO_LANDMARKS, Features, Keyframe, LoopArrays, LoopEdge
+from lexis.types import NO_FEATURES, NO_LANDMARKS, Keyframe, LoopArrays, LoopEdge
 from sim.bench import kernels as module
 from sim.bench.injected_loops import GROUP, KINDS, injected
 from sim.bench.kernels import KERNELS, KernelRow, MappedHouse, draw_kernels, kernel_runs, mapped_houses, summarised
@@ -34,7 +34,7 @@ def house():
     for step in steps:
         odometry.append(odometry[-1] @ step)
     nothing = (
-        Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8)),
+        NO_FEATURES,
         NO_LANDMARKS,
     )
     unit = np.array([1.0], np.float32)

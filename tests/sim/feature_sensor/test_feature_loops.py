@@ -10,7 +10,7 @@ from helpers.viewpoints import turned
 from lexis.config import PoseGraphConfig, VerificationConfig
 from lexis.graph.pose_graph import PoseGraph
 from lexis.maths import se3
-from lexis.types import NO_LANDMARKS, Features, Keyframe, LoopArrays, LoopEdge
+from lexis.types import NO_FEATURES, NO_LANDMARKS, Keyframe, LoopArrays, LoopEdge
 from sim.feature_fitting.fit_loops import Trials, fit_loops, judged
 from sim.feature_sensor.covisibility_verifier import (
     PREDICTORS,
@@ -91,11 +91,10 @@ def test_pairs_that_are_computed_together_are_those_computed_alone(house):
 
 def graph_of(count, step_m=0.0):
     graph = PoseGraph(PoseGraphConfig())
-    empty = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
     for i in range(count):
         T_O_B = np.eye(4)
         T_O_B[0, 3] = i * step_m
-        graph.add_keyframe(Keyframe(i, i, float(i), T_O_B, np.eye(6), np.ones(1, np.float32), empty, NO_LANDMARKS))
+        graph.add_keyframe(Keyframe(i, i, float(i), T_O_B, np.eye(6), np.ones(1, np.float32), NO_FEATURES, NO_LANDMARKS))
     return graph
 
 
