@@ -14,7 +14,7 @@ from sim.report.data import FloorPlan, PlannedLeaf, PlannedOpening, PlannedRoom
 from sim.report.drawing import Drawing, Mark
 from sim.report.legend import LegendEntry, with_legend
 from sim.report.palette import label_colours
-from sim.report.plan import plan_drawing
+from sim.report.plan import plan_drawing, titled
 from sim.report.png import joined_pictures, to_image
 from sim.report.svg import side_by_side
 from worlds.house import House
@@ -31,8 +31,6 @@ _WIDEST_PX = 1000
 """Largest width of these plans [px]; the scale of very wide ones is therefore smaller."""
 _LETTER_PX = 13
 """Height of the letters in the legend of these plans [px]."""
-_MARGIN_M, _TITLE_M = 0.5, 0.24
-"""Distance of the title of a storey from the left edge of its plan, and height of its letters [m]."""
 _SHORT_M = 1e-6
 """Length of a step on the path up the stairs below which it has no direction [m]."""
 _MOST_PIXELS = 12e6
@@ -92,15 +90,7 @@ def _drawings(house: House, names_labels: bool = True) -> list[Drawing]:
     plans = floor_plans(house)
     colours = label_colours(room.label for plan in plans for room in plan.rooms)
     drawings = [plan_drawing(plan, colours, names_labels) for plan in plans]
-    return [_titled(drawing) for drawing in drawings] if len(drawings) > 1 else drawings
-
-
-def _titled(drawing: Drawing) -> Drawing:
-    """Return the drawing with its title above it."""
-    title = Mark(
-        "text", "note", np.array([[drawing.low[0] + _MARGIN_M, drawing.high[1]]]), text=drawing.title, size=_TITLE_M
-    )
-    return replace(drawing, marks=[*drawing.marks, title], high=drawing.high + [0.0, 2 * _TITLE_M])
+    return [titled(drawing) for drawing in drawings] if len(drawings) > 1 else drawings
 
 
 def _plan(house: House, level: int) -> FloorPlan:
@@ -140,12 +130,17 @@ def _climbs(house: House, level: int) -> Iterator[Float64[np.ndarray, "k 2"]]:
     begin_here = {cell for stairs, cell in cells.items() if stairs.storey == level}
     for stairs, cell in cells.items():
         if stairs.storey == level or (stairs.storey == level - 1 and cell not in begin_here):
-            path = stairs.walking_line[:, :2].copy()
-            for end, inner in ((0, 1), (-1, -2)):  # both ends lie in the rooms in front of the stairs
-                border = LineString(path[[end, inner]]).intersection(cell.polygon.exterior)
-                path[end] = border.coords[0] if isinstance(border, Point) else path[end]
-            moves = np.linalg.norm(np.diff(path, axis=0), axis=1) > _SHORT_M
-            yield path[np.append(True, moves)]
+            yield _between_borders(stairs.walking_line[:, :2], cell.polygon)
+
+
+def _between_borders(path: Float64[np.ndarray, "k 2"], room: Polygon) -> Float64[np.ndarray, "m 2"]:
+    """Return a path whose ends lie in front of a room, cut off at the border of the room."""
+    path = path.copy()
+    for end, inner in ((0, 1), (-1, -2)):
+        border = LineString(path[[end, inner]]).intersection(room.exterior)
+        path[end] = border.coords[0] if isinstance(border, Point) else path[end]
+    moves = np.linalg.norm(np.diff(path, axis=0), axis=1) > _SHORT_M
+    return np.asarray(path[np.append(True, moves)])
 
 
 def _outline(polygon: Polygon) -> Float64[np.ndarray, "corners 2"]:

@@ -1,6 +1,7 @@
 """Draws a storey's floor plan: rooms in the colour of their label, walls, openings, furniture, names and a scale bar."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float64
@@ -13,6 +14,8 @@ from sim.report.symbols import NAMES, WINDOW, WITH_LEAF, climb_marks, leaf_marks
 _MARGIN_M = 0.5
 _INSET_M = 0.16
 _SCALE_M = 2.0
+_NOTE_M = 0.24
+"""Height of the letters of the title and beside the scale bar [m]."""
 _LEAST_TEXT_M = 0.02
 _SAMPLE_M = 0.6
 """Length of the symbols in the legend [m]."""
@@ -46,6 +49,13 @@ def plan_drawing(plan: FloorPlan, colours: Mapping[str, str], names_labels: bool
         *notes,
     ]
     return Drawing(marks, low, high, title=f"storey {plan.level}, floor at {plan.floor_m:.2f} m")
+
+
+def titled(drawing: Drawing) -> Drawing:
+    """Return the drawing with its title above it."""
+    at = np.array([[drawing.low[0] + _MARGIN_M, drawing.high[1]]])
+    title = Mark("text", "note", at, text=drawing.title, size=_NOTE_M)
+    return replace(drawing, marks=[*drawing.marks, title], high=drawing.high + [0.0, 2 * _NOTE_M])
 
 
 def _name(room: PlannedRoom, names_label: bool) -> Iterator[Mark]:
@@ -110,5 +120,5 @@ def _scale(low: Float64[np.ndarray, "2"]) -> list[Mark]:
     bar = np.array([[x, y + 0.08], [x, y], [x + _SCALE_M, y], [x + _SCALE_M, y + 0.08]])
     return [
         Mark("line", "scale", bar),
-        Mark("text", "note", np.array([[x + _SCALE_M + 0.15, y + 0.06]]), text=f"{_SCALE_M:g} m", size=0.24),
+        Mark("text", "note", np.array([[x + _SCALE_M + 0.15, y + 0.06]]), text=f"{_SCALE_M:g} m", size=_NOTE_M),
     ]
