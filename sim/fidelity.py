@@ -10,4 +10,12 @@ ORACLE = "oracle"
 """Name of the encoder that knows the ground truth. It serves to test the stages after the encoder. Never report its results
 as LEXIS's."""
 ENCODERS_ON_FEATURES = ("mini", ORACLE)
-"""Encoders that the included feature model imitates. A name with a colon may be a copy of `mini` under another path."""
+"""Names of the encoders that the included feature model imitates."""
+
+
+def may_be_imitated(encoder: str) -> bool:
+    """Return whether the included feature model may stand for an encoder, given its name.
+
+    A name with a colon may be a copy of `mini` under another path.
+    """
+    return encoder in ENCODERS_ON_FEATURES or ":" in encoder

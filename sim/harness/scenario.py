@@ -16,7 +16,7 @@ from sim.errors import SimError
 from sim.faults import FAULTS, Fault
 from sim.faults.images import OF_IMAGES
 from sim.faults.world import ClosedDoors, Pedestrian
-from sim.fidelity import ENCODERS_ON_FEATURES, ORACLE, Fidelity
+from sim.fidelity import ENCODERS_ON_FEATURES, ORACLE, Fidelity, may_be_imitated
 from sim.odometry.config import ODOMETRY_PRESETS
 from sim.render.rig import RigConfig
 from sim.tours.config import FASTEST_HZ, LONGEST_M, TourKind
@@ -97,8 +97,7 @@ class Scenario(Settings, place="scenario", error=SimError):
 
     def _check_imitated(self) -> None:
         """Raise SimError if the included feature model, which imitates `mini`, would stand for another encoder."""
-        is_known = self.encoder in ENCODERS_ON_FEATURES or ":" in self.encoder
-        if self.fidelity == "features" and self.feature_model is None and not is_known:
+        if self.fidelity == "features" and self.feature_model is None and not may_be_imitated(self.encoder):
             guess = did_you_mean(self.encoder, ENCODERS_ON_FEATURES)
             valid = f"{', '.join(ENCODERS_ON_FEATURES)}; others with a feature_model of their own, or with fidelity 'render'"
             raise SimError(f"encoder {self.encoder!r:.60}{guess} is not the one that features imitate; valid: {valid}")

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, ParamSpec, Protocol, TypeVar, get_args, runtime_checkable
 
 from sim.errors import SimError
-from sim.fidelity import ENCODERS_ON_FEATURES, ORACLE
+from sim.fidelity import ENCODERS_ON_FEATURES, ORACLE, may_be_imitated
 from sim.number_checks import check_count
 from sim.odometry.config import ODOMETRY_PRESETS
 from worlds.floor_plans.preset_names import MAX_ROOMS_ASKED, MAX_STOREYS_ASKED, MIN_ROOMS_ASKED, PRESETS
@@ -313,7 +313,7 @@ def _check_encoder(encoder: object, fidelity: TestFidelity) -> None:
             raise SimError(
                 f"worlds: encoder {ORACLE!r} is told the truth and sees no images; valid: with fidelity 'features'"
             )
-    elif encoder not in ENCODERS_ON_FEATURES and ":" not in encoder:
+    elif not may_be_imitated(encoder):
         guess = did_you_mean(encoder, ENCODERS_ON_FEATURES)
         valid = f"{', '.join(ENCODERS_ON_FEATURES)}; other encoders with fidelity 'render'"
         raise SimError(f"worlds: encoder is {encoder!r:.60}{guess}; valid with fidelity {fidelity!r}: {valid}")
