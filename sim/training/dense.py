@@ -14,7 +14,7 @@ from jaxtyping import Float, Int
 from torch import Tensor, nn
 
 from sim.training.batches import Batch, normalised
-from sim.training.fit import PROCESSOR
+from sim.training.fit import PROCESSOR, reduced_precision
 from sim.training.frames import THINGS, Frames
 from sim.training.places import place_loss
 from worlds.labels import ROOM_LABELS
@@ -61,8 +61,8 @@ class DenseTower(nn.Module):
         nn.init.constant_(self.patches.bias, _RARE)  # type: ignore[arg-type]
 
     def forward(self, images: Float[Tensor, "b 3 h w"]) -> DenseOutput:
-        """Compute the pooled features and the outputs of the heads in bfloat16, and return them in single precision."""
-        with torch.autocast(PROCESSOR, torch.bfloat16):
+        """Compute the pooled features and the outputs of the heads, and return them in single precision."""
+        with reduced_precision():
             maps = self.trunk.forward_features(images)
             pooled = self.trunk.forward_head(maps)
             said = self.rooms(pooled), self.views(pooled), self.things(pooled), self.patches(maps), self.places(pooled)
@@ -70,8 +70,8 @@ class DenseTower(nn.Module):
         return DenseOutput(pooled.float(), rooms, views, things, patches, nn.functional.normalize(places, dim=-1))
 
     def columns(self, images: Float[Tensor, "b 3 h w"]) -> Float[Tensor, "b columns f"]:
-        """Compute the features of the columns of images, in bfloat16. Their mean over an image is its pooled feature."""
-        with torch.autocast(PROCESSOR, torch.bfloat16):
+        """Compute the features of the columns of images. Their mean over an image is its pooled feature."""
+        with reduced_precision():
             maps: Tensor = self.trunk.forward_features(images)
         return maps.float().mean(dim=2).swapaxes(1, 2)
 

@@ -19,6 +19,14 @@ from sim.training.frames import Frames
 PROCESSOR = "cuda" if torch.cuda.is_available() else "cpu"
 
 
+def reduced_precision() -> torch.autocast:
+    """Return a context in which a GPU computes in bfloat16, and a CPU in single precision as outside of the context.
+
+    Many CPUs have no instructions for bfloat16. With AVX2 alone, the tower takes 14 times as long in bfloat16.
+    """
+    return torch.autocast(PROCESSOR, torch.bfloat16, enabled=PROCESSOR == "cuda")
+
+
 @dataclass(frozen=True)
 class Schedule:
     """Length of training and parameters of the optimiser."""
