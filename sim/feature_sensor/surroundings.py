@@ -11,11 +11,11 @@ from worlds.furniture.catalogue import CATALOGUE
 from worlds.furniture.registry import own_kinds
 from worlds.house import House
 from worlds.labels import ROOM_LABELS
+from worlds.rectangles import tiles
 from worlds.truth import NOWHERE
 from worlds.visuals.house_visuals import STAIRS_OBJECT
 from worlds.visuals.materials import PATTERNS
 from worlds.visuals.surface_textures import finishes
-from worlds.visuals.surfaces import rectangles
 
 SURFACES = ("wall", "floor", "ceiling")
 OBJECTS = (*sorted(CATALOGUE.keys() - {kind.name for kind in own_kinds()}), "door", "window", STAIRS_OBJECT)
@@ -178,7 +178,7 @@ class RoomMap:
         cells = np.full((len(house.storeys), *size), NOWHERE, np.int16)
         for i, room in enumerate(house.rooms):
             levels = [k for k, s in enumerate(house.storeys) if room.floor_m <= s.floor_m < room.ceiling_m]
-            for x0, y0, x1, y1 in rectangles(room.polygon):
+            for x0, y0, x1, y1 in tiles(room.polygon):
                 a, b = (np.rint((np.array(corner) - low) / CELL_M).astype(int) for corner in ((x0, y0), (x1, y1)))
                 cells[levels, a[0] : b[0], a[1] : b[1]] = i
         return RoomMap(cells, low.astype(np.float32))

@@ -8,8 +8,8 @@ from sim.render.gl import mujoco
 from worlds.house import House
 from worlds.labels import STAIRS
 from worlds.parts import Part, Vector
+from worlds.rectangles import tiles
 from worlds.stairs.build import Stairs
-from worlds.visuals.surfaces import rectangles
 
 GROUP = 3
 """Geom group of the collision geoms. Viewers hide this group by default."""
@@ -38,7 +38,7 @@ def add_ground(spec: "mujoco.MjSpec", house: House) -> list["mujoco.MjsGeom"]:
     """
     geoms = []
     for room in house.rooms:
-        for i, (x0, y0, x1, y1) in enumerate(rectangles(room.polygon)):
+        for i, (x0, y0, x1, y1) in enumerate(tiles(room.polygon)):
             geoms.append(_add_box(spec, f"{room.id}/floor#{i}", (x0, y0, room.floor_m - _FLOOR_M), (x1, y1, room.floor_m)))
     for flight in house.stairs:
         geoms += _add_parts(spec, _name(flight), flight.treads + flight.floors, (0.0, 0.0, 0.0), 0.0)

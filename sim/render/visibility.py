@@ -20,7 +20,7 @@ from jaxtyping import Float64
 
 from lexis.types import Intrinsics, Pose
 from worlds.house import House
-from worlds.visuals.surfaces import rectangles
+from worlds.rectangles import tiles
 from worlds.walls import WALL_THICKNESS_M
 
 Cells = frozenset[int]
@@ -88,7 +88,7 @@ class Visibility:
                 _Box(x0, y0, room.floor_m, x1, y1, math.inf if room.outdoor else room.ceiling_m + slab),
             )
             for room in house.rooms
-            for x0, y0, x1, y1 in rectangles(room.polygon)
+            for x0, y0, x1, y1 in tiles(room.polygon)
         ]
         self._openings: dict[int, list[tuple[_Box, int]]] = defaultdict(list)
         for box, a, b in self._gaps(house):

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int
+from jaxtyping import Float64, Int
 
+from worlds.rectangles import cells_inside
 from worlds.spec import HouseSpec, RoomSpec
 
 NO_ROOM = -1
@@ -45,8 +46,9 @@ class PlanGrid:
         owner = np.full((len(spec.storeys), len(x) - 1, len(y) - 1), NO_ROOM)
         clashes = []
         for index, ((level, _), ring) in enumerate(zip(rooms, corners, strict=True)):
-            (i0, j0), inside = _cells(np.searchsorted(x, ring[:, 0]), np.searchsorted(y, ring[:, 1]))
-            window = np.s_[i0 : i0 + inside.shape[0], j0 : j0 + inside.shape[1]]
+            i, j = np.searchsorted(x, ring[:, 0]), np.searchsorted(y, ring[:, 1])
+            window = np.s_[i.min() : i.max(), j.min() : j.max()]
+            inside = cells_inside(i - i.min(), j - j.min(), area[window].shape)
             here = owner[level][window]
             taken = np.unique(here[inside & (here != NO_ROOM)])
             clashes += [(int(other), index, float(area[window][inside & (here == other)].sum())) for other in taken]
@@ -77,18 +79,3 @@ class PlanGrid:
     @staticmethod
     def _index(lines: Float64[np.ndarray, "k"], at: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
         return np.searchsorted(lines, at, side="right")
-
-
-def _cells(i: Int[np.ndarray, "n"], j: Int[np.ndarray, "n"]) -> tuple[tuple[int, int], Bool[np.ndarray, "a b"]]:
-    """Return which cells of the bounding rectangle of a rectilinear polygon are inside the polygon.
-
-    The result is the index pair of the rectangle's first cell, and a mask of its cells. The corners of the polygon are grid
-    points (i, j). A cell is inside if the polygon's winding number around it is not 0.
-    """
-    i0, j0 = int(i.min()), int(j.min())
-    turns = np.zeros((int(i.max()) - i0, int(j.max()) - j0), np.int8)
-    for a, b, b_next in zip((i - i0).tolist(), (j - j0).tolist(), np.roll(j - j0, -1).tolist(), strict=True):
-        # A side along y changes the winding number of all cells beside it at larger x by one.
-        if b != b_next:
-            turns[a:, min(b, b_next) : max(b, b_next)] += 1 if b_next < b else -1
-    return (i0, j0), turns != 0

@@ -14,6 +14,7 @@ from shapely.geometry import Polygon
 from worlds.arches import arch_rise
 from worlds.house import House
 from worlds.labels import STAIRS
+from worlds.rectangles import cells_inside
 from worlds.spec import OpeningSpec
 from worlds.walls import WALL_THICKNESS_M, Boundary
 
@@ -144,17 +145,10 @@ def _plan(house: House, level: int, planes: Sequence[Float64[np.ndarray, "_"]]) 
 
 
 def _covered(polygon: Polygon, planes: Sequence[Float64[np.ndarray, "_"]]) -> Bool[np.ndarray, "nx ny"]:
-    """Return which cells of the plan are inside a rectilinear polygon.
-
-    Each edge parallel to y inverts the state of all cells beside the edge at larger x (even-odd rule).
-    """
-    x, y = (np.round(np.asarray(c), _DECIMALS) for c in polygon.exterior.coords.xy)
-    i, j = np.searchsorted(planes[0], x).tolist(), np.searchsorted(planes[1], y).tolist()
-    inside = np.zeros((len(planes[0]) - 1, len(planes[1]) - 1), bool)
-    for i0, i1, j0, j1 in zip(i[:-1], i[1:], j[:-1], j[1:], strict=True):
-        if i0 == i1:
-            inside[i0:, min(j0, j1) : max(j0, j1)] ^= True
-    return inside
+    """Return which cells of the plan are inside a rectilinear polygon."""
+    x, y = (np.round(np.asarray(c)[:-1], _DECIMALS) for c in polygon.exterior.coords.xy)
+    size = len(planes[0]) - 1, len(planes[1]) - 1
+    return cells_inside(np.searchsorted(planes[0], x), np.searchsorted(planes[1], y), size)
 
 
 def _layers(planes: Sequence[Float64[np.ndarray, "_"]], low: float, high: float) -> slice:

@@ -16,7 +16,6 @@ from typing import Literal
 
 import numpy as np
 from jaxtyping import Float64, Int
-from shapely.geometry import Polygon
 
 from worlds.house import House
 from worlds.visuals.shell_grid import NOTHING, ShellGrid, shell_grid
@@ -234,13 +233,3 @@ def _undersides(house: House, unrolling: _Unrolling) -> Iterator[Surface]:
             ring = [(a0, near, z0), (a1, near, z1), (a1, far, z1), (a0, far, z0)]
             corners = ring if boundary.axis == 0 else [(c, a, z) for a, c, z in ring]
             yield unrolling.strip(room, corners, float(np.hypot(a1 - a0, z1 - z0)), WALL_THICKNESS_M)
-
-
-def rectangles(polygon: Polygon) -> list[tuple[float, float, float, float]]:
-    """Return rectangles (x0, y0, x1, y1) [m] that tile a rectilinear polygon."""
-    ring = np.array(polygon.exterior.coords)
-    xs, ys = np.unique(ring[:, 0]), np.unique(ring[:, 1])
-    if len(xs) == len(ys) == 2:
-        return [(float(xs[0]), float(ys[0]), float(xs[1]), float(ys[1]))]
-    cells = [(x0, y0, x1, y1) for x0, x1 in itertools.pairwise(xs) for y0, y1 in itertools.pairwise(ys)]
-    return [tuple(map(float, c)) for c in cells if polygon.contains(Polygon.from_bounds(*c).centroid)]  # type: ignore[misc]

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
-from worlds.rectangles import Rectangle
+from worlds.rectangles import Rectangle, notches
 from worlds.spec import RoomSpec
 
 Interval = tuple[float, float]
@@ -99,15 +99,7 @@ class RoomShape:
     @cached_property
     def notches(self) -> tuple[Rectangle, ...]:
         """Rectangles that cover the part of the bounding box outside the room [m]."""
-        if len(self.corners) == 4:
-            return ()
-        xs, ys = (sorted(set(values)) for values in zip(*self.corners, strict=True))
-        cells = [(x0, y0, x1, y1) for x0, x1 in pairwise(xs) for y0, y1 in pairwise(ys)]
-        return tuple(cell for cell in cells if not self._contains((cell[0] + cell[2]) / 2, (cell[1] + cell[3]) / 2))
-
-    def _contains(self, x: float, y: float) -> bool:
-        upright = [side for side in self.sides if side.turn % 2 and side.start[0] > x]
-        return sum(0.0 < side.along((x, y)) < side.length for side in upright) % 2 == 1
+        return tuple(notches(self.corners))
 
 
 def _less(point: Point, origin: Point) -> Point:
