@@ -11,8 +11,9 @@ from worlds.furniture.catalogue import CATALOGUE
 from worlds.furniture.registry import own_kinds
 from worlds.house import House
 from worlds.labels import ROOM_LABELS
+from worlds.parts import Part
 from worlds.rectangles import tiles
-from worlds.truth import NOWHERE
+from worlds.truth import NOWHERE, ObjectInstance, objects
 from worlds.visuals.house_visuals import STAIRS_OBJECT
 from worlds.visuals.materials import PATTERNS
 from worlds.visuals.surface_textures import finishes
@@ -111,11 +112,11 @@ def survey(house: House) -> Surroundings:
     index = {room.id: i for i, room in enumerate(house.rooms)}
     rows = [*_walls(house), *_objects(house)]
     # The dictionary by name joins all flights of stairs into one object, as in the rendered scene.
-    objects = {name: (name, kind, room) for _, name, kind, room in rows if name is not None}
+    named = {name: (name, kind, room) for _, name, kind, room in rows if name is not None}
     finish = finishes(house)
     covered = [(room.id, surface, getattr(finish[room.id], surface)) for room in house.rooms for surface in SURFACES]
     surfaces = [(f"{room}/{surface}", f"{pattern} {surface}", room) for room, surface, (pattern, _) in covered]
-    things = [*surfaces, *objects.values()]
+    things = [*surfaces, *named.values()]
     colour = np.array([shade for _, _, (_, shade) in covered], np.float32).reshape(-1, len(SURFACES), 3)
     row_of = {name: i for i, (name, _, _) in enumerate(things)}
     kinds = {kind: i for i, kind in enumerate(KINDS)}
@@ -145,20 +146,17 @@ def _walls(house: House) -> Iterator[_Row]:
 
 
 def _objects(house: House) -> Iterator[_Row]:
-    placed = (
-        *((piece, piece.kind, piece.room) for piece in house.furniture),
-        *((leaf, "door", leaf.into) for leaf in house.leaves),
-        *((window, "window", window.room) for window in house.windows),
-    )
-    for thing, kind, room in placed:
-        (x, y, z), (width, depth, height) = thing.position, thing.size
+    for thing in objects(house):
         if max(thing.size) >= _LEAST_M:
-            yield (x, y, width / 2, depth / 2, thing.yaw, z, z + height), thing.id, kind, room
+            yield _box_of(thing), thing.id, thing.kind, thing.room
     for flight in house.stairs:
         for part in flight.parts:
-            (x, y, z), (width, depth, height) = part.centre, part.size
-            box = (x, y, width / 2, depth / 2, part.yaw, z - height / 2, z + height / 2)
-            yield box, STAIRS_OBJECT, STAIRS_OBJECT, flight.room
+            yield _box_of(part), STAIRS_OBJECT, STAIRS_OBJECT, flight.room
+
+
+def _box_of(thing: ObjectInstance | Part) -> _Box:
+    (x, y, z), (width, depth, height) = thing.centre, thing.size
+    return x, y, width / 2, depth / 2, thing.yaw, z - height / 2, z + height / 2
 
 
 @dataclass(frozen=True, eq=False)
