@@ -16,11 +16,12 @@ from jaxtyping import Float32, Int
 from lexis.types import Poses
 from sim.feature_sensor.crossings import FAR_M, NEAR_M, BlockFootprints, Crossings
 from sim.feature_sensor.ray_origins import RayGrid, UprightCameras, cameras_at
-from sim.feature_sensor.surroundings import SURFACES, Surroundings
+from sim.feature_sensor.surroundings import Surroundings
 from worlds.labels import STAIRS
 from worlds.truth import NOWHERE, floor_at, room_at
+from worlds.visuals.surfaces import SURFACE_KINDS
 
-WALL, FLOOR, CEILING = range(len(SURFACES))
+WALL, FLOOR, CEILING = range(len(SURFACE_KINDS))
 _NUDGE_M = 0.02
 """Distance by which a hit is moved towards the camera, in front of the wall, before its room is looked up [m]."""
 _RANK = 0xFF
@@ -131,7 +132,7 @@ class _Caster:
         x, y = (eyes.place[:, axis, None, None] + reach * eyes.lines[:, :, axis, None] for axis in (0, 1))
         room = self._around.rooms_at.at(eyes.storey[:, None, None], x, y)
         surface = np.where(on_plane, np.where(down, FLOOR, CEILING)[:, None], WALL)
-        thing = np.where(room == NOWHERE, NOWHERE, len(SURFACES) * room + surface)
+        thing = np.where(room == NOWHERE, NOWHERE, len(SURFACE_KINDS) * room + surface)
         if len(self._blocks.thing):
             of_block = np.where(on_plane | (block < 0), NOWHERE, self._blocks.thing[block])
             thing = np.where(of_block == NOWHERE, thing, of_block)

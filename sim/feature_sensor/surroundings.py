@@ -17,11 +17,11 @@ from worlds.truth import NOWHERE, ObjectInstance, objects
 from worlds.visuals.house_visuals import STAIRS_OBJECT
 from worlds.visuals.materials import PATTERNS
 from worlds.visuals.surface_textures import finishes
+from worlds.visuals.surfaces import SURFACE_KINDS
 
-SURFACES = ("wall", "floor", "ceiling")
 OBJECTS = (*sorted(CATALOGUE.keys() - {kind.name for kind in own_kinds()}), "door", "window", STAIRS_OBJECT)
 """Kinds of objects that the included feature model knows. Furniture that a user declares has none of these kinds."""
-KINDS = (*OBJECTS, *(f"{pattern} {surface}" for surface in SURFACES for pattern in PATTERNS))
+KINDS = (*OBJECTS, *(f"{pattern} {surface}" for surface in SURFACE_KINDS for pattern in PATTERNS))
 """Visual kinds of things: kinds of objects, then one kind for each combination of a surface and a pattern of its finish. The
 setting `texture` of a house's appearance, which changes the rendered textures, is ignored."""
 CELL_M = 0.05
@@ -114,10 +114,10 @@ def survey(house: House) -> Surroundings:
     # The dictionary by name joins all flights of stairs into one object, as in the rendered scene.
     named = {name: (name, kind, room) for _, name, kind, room in rows if name is not None}
     finish = finishes(house)
-    covered = [(room.id, surface, getattr(finish[room.id], surface)) for room in house.rooms for surface in SURFACES]
+    covered = [(room.id, surface, getattr(finish[room.id], surface)) for room in house.rooms for surface in SURFACE_KINDS]
     surfaces = [(f"{room}/{surface}", f"{pattern} {surface}", room) for room, surface, (pattern, _) in covered]
     things = [*surfaces, *named.values()]
-    colour = np.array([shade for _, _, (_, shade) in covered], np.float32).reshape(-1, len(SURFACES), 3)
+    colour = np.array([shade for _, _, (_, shade) in covered], np.float32).reshape(-1, len(SURFACE_KINDS), 3)
     row_of = {name: i for i, (name, _, _) in enumerate(things)}
     kinds = {kind: i for i, kind in enumerate(KINDS)}
     values = np.array([box for box, *_ in rows], np.float32).reshape(-1, 7)

@@ -8,9 +8,10 @@ from jaxtyping import Float32, Float64, Int
 from lexis.types import Camera, Poses
 from sim.feature_sensor.ray_origins import RayGrid
 from sim.feature_sensor.rays import Hits, cast
-from sim.feature_sensor.surroundings import KINDS, SURFACES, Surroundings
+from sim.feature_sensor.surroundings import KINDS, Surroundings
 from worlds.labels import ROOM_LABELS
 from worlds.truth import NOWHERE
+from worlds.visuals.surfaces import SURFACE_KINDS
 
 COLUMNS, ROWS = 40, 30
 """Number of columns and of rows of rays per image. An object that fills 1 % of the image is hit by a dozen rays."""
@@ -28,7 +29,7 @@ _LEAST_SHARE = 0.02
 colour is scaled down in proportion to the share."""
 LABELS = slice(2 * len(KINDS), 2 * len(KINDS) + len(ROOM_LABELS))
 """Slice of a view's description vector: the entries that hold the shares of the image by room label."""
-SIZE = LABELS.stop + 3 * len(SURFACES) + len(_DEPTHS_M) + 1
+SIZE = LABELS.stop + 3 * len(SURFACE_KINDS) + len(_DEPTHS_M) + 1
 """Length of the description vector of a view, the input of the embedding model."""
 
 
@@ -73,7 +74,7 @@ class VisibleShares:
     def _of_surfaces(self) -> Float32[np.ndarray, "n rooms surfaces"]:
         """Return the share of each image that the walls, the floor and the ceiling of each room fill."""
         rooms = len(self.around.labels)
-        return self.shares[:, : rooms * len(SURFACES)].reshape(len(self.shares), rooms, len(SURFACES))
+        return self.shares[:, : rooms * len(SURFACE_KINDS)].reshape(len(self.shares), rooms, len(SURFACE_KINDS))
 
     def _of_labels(self) -> Float64[np.ndarray, "n labels"]:
         """Return the share of each image that the surfaces of rooms of each label fill, in the order of `ROOM_LABELS`."""
@@ -84,7 +85,7 @@ class VisibleShares:
         seen = self._of_surfaces()
         total = np.maximum(seen.sum(axis=1), np.float32(_LEAST_SHARE))
         means = np.einsum("nrs,rsc->nsc", seen, self.around.colour) / total[:, :, None]
-        return np.asarray(_COLOUR_WEIGHT * means.reshape(len(seen), 3 * len(SURFACES)))
+        return np.asarray(_COLOUR_WEIGHT * means.reshape(len(seen), 3 * len(SURFACE_KINDS)))
 
 
 def look(around: Surroundings, T_W_B: Poses, camera: Camera) -> VisibleShares:

@@ -19,6 +19,7 @@ from worlds.house import House
 from worlds.parts import Colour, Vector
 from worlds.visuals.house_visuals import Visual, Visuals, visuals
 from worlds.visuals.meshes import triangles
+from worlds.visuals.surfaces import SURFACE_KINDS
 
 CAMERA = "camera"
 """Name of the model's camera, which can be placed freely, and of the body that carries it."""
@@ -109,7 +110,7 @@ def room_of_geom(house: House, scene: Scene) -> Int32[np.ndarray, "geoms"]:
     """
     place = {room.id: i for i, room in enumerate(house.rooms)}
     of = {piece.id: place[piece.room] for piece in house.furniture}
-    of |= {f"{room}/{kind}": i for room, i in place.items() for kind in ("wall", "floor", "ceiling")}
+    of |= {f"{room}/{kind}": i for room, i in place.items() for kind in SURFACE_KINDS}
     return np.array([of.get(name, NO_ROOM) for name in scene.object_of_geom], np.int32)
 
 

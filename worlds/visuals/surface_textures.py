@@ -15,9 +15,8 @@ from worlds.furniture.finishes import Covering, Finish, finish_of
 from worlds.house import House
 from worlds.seeds import house_rng, room_rng
 from worlds.visuals.materials import texture, tileable
-from worlds.visuals.surfaces import OUTSIDE, Surface, SurfaceKind
+from worlds.visuals.surfaces import OUTSIDE, SURFACE_KINDS, Surface, SurfaceKind
 
-_KINDS: tuple[SurfaceKind, ...] = ("wall", "floor", "ceiling")
 _PX_PER_M: Mapping[SurfaceKind, float] = {"wall": 90.0, "floor": 80.0, "ceiling": 40.0}
 _MAX_PX = 4096
 PERIOD_M: Mapping[SurfaceKind, float] = {"wall": 1.0, "floor": 0.5, "ceiling": 0.5}
@@ -54,7 +53,9 @@ def surface_textures(house: House, faces: Sequence[Surface]) -> Iterator[Surface
     for face in faces:
         groups[face.room, face.kind].append(face)
     finish = finishes(house)
-    generators = {room: dict(zip(_KINDS, _rng(house, room).spawn(len(_KINDS)), strict=True)) for room in finish}
+    generators = {
+        room: dict(zip(SURFACE_KINDS, _rng(house, room).spawn(len(SURFACE_KINDS)), strict=True)) for room in finish
+    }
     for (room, kind), group in groups.items():
         pattern, colour = covering = getattr(finish[room], kind)
         uv = np.array([face.uv for face in group])

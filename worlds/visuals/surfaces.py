@@ -12,7 +12,7 @@ import itertools
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Float64, Int
@@ -24,7 +24,7 @@ from worlds.walls import WALL_THICKNESS_M, Boundary, arch_curve
 SurfaceKind = Literal["wall", "floor", "ceiling"]
 OUTSIDE = "(outside)"
 """Stands for the outside of the house where a room id is expected. It cannot equal a room id, since no id has brackets."""
-_KINDS: tuple[SurfaceKind, ...] = ("wall", "floor", "ceiling")
+SURFACE_KINDS: tuple[SurfaceKind, ...] = get_args(SurfaceKind)
 _HALF = WALL_THICKNESS_M / 2
 _TOLERANCE_M = 1e-6
 _Point = tuple[float, float]
@@ -162,12 +162,12 @@ def _level(house: House, grid: ShellGrid, unrolling: _Unrolling) -> Iterator[Sur
     origins = [*(room.polygon.bounds[:2] for room in house.rooms), (float(x[0]), float(y[0]))]
     for facing in (1, -1):
         for plane, a0, a1, b0, b1, label in _rectangles(_level_labels(house, grid, facing)):
-            room, kind = divmod(label, len(_KINDS))
+            room, kind = divmod(label, len(SURFACE_KINDS))
             plan = _rectangle((float(x[a0]), float(x[a1])), (float(y[b0]), float(y[b1])))
             width, depth = x[a1] - x[a0], y[b1] - y[b0]
             corners = [(*point, float(z[plane + 1])) for point in plan][::facing]
-            if _KINDS[kind] != "wall":
-                yield unrolling.flat(room, _KINDS[kind], corners, origins[room])
+            if SURFACE_KINDS[kind] != "wall":
+                yield unrolling.flat(room, SURFACE_KINDS[kind], corners, origins[room])
             elif width >= depth:
                 yield unrolling.strip(room, corners, float(width), float(depth))
             else:
@@ -194,7 +194,7 @@ def _level_labels(house: House, grid: ShellGrid, facing: int) -> Int[np.ndarray,
         kind[roof] = 1
         seen &= ~(roof & (z >= z[-1] - _TOLERANCE_M))
     room = np.where(kind == 0, grid.reveal[:, :, outer], owner).astype(int)
-    return np.moveaxis(np.where(seen, len(_KINDS) * room + kind, NOTHING), 2, 0)
+    return np.moveaxis(np.where(seen, len(SURFACE_KINDS) * room + kind, NOTHING), 2, 0)
 
 
 def _arches(house: House) -> Iterator[tuple[Boundary, list[_Point], float]]:

@@ -8,7 +8,7 @@ from helpers.viewpoints import viewpoints
 
 from sim.feature_sensor.ray_origins import RayGrid
 from sim.feature_sensor.rays import cast
-from sim.feature_sensor.surroundings import KINDS, SURFACES, survey
+from sim.feature_sensor.surroundings import KINDS, survey
 from sim.feature_sensor.visible_shares import COLUMNS, LABELS, ROWS, look, shares_of
 from sim.render.camera import CameraRenderer, fovy_deg, wide_camera
 from sim.render.scene import build_scene
@@ -20,6 +20,7 @@ from worlds.spec import HouseSpec, RoomSpec, StoreySpec
 from worlds.truth import NOWHERE, room_at
 from worlds.variant import explicit
 from worlds.visuals.surface_textures import finishes
+from worlds.visuals.surfaces import SURFACE_KINDS
 
 CAMERA = wide_camera(160, 120)
 
@@ -104,7 +105,7 @@ def test_without_furniture_and_openings_it_is_exact(rng):
     around = survey(build_house(spec))
     assert {around.names[i] for i in np.unique(hits.thing)} == {"a/wall", "a/floor", "a/ceiling"}
     made_of = finishes(build_house(spec))["a"]
-    for i, surface in enumerate(SURFACES):
+    for i, surface in enumerate(SURFACE_KINDS):
         pattern, colour = getattr(made_of, surface)
         assert KINDS[around.kind[i]] == f"{pattern} {surface}" and np.allclose(around.colour[0, i], colour)
 
