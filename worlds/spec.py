@@ -52,6 +52,8 @@ Leads = Literal["up", "down"]
 """Direction of the flight to which an opening to stairs leads."""
 OpeningKind = Literal["door", "cased", "arch", "half wall", "counter", "open"]
 Climb = Literal["flights", "spiral", "lift"]
+TextureName = Literal["rich", "poor", "repeating"]
+LightName = Literal["day", "evening", "dim"]
 PASSABLE: tuple[OpeningKind, ...] = ("door", "cased", "arch", "open")
 """Kinds of openings that a person can walk through; a half wall or a counter can only be looked over."""
 
@@ -201,10 +203,10 @@ class StoreySpec(_Data):
 class AppearanceSpec(_Data):
     """The appearance of a house: textures, lighting and colours."""
 
-    texture: Literal["rich", "poor", "repeating"] = Field(
+    texture: TextureName = Field(
         default="rich", description="rich: nothing repeats; poor: few visual features; repeating: periodic walls and floors"
     )
-    light: Literal["day", "evening", "dim"] = "day"
+    light: LightName = "day"
     seed: Seed | None = Field(
         default=None, description="seed of the materials and colours of floors, walls and ceilings; absent: the house's"
     )

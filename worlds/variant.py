@@ -8,7 +8,7 @@ from worlds.floor_plans.upper_storey import with_storey_on_top
 from worlds.house import House, build_house
 from worlds.labels import STAIRS
 from worlds.openings.openness import with_openness
-from worlds.spec import FurnitureSpec, HouseSpec, StoreySpec, WindowSpec
+from worlds.spec import FurnitureSpec, HouseSpec, LightName, StoreySpec, TextureName, WindowSpec
 from worlds.stairs.cells import openings_of
 
 _DIGITS = 6
@@ -72,12 +72,12 @@ def variant(
     return spec
 
 
-def in_light(spec: HouseSpec, light: Literal["day", "evening", "dim"]) -> HouseSpec:
+def in_light(spec: HouseSpec, light: LightName) -> HouseSpec:
     """Return the house in another light; nothing else changes."""
     return _looking(spec, light=light)
 
 
-def in_texture(spec: HouseSpec, texture: Literal["rich", "poor", "repeating"]) -> HouseSpec:
+def in_texture(spec: HouseSpec, texture: TextureName) -> HouseSpec:
     """Return the house with other textures; nothing else changes."""
     return _looking(spec, texture=texture)
 

@@ -17,6 +17,7 @@ from sim.render.merged_meshes import Merged, merge
 from sim.render.visibility import Visibility
 from worlds.house import House
 from worlds.parts import Colour, Vector
+from worlds.spec import LightName
 from worlds.visuals.house_visuals import Visual, Visuals, visuals
 from worlds.visuals.meshes import triangles
 from worlds.visuals.surfaces import SURFACE_KINDS
@@ -40,7 +41,7 @@ class Light:
 NO_ROOM = -1
 """Index in place of a room's index, for geoms that belong to no room or to several rooms."""
 
-LIGHTS: Mapping[str, Light] = MappingProxyType(
+LIGHTS: Mapping[LightName, Light] = MappingProxyType(
     {
         "day": Light(
             ambient=(0.62, 0.62, 0.62),

@@ -1,13 +1,13 @@
 """Draws the houses for training, tuning and testing the encoder. These three sets have different seeds."""
 
 from collections.abc import Iterator
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from worlds.errors import WorldsError
 from worlds.presets import sample_house
-from worlds.spec import AppearanceSpec, HouseSpec
+from worlds.spec import AppearanceSpec, HouseSpec, LightName, TextureName
 
 TRAINING_SEEDS = range(100_000, 800_000)
 """Seeds of the houses on which the encoder is trained."""
@@ -21,9 +21,7 @@ PRESET_SHARE = {
     "school": 0.06, "random": 0.07,
 }  # fmt: skip
 
-Texture = Literal["rich", "poor", "repeating"]
-LightName = Literal["day", "evening", "dim"]
-_TEXTURES: tuple[Texture, ...] = ("rich", "rich", "rich", "rich", "poor", "repeating")
+_TEXTURES: tuple[TextureName, ...] = ("rich", "rich", "rich", "rich", "poor", "repeating")
 _LIGHTS: tuple[LightName, ...] = ("day", "day", "day", "day", "evening", "dim")
 HELD_OUT_LOOKS = (("poor", "dim"), ("repeating", "evening"))
 """Pairs of texture and lighting that never occur in training."""
@@ -35,7 +33,7 @@ class HouseDraw(NamedTuple):
 
     preset: str
     seed: int
-    texture: Texture = "rich"
+    texture: TextureName = "rich"
     light: LightName = "day"
     openness: float | None = None
     clutter: float = 1.0
@@ -63,7 +61,7 @@ def draw_houses(count: int, seeds: range, rng: np.random.Generator) -> Iterator[
             yield HouseDraw(preset, seed, *look, openness, clutter)
 
 
-def _look(rng: np.random.Generator) -> tuple[Texture, LightName]:
+def _look(rng: np.random.Generator) -> tuple[TextureName, LightName]:
     while True:
         look = _TEXTURES[int(rng.integers(len(_TEXTURES)))], _LIGHTS[int(rng.integers(len(_LIGHTS)))]
         if look not in HELD_OUT_LOOKS:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, get_args
 
 import numpy as np
 from jaxtyping import Float64
@@ -32,6 +32,7 @@ from sim.harness.adapters import GeometricRooms, Lexis
 from sim.harness.run_settings import house_spec, in_house
 from sim.harness.walk import with_walk_m
 from sim.harness.world_tests import RENDER_FRAME_RATE_HZ, usual_rate_hz
+from worlds.spec import LightName, TextureName
 from worlds.variant import in_light, in_texture
 
 Value: TypeAlias = float | str
@@ -105,13 +106,13 @@ DIFFICULTIES: Mapping[str, Difficulty] = MappingProxyType(
             frame_rate_hz=RENDER_FRAME_RATE_HZ,
         ),
         "light": Difficulty(
-            ("day", "evening", "dim"),
+            get_args(LightName),
             lambda scenario, value: in_house(scenario, in_light(house_spec(scenario), value)),
             _WITHOUT_MAP,
             "render",
         ),
         "texture": Difficulty(
-            ("rich", "poor", "repeating"),
+            get_args(TextureName),
             lambda scenario, value: in_house(scenario, in_texture(house_spec(scenario), value)),
             _WITHOUT_MAP,
             "render",
