@@ -219,7 +219,8 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     A usual limit is 16.8, the 0.99 quantile of chi² with 6 degrees of freedom. None: edges are not compared, and the robust
     kernel alone judges them (sim/pages/pose-graphs.md)."""
     max_edges: Annotated[int, Ge(1)] = 3
-    """Largest number of loop edges from one new keyframe; those with the most inliers are kept."""
+    """Largest number of loop edges from one new keyframe; those with the most inliers are kept. Edges that join two sessions
+    are not limited."""
     ray_sigma_rad: Annotated[float, Gt(0)] = 0.0248
     """Standard deviation of the direction to an inlier in the covariance of a loop edge [rad]. The default is 5 px at a
     focal length of 201 px. It exceeds the largest error of an inlier, because the landmarks of an edge have errors in
@@ -304,7 +305,8 @@ class SessionConfig(Settings, place="sessions", error=ConfigError):
     """Number of keyframes in other components of the map that are compared with each new keyframe, as long as the map has
     several components."""
     agreeing: Annotated[int, Ge(2)] = 5
-    """Least number of keyframes whose loop edges must agree on the relative pose before two sessions are joined."""
+    """Least number of keyframes whose loop edges must agree on the relative pose before two sessions are joined. If several
+    keyframes agree on another one, `lexis.sessions.relocalisation` says when the former prevail."""
     span_m: Annotated[float, Ge(0)] = 1.0
     """Least length of the path between the first and the last of the keyframes whose loop edges agree [m]."""
     window_m: Annotated[float, Gt(0)] = 20.0

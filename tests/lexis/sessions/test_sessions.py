@@ -167,7 +167,7 @@ def test_edges_that_contradict_each_other_never_join(first, tmp_path):
     assert sessions_apart(apart) == [1]
     assert [(decision.query, decision.match) for decision in apart.decisions] == candidates_of(apart)
     across = [decision for decision in apart.decisions if decision.query >= FIRST > decision.match]
-    assert {decision.outcome for decision in across} == {"unsupported", "surplus"}
+    assert {decision.outcome for decision in across} == {"unsupported"}
     assert {decision.misfit_m for decision in across} == {None}  # the poses share no frame
     save_map(apart, tmp_path / "map")
     assert_same(load_map(tmp_path / "map"), apart)
@@ -190,6 +190,29 @@ def test_uncertain_edges_are_refused_where_no_estimate_relates_the_components(of
 def test_wrong_edges_do_not_keep_a_session_from_being_joined(first):
     joined = second(first, verifier(wrong=range(FIRST, FIRST + 4)))
     np.testing.assert_allclose(joined.T_W_B[FIRST:], TRUE[FIRST:], atol=0.02)
+
+
+def in_twin_rooms(ambiguous):
+    """Confirms each candidate by the truth; every second one of the observations `ambiguous` is confirmed 3 m beside it."""
+
+    def check(query, candidates, graph, camera, config):
+        located = []
+        for match in candidates:
+            edge = true_edge(query.id, match, graph)
+            if query.observation_index in ambiguous and graph.keyframes[match].session != query.session and match % 2:
+                ends = [graph.keyframes[i].observation_index for i in (match, query.id)]
+                beside = se3.exp(np.array([0.0, 0.0, 0.0, 3.0, 0.0, 0.0]))
+                edge = replace(edge, T_match_query=se3.between(TRUE[ends[0]], beside @ TRUE[ends[1]]))
+            located.append((LoopDecision(query.id, match, "accepted"), edge))
+        return plausible(located, graph, config)
+
+    return check
+
+
+def test_a_session_in_one_of_two_rooms_that_look_alike_is_joined_once_it_shows_something_else(first):
+    begins_there = second(first, in_twin_rooms(range(FIRST, FIRST + 10)))
+    np.testing.assert_allclose(begins_there.T_W_B[FIRST:], TRUE[FIRST:], atol=0.02)
+    assert sessions_apart(second(first, in_twin_rooms(range(FIRST, FIRST + SECOND)))) == [1]
 
 
 def test_the_time_per_keyframe_of_a_split_map_does_not_grow_with_the_number_of_pairs_of_edges(first, monkeypatch):
