@@ -25,6 +25,8 @@ from worlds.spec import HouseSpec
 
 NEAR_M = 10.0
 """A session should be joined to the map of its house within this length of walk [m]."""
+WRONG_M = 1.0
+"""A session with a larger error of the position counts as joined at a wrong place [m]."""
 _SECOND_DAY = 500_000
 """This number plus the seed of a house is the seed of the tour, the odometry and the sensor noise of the second day."""
 _APART_M = 1000.0
@@ -146,10 +148,11 @@ def measure_sessions(
 
 
 def summary(measured: Iterator[tuple[int, bool, list[Start]]]) -> dict[str, tuple[float | None, ...]]:
-    """Return five figures about the sessions in the same house and in twin houses, by the name of the house.
+    """Return six figures about the sessions in the same house and in twin houses, by the name of the house.
 
-    The figures: the number of sessions, the number of joined sessions, the number of sessions that were joined within
-    `NEAR_M`, the median length of walk until a session was joined [m], and the largest error of a joined session [m].
+    The figures: the numbers of sessions, of joined sessions, of sessions that were joined within `NEAR_M`, and of sessions
+    that were joined at a wrong place; the median length of walk until a session was joined [m], and the largest error of a
+    joined session [m].
     """
     by_house: dict[bool, list[Start]] = {False: [], True: []}
     for _, twin, found in measured:
@@ -160,5 +163,5 @@ def summary(measured: Iterator[tuple[int, bool, list[Start]]]) -> dict[str, tupl
 def _counted(found: Sequence[Start]) -> tuple[float | None, ...]:
     walks = [start.joined_m for start in found if start.joined_m is not None]
     errors = [start.error_m for start in found if start.error_m is not None]
-    near = sum(walk <= NEAR_M for walk in walks)
-    return len(found), len(walks), near, float(np.median(walks)) if walks else None, max(errors, default=None)
+    near, wrong = sum(walk <= NEAR_M for walk in walks), sum(error > WRONG_M for error in errors)
+    return len(found), len(walks), near, wrong, float(np.median(walks)) if walks else None, max(errors, default=None)

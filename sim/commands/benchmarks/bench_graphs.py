@@ -94,7 +94,7 @@ def _sessions(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.report.figures import shown
 
     title = f"{arguments.preset}, features: a session that starts somewhere on another day, {arguments.length:g} m of walk"
-    headers = ("starts", "joined", f"joined within {NEAR_M:g} m", "median walk [m]", "largest error [m]")
+    headers = ("starts", "joined", f"joined within {NEAR_M:g} m", "at a wrong place", "median walk [m]", "largest error [m]")
     table = Table("house", *map(escape, headers), title=title)
     seeds = seeds_of(arguments)
     for name, row in summary(measure_sessions(arguments.preset, seeds, arguments.every, arguments.length)).items():

@@ -38,6 +38,6 @@ def test_a_session_is_joined_to_its_own_house_where_the_robot_truly_is_and_to_no
 
 
 def test_the_summary_counts_same_houses_and_twins_apart():
-    same = [Start(2.0, 0.1), Start(12.0, 0.4), Start(4.0, 0.2)]
+    same = [Start(2.0, 0.1), Start(12.0, 1.4), Start(4.0, 0.2)]
     found = summary(iter([(1, False, same[:2]), (1, True, [Start(None, None)]), (2, False, same[2:])]))
-    assert found == {"the same": (3, 3, 2, 4.0, 0.4), "a twin": (1, 0, 0, None, None)}
+    assert found == {"the same": (3, 3, 2, 1, 4.0, 1.4), "a twin": (1, 0, 0, 0, None, None)}
