@@ -30,8 +30,9 @@ _ALL = 1_000_000
 """A number of edges that no keyframe has."""
 _TELLING = 3
 """Least number of keyframes that must have edges for one of two relative poses, and not for the other one, before the former
-is believed. With 2 or 3, none of 139 sessions in three offices (`uh2-office`, seeds 300 to 302) is joined in the wrong room;
-without this condition, 4 are. With 3, 135 are joined within 10 m of walk, and with 5, 127 (feature sensor)."""
+is believed. None of 139 sessions in three offices is joined in the wrong room, and 133 are joined within 10 m of walk
+(`lexis-sim bench sessions --preset uh2-office --houses 3 --seed 300`). Without this condition, 4 are joined in the wrong
+room; with 5 instead of 3, about 8 fewer are joined within 10 m."""
 
 
 def candidates_elsewhere(query: Keyframe, graph: PoseGraph, config: SessionConfig) -> tuple[int, ...]:
