@@ -61,7 +61,8 @@ def shortened_by_moving_stops(house: House, walkable: Walkable, stops: Stops, la
     """Keep one stop per room, and move each stop to the place in its room at which the lap becomes shortest.
 
     The best place of a stop depends on the stops before and after it. Therefore, only every second stop moves while the
-    others stay, then the others move, and then the first half moves again. Returns the moved stops and the lap through them.
+    others stay, then the others move, and then the first half moves again. If the number of stops is odd, the first and the
+    last one are neighbours on the lap, and move at the same time. Returns the moved stops and the lap through them.
     """
     lap = thinned(stops, lap, 0.0)
     room_of = {stop: room for room, own in stops.of_room.items() for stop in own}
