@@ -1,5 +1,6 @@
 """Names of room instances: "office 1" and "office 2" if there are several rooms of a label, "kitchen" if there is one."""
 
+import difflib
 from collections import Counter
 from collections.abc import Iterator, Sequence, Set
 from itertools import count
@@ -49,3 +50,13 @@ def find_rooms(rooms: Sequence[RoomInstance], name: str) -> tuple[RoomInstance, 
     """
     exact = tuple(room for room, own in zip(rooms, instance_names(rooms), strict=True) if same_name(own, name))
     return exact or tuple(room for room in rooms if same_name(room.label, name))
+
+
+def no_such_room(rooms: Sequence[RoomInstance], name: str) -> str:
+    """Return a message about a name that no room has, such as "no room 'kichen' in the map (did you mean 'kitchen'?)".
+
+    It does not say which names are valid.
+    """
+    names = {own.lower(): own for own in (*(room.label for room in rooms), *instance_names(rooms))}
+    guess = difflib.get_close_matches(name.strip().lower(), names, n=1)
+    return f"no room {name!r} in the map" + (f" (did you mean {names[guess[0]]!r}?)" if guess else "")

@@ -10,7 +10,7 @@ from lexis.errors import PlanError
 from lexis.map.folder import load_map
 from lexis.map.path_directions import directions, name_and_floor, plan_summary
 from lexis.planning.planner import plan
-from lexis.room_names import find_rooms, instance_names
+from lexis.room_names import find_rooms, instance_names, no_such_room
 from lexis.types import LexisMap
 
 FROM_HELP = 'an instance ("office 2"), or a label ("office"): the instance with the shortest path to the goal is chosen'
@@ -57,8 +57,9 @@ def _plan(arguments: argparse.Namespace) -> int:
 
 def _check_room(lexis_map: LexisMap, name: str, more: str) -> None:
     """Raise PlanError unless the map has a room of this name; `more` says what else is valid."""
-    if not find_rooms(lexis_map.rooms, name):
-        raise PlanError(f"no room {name!r} in the map; valid: {', '.join(instance_names(lexis_map.rooms))}, {more}")
+    rooms = lexis_map.rooms
+    if not find_rooms(rooms, name):
+        raise PlanError(f"{no_such_room(rooms, name)}; valid: {', '.join(instance_names(rooms))}, {more}")
 
 
 def _goal(lexis_map: LexisMap, text: str, calibration: Path | None) -> str:

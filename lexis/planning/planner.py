@@ -23,7 +23,7 @@ from lexis.planning.arrivals import surely_inside
 from lexis.planning.connections import as_graph, lengths_of, unwalked_steps
 from lexis.planning.path_ends import PathEnd, clear_ends, path_end
 from lexis.planning.shortcuts import chunks, points_between
-from lexis.room_names import find_rooms, instance_names
+from lexis.room_names import find_rooms, instance_names, no_such_room
 from lexis.types import LexisMap, Pairs, RoomInstance
 
 
@@ -158,7 +158,7 @@ class PathPlanner:
         rooms = find_rooms(self._map.rooms, name)
         if not rooms:
             valid = ", ".join(instance_names(self._map.rooms))
-            raise PlanError(f"no room {name!r} in the map; valid: {valid}, or one of these without its number")
+            raise PlanError(f"{no_such_room(self._map.rooms, name)}; valid: {valid}, or one of these without its number")
         return rooms
 
 

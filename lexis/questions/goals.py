@@ -4,7 +4,7 @@ from lexis.errors import PlanError
 from lexis.perception import TextEncoder
 from lexis.questions.answers import ask
 from lexis.questions.calibration import Calibration
-from lexis.room_names import instance_names
+from lexis.room_names import instance_names, no_such_room
 from lexis.types import LexisMap
 
 
@@ -19,9 +19,9 @@ def goal_in_words(map: LexisMap, text: str, encoder: TextEncoder, calibration: C
     valid = f"valid: {', '.join(names)}, a label for its nearest room, or a description of what is there"
     if calibration is None:
         raise PlanError(
-            f"no room {text!r} in the map, and descriptions need a calibration of encoder {encoder.name!r}; {valid}"
+            f"{no_such_room(map.rooms, text)}, and descriptions need a calibration of encoder {encoder.name!r}; {valid}"
         )
     answer = ask(map, text, encoder, calibration)
     if answer.unknown:
-        raise PlanError(f"no room {text!r} in the map, and no room fits these words; {valid}")
+        raise PlanError(f"{no_such_room(map.rooms, text)}, and no room fits these words; {valid}")
     return names[answer.rooms[0].room.id]

@@ -562,6 +562,7 @@ def test_one_ctrl_c_while_the_map_of_a_damaged_recording_is_saved_does_not_lose_
             "sauna",
             "no room 'sauna' in the map; valid: .*, a label for its nearest room, or a description of several words$",
         ),
+        ("kitchen", "Ofice", r"no room 'Ofice' in the map \(did you mean 'office'\?\); valid: "),
         (
             "somewhere to cook",
             "kitchen",
