@@ -1,9 +1,8 @@
 """`FeatureInput`: what the harness gives to a SLAM in a run of fidelity "features", in place of images."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Int
@@ -19,6 +18,9 @@ from sim.feature_sensor.oracle import Oracle
 
 _NO_GATES = VerificationConfig(gate_m=1e9, gate_rad=4.0, uncertain_gate_m=1e9, max_edges=10**9)
 """Settings with which a verifier compares no loop with an estimate of the poses."""
+
+_BLANK = Keyframe(0, 0, 0.0, np.eye(4), np.eye(6), np.zeros(1, np.float32), NO_FEATURES, NO_LANDMARKS)
+"""A keyframe without content."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +38,8 @@ class FeatureInput:
     verifier: Verifier
     """Verifier of the loop closures of LEXIS's pose graph. `verify` asks it about observations, without a pose graph."""
     camera: Camera
+    original: Callable[[int], int] = int
+    """Maps an index of an observation that the SLAM gets to the index in the run."""
 
     def verify(self, query: int, matches: Sequence[int]) -> tuple[LoopEdge, ...]:
         """Return the loop closures that a comparison of images would give between an observation and earlier ones.
@@ -57,8 +61,15 @@ class FeatureInput:
                 f"verify: observation {query} is to be compared with {list(matches)!r:.60}; valid: indices of other "
                 "observations, from 0"
             )
-        unestimated = _observations(1 << max(query, *matches, 0).bit_length())
-        return self.verifier(unestimated.keyframes[query], list(matches), unestimated, self.camera, _NO_GATES).edges
+        asked = {self.original(match): match for match in matches}
+        graph = _Unestimated({**asked, self.original(query): query})
+        edges = self.verifier(graph.keyframes[self.original(query)], list(asked), graph, self.camera, _NO_GATES).edges
+        return tuple(
+            replace(edge, query=query, match=match)
+            for edge in edges
+            for match in matches
+            if self.original(match) == edge.match
+        )
 
     def renumbered(self, original: Callable[[int], int]) -> "FeatureInput":
         """Return this input for a SLAM that gets observations under other indices.
@@ -67,7 +78,7 @@ class FeatureInput:
         """
         if not isinstance(self.verifier, CovisibilityVerifier):
             raise SimError("feature input: its verifier cannot be renumbered; valid: the verifier of the feature sensor")
-        return replace(self, verifier=self.verifier.renumbered(original))
+        return replace(self, verifier=self.verifier.renumbered(original), original=original)
 
     def check(self, encoder: Encoder) -> None:
         """Raise `SimError` unless the embeddings of the run simulate `encoder`."""
@@ -77,34 +88,24 @@ class FeatureInput:
             self.model.check(encoder, self.source)
 
 
-@dataclass(frozen=True, eq=False)
-class _Observations:
-    """A `PoseEstimate` without an estimate: every observation is a keyframe, whose id is the index of the observation."""
+class _Unestimated:
+    """A `PoseEstimate` without an estimate: all poses are equal. Its keyframes are observations without content.
 
-    keyframes: Sequence[Keyframe]
+    The id of a keyframe is the index of its observation in the run, so that a verifier that draws random numbers for ids
+    draws the same ones however a SLAM numbers the observations.
+    """
 
-    @property
-    def T_W_B(self) -> Poses:
-        """Equal poses for all observations."""
-        return np.tile(np.eye(4), (len(self.keyframes), 1, 1))
+    is_split = False
 
-    @property
-    def sessions(self) -> Int[np.ndarray, "n"]:
-        """A single session."""
-        return np.zeros(len(self.keyframes), np.int64)
-
-    @property
-    def is_split(self) -> bool:
-        """Whether poses cannot be compared, which is not so."""
-        return False
+    def __init__(self, given: Mapping[int, int]) -> None:
+        """`given` maps the index in the run of each observation that is compared to the index that the SLAM gets."""
+        count = max(given) + 1
+        self.keyframes = [_BLANK] * count
+        for id, index in given.items():
+            self.keyframes[id] = replace(_BLANK, id=id, observation_index=index, stamp=float(id))
+        self.T_W_B: Poses = np.broadcast_to(np.eye(4), (count, 4, 4))
+        self.sessions: Int[np.ndarray, n] = np.zeros(count, np.int64)
 
     def path_between(self, first: int, second: int) -> float:
         """Return an unknown length."""
         return math.inf
-
-
-@lru_cache(maxsize=32)
-def _observations(count: int) -> _Observations:
-    """Return `count` observations without content, as keyframes."""
-    first = Keyframe(0, 0, 0.0, np.eye(4), np.eye(6), np.zeros(1, np.float32), NO_FEATURES, NO_LANDMARKS)
-    return _Observations(tuple(replace(first, id=i, observation_index=i, stamp=float(i)) for i in range(count)))

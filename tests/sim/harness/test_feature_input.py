@@ -66,10 +66,24 @@ def test_answers_depend_neither_on_the_run_nor_on_earlier_questions(ran):
 
 def test_a_slam_that_numbers_observations_anew_gets_the_same_loops(ran):
     truth, features = ran
-    query, matches = max((edge.query, edge.match) for edge in _edges(features, len(truth)))[0], [0, 1, 2, 3]
-    there = features.verify(query, matches)
-    here = features.renumbered(lambda index: index - 1000).verify(query + 1000, [match + 1000 for match in matches])
-    assert [edge.match + 1000 for edge in there] == [edge.match for edge in here]
+    anew = features.renumbered(lambda index: index - 1000)
+    for query in {edge.query for edge in _edges(features, len(truth))}:
+        matches = range(0, query - 15, 2)
+        there, here = features.verify(query, matches), anew.verify(query + 1000, [match + 1000 for match in matches])
+        assert [(edge.query + 1000, edge.match + 1000, edge.inliers) for edge in there] == [
+            (edge.query, edge.match, edge.inliers) for edge in here
+        ]
+        for one, other in zip(there, here, strict=True):
+            assert np.array_equal(one.T_match_query, other.T_match_query)
+
+
+def test_two_frames_of_one_observation_get_the_same_loops(ran):
+    truth, features = ran
+    edge = _edges(features, len(truth))[0]
+    paused = features.renumbered(lambda index: index // 2)  # every frame is given twice
+    loops = paused.verify(2 * edge.query, [2 * edge.match + 1, 2 * edge.match])
+    assert [loop.match for loop in loops] == [2 * edge.match + 1, 2 * edge.match]
+    assert all(loop.query == 2 * edge.query and np.array_equal(loop.T_match_query, edge.T_match_query) for loop in loops)
 
 
 @pytest.mark.parametrize(("query", "matches"), [(-1, [0]), (3, [-1]), (3, [1, 3])])
