@@ -59,10 +59,10 @@ class EstimatedLoops:
     """Final confidence of the SLAM in each loop, in [0, 1]; None if the SLAM gives no confidences."""
 
     def converted(self) -> "EstimatedLoops":
-        """Return the same loops with indices as int64 and all other numbers as float64."""
-        query, match = (each.astype(np.int64, copy=False) for each in (self.query, self.match))
-        weights = None if self.weights is None else self.weights.astype(np.float64, copy=False)
-        return EstimatedLoops(query, match, self.T_match_query.astype(np.float64, copy=False), weights)
+        """Return a copy of the loops, with indices as int64 and all other numbers as float64."""
+        query, match = (each.astype(np.int64) for each in (self.query, self.match))
+        weights = None if self.weights is None else self.weights.astype(np.float64)
+        return EstimatedLoops(query, match, self.T_match_query.astype(np.float64), weights)
 
 
 @dataclass(frozen=True)
@@ -144,11 +144,11 @@ class Estimate:
         self._convert_arrays()
 
     def _convert_arrays(self) -> None:
-        """Convert whole numbers to int64 and other numbers to float64, so that figures do not depend on a SLAM's types."""
-        object.__setattr__(self, "frames", self.frames.astype(np.int64, copy=False))
+        """Copy whole numbers as int64 and other numbers as float64, so that figures do not depend on a SLAM's types."""
+        object.__setattr__(self, "frames", self.frames.astype(np.int64))
         for name, (kinds, _) in _FORMS.items():
             if (values := getattr(self, name)) is not None:
-                object.__setattr__(self, name, values.astype(_TYPES[kinds], copy=False))
+                object.__setattr__(self, name, values.astype(_TYPES[kinds]))
         if self.loops is not None:
             object.__setattr__(self, "loops", self.loops.converted())
 

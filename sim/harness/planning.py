@@ -108,14 +108,14 @@ def _trials(run: Run, slam: PlansPaths, pairs: list[tuple[str, str]], robot: Rob
     for query, (start, goal) in enumerate(pairs):
         rng = random_generator(run.scenario.seed, RandomStream.DRIVES, query)
         if (keyframes := ask_plan(run, slam, start, goal)) is None:
-            yield _failed(start, goal)
+            yield _failed(start, goal, "no plan was found")
             continue
         yield _try(run, robot, belief, start, goal, keyframes, rng)
 
 
-def _failed(start: str, goal: str, planned: Float64[np.ndarray, "j 3"] = _NOWHERE) -> Trial:
-    """Return the result of a plan that was not driven."""
-    return Trial(start, goal, False, 0.0, 0.0, (), None, _NOWHERE, planned)
+def _failed(start: str, goal: str, refusal: str, planned: Float64[np.ndarray, "j 3"] = _NOWHERE) -> Trial:
+    """Return the result of a plan that was not driven, for the reason `refusal`."""
+    return Trial(start, goal, False, 0.0, 0.0, (), None, _NOWHERE, planned, refusal)
 
 
 def _try(
@@ -125,10 +125,13 @@ def _try(
     planned = run.true_poses[keyframes][:, :3, 3] - [0.0, 0.0, run.session.tour.eye_height_m]
     pose = DeadReckoning(*_seen_from_above(belief.T_believed_true @ T_W_B), belief.drift, rng)
     try:
-        driven = robot.drive(planned[0], _seen_from_above(T_W_B)[2], pose, belief.keyframes[keyframes][:, :3, 3])
         shortest = shortest_into(run.walkable, planned[0], goal)
-    except (SimError, UnreachableError):  # no ground below the first frame, as in a moving lift; or no way to the goal
-        return _failed(start, goal, planned)
+    except UnreachableError as error:
+        return _failed(start, goal, f"the plan was not driven: {error}", planned)
+    try:
+        driven = robot.drive(planned[0], _seen_from_above(T_W_B)[2], pose, belief.keyframes[keyframes][:, :3, 3])
+    except SimError as error:  # such as no ground below the first frame, in a moving lift
+        return _failed(start, goal, f"the plan was not driven: {error}", planned)
     arrived = driven.room is not None and run.house.room_by_id[driven.room].label == goal
     success = arrived and not driven.touched
     return Trial(start, goal, success, shortest, driven.length_m, driven.touched, driven.room, driven.path, planned)

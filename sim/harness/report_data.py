@@ -82,10 +82,8 @@ def _plan(run: Run, trial: Trial) -> PlanPath:
 
 
 def _why_failed(run: Run, trial: Trial) -> str:
-    if not len(trial.planned):
-        return "no plan was found"
-    if not len(trial.path):
-        return "the robot cannot stand at the first frame of the plan, or no way leads from there to the goal"
+    if trial.refusal:
+        return trial.refusal
     if trial.touched:
         return "came to a drop" if DROP in trial.touched else f"ran into {trial.touched[0]}"
     # Heights of keyframes sway with the walk: a point at eye height is in the room, a point near its floor may be below it.

@@ -10,14 +10,16 @@ from sim.harness.estimate import Estimate
 
 
 def checked_estimate(returned: object, given: Collection[int], names: int) -> Estimate:
-    """Return what `SlamUnderTest.finish` has returned, if it is a valid estimate.
+    """Return a copy of what `SlamUnderTest.finish` has returned, if it is a valid estimate.
+
+    The copy stays as it is if the SLAM goes on to write into its arrays, such as for planning.
 
     Raises `EstimateError` for anything but an `Estimate`, for an estimate that the SLAM has made invalid after creating it,
     for frames that are not in `given`, and for indices of room names of which there are not `names`.
     """
     if not isinstance(returned, Estimate):
         raise EstimateError(f"SLAM under test: finish() returned {type(returned).__name__}; valid: an Estimate")
-    replace(returned)  # checks the arrays again, because a SLAM may have written into them since
+    returned = replace(returned)  # checks the arrays again, because a SLAM may have written into them since
     for row, frame in enumerate(returned.frames.tolist()):
         if frame not in given:
             raise EstimateError(f"estimate: frames has {frame} in row {row}; valid: {_indices(given)}")

@@ -27,6 +27,8 @@ class Trial:
     """Path of the robot, in W [m]."""
     planned: Float64[np.ndarray, "j 3"]
     """True positions of the plan's frames on the walked surface, in W [m]; empty if no plan was found."""
+    refusal: str = ""
+    """Why the robot did not drive; "" if it did."""
 
     @property
     def collisions(self) -> int:

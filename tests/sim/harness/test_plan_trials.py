@@ -1,10 +1,12 @@
 """The judging of plans: the shortest path with which the length of a drive is compared."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import RigidTransform
 
-from sim.harness import Estimate, Scenario, run, try_plans
+from sim.harness import Estimate, Scenario, evaluate, run, try_plans
 from sim.harness.planning import shortest_into
 from worlds.house import build_house
 from worlds.presets import sample_from_rooms
@@ -112,4 +114,33 @@ def test_a_plan_into_a_room_that_cannot_be_reached_fails_alone(labels, monkeypat
     trials = planned(labels, np.eye(4))
     into = [trial for trial in trials if trial.goal == "kitchen"]
     assert not any(trial.success or trial.travelled_m for trial in into)
+    assert all("no way into any kitchen" in trial.refusal for trial in into)
     assert any(trial.success for trial in trials)
+
+
+def test_a_map_that_has_diverged_gives_plans_that_nobody_drives_and_says_so(labels):
+    class Diverged(Planner):
+        def finish(self):
+            estimate = super().finish()
+            poses = estimate.T_W_B.copy()
+            poses[::2, 0, 3] += 1e5
+            return replace(estimate, T_W_B=poses)
+
+    trials = try_plans(run(SCENARIO, Diverged(np.eye(4), labels)))
+    assert trials and not any(trial.success for trial in trials)
+    assert all("the route is" in trial.refusal and "valid: up to 10000 m" in trial.refusal for trial in trials)
+
+
+def test_a_slam_that_writes_into_its_estimate_while_it_plans_does_not_change_its_figures(labels):
+    class Reuses(Planner):
+        def finish(self):
+            self.estimate = super().finish()
+            return self.estimate
+
+        def plan(self, start, goal):
+            self.estimate.T_W_B[:] = self.poses[0]
+            return super().plan(start, goal)
+
+    careless, careful = run(SCENARIO, Reuses(np.eye(4), labels)), run(SCENARIO, Planner(np.eye(4), labels))
+    assert [trial.travelled_m for trial in try_plans(careless)] == [trial.travelled_m for trial in try_plans(careful)]
+    assert evaluate(careless).trajectory == evaluate(careful).trajectory
