@@ -114,14 +114,15 @@ def _level_ends(stairs: Bool[np.ndarray, "n"], path: Metres, height: Metres) -> 
     """
     level = np.zeros(len(stairs), bool)
     for run in true_stretches(stairs):
-        ends = level[run]
+        ends = np.zeros(run.stop - run.start, bool)
         if run.start > 0:
             before = slice(run.start - 1, run.stop)
             ends |= _as_high_as_first(path[before], height[before])
         if run.stop < len(stairs):
             after = slice(run.start, run.stop + 1)
             ends |= _as_high_as_first(path[after][::-1], height[after][::-1])[::-1]
-        ends &= not ends.all()
+        if not ends.all():
+            level[run] = ends
     return level
 
 

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int
+from jaxtyping import Bool, Int
 
 from lexis.config import SessionConfig, VerificationConfig
 from lexis.graph.pose_graph import PoseGraph
@@ -81,7 +81,10 @@ class Relocaliser:
 
     def _is_recent(self, edge: LoopEdge, graph: PoseGraph) -> bool:
         """Whether the query of an edge is in the current session and on the last part of the path."""
-        return edge.query >= graph.session_start and graph.path_between(edge.query, -1) <= self._config.window_m
+        return (
+            edge.query >= graph.session_start
+            and graph.path_between(edge.query, len(graph.keyframes) - 1) <= self._config.window_m
+        )
 
     def _suffice(self, found: Sequence[LoopEdge], graph: PoseGraph) -> bool:
         """Whether edges that agree come from enough keyframes, on a piece of the path that is long enough."""
@@ -155,5 +158,5 @@ def _agree(
     rows = LoopArrays.of(others)
     measured = graph.T_W_B[rows.match] @ rows.T_match_query
     predicted = shift_of(edge, graph) @ graph.T_W_B[rows.query]
-    path_m: Float64[np.ndarray, others] = np.abs(graph.path_m[rows.query] - graph.path_m[edge.query])
+    path_m = np.abs(graph.path_m[rows.query] - graph.path_m[edge.query])
     return within_drift(measured, predicted, path_m, config)

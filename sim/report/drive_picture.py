@@ -1,7 +1,7 @@
 """Draws one drive of the robot on the floor plans: the planned path, the driven path, and the end of the drive."""
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int
 
 from lexis.maths.stretches import stretches_of
 from sim.render.image_files import encoded
@@ -24,13 +24,18 @@ def drive_png(
     """
     marks: dict[int, list[Mark]] = {level: [] for level in range(len(house.storeys))}
     for style, line in (("odometry", planned), ("path", path)):
-        levels = storey_of(line[:, 2] + _SAME_STOREY_M, [storey.floor_m for storey in house.storeys])
+        levels = _levels_of(line, house)
         for stretch in stretches_of(levels):
             if stretch.stop - stretch.start > 1:
                 marks[int(levels[stretch.start])].append(Mark("line", style, line[stretch.slice, :2]))
-    end = path[-1:, :2]  # on the last of the levels of `path`
-    marks[int(levels[-1])] += [
+    end, last_level = path[-1:, :2], int(_levels_of(path, house)[-1])
+    marks[last_level] += [
         Mark("dot", "wrong", end),
         Mark("text", "name", end + [0.3, 0.0], text=", ".join(touched[:1]), size=0.3),
     ]
     return encoded(plan_image(house, marks=marks), ".png")
+
+
+def _levels_of(line: Float64[np.ndarray, "k 3"], house: House) -> Int[np.ndarray, "k"]:
+    """Return the storey on whose plan each point of a line is drawn."""
+    return np.asarray(storey_of(line[:, 2] + _SAME_STOREY_M, [storey.floor_m for storey in house.storeys]))

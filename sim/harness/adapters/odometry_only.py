@@ -6,6 +6,7 @@ import numpy as np
 
 from lexis.errors import ObservationError
 from lexis.inputs import is_pose
+from lexis.maths.ties import reaches
 from lexis.types import Camera, Observation, Pose
 from sim.errors import SimError
 from sim.harness.estimate import Estimate
@@ -44,7 +45,7 @@ class OdometryOnly:
                 raise ObservationError(f"observation {observation.index} comes after {last_index}; valid: ascending")
             self._path_m += float(np.linalg.norm(pose[:3, 3] - last_pose[:3, 3]))
         self._last = observation.index, pose
-        if not self._keyframes or self._path_m >= SPACING_M:
+        if not self._keyframes or reaches(self._path_m, SPACING_M):
             self._path_m = 0.0
             self._keyframes[observation.index] = pose
 
