@@ -28,6 +28,7 @@ def _bedding(s: Size, rng: Generator, low: float, pillows: int) -> Parts:
     depth=(2.05, 2.15),
     height=(0.95, 1.15),
     rooms={"bedroom": (1, 1)},
+    place=AgainstWall(can_stand_free=True),
     clearance=0.4,
     essential=True,
 )
@@ -49,7 +50,7 @@ def double_bed(s: Size, rng: Generator) -> Parts:
     depth=(1.9, 2.0),
     height=(0.75, 0.9),
     rooms={"children's room": (1, 1)},
-    place=AgainstWall(corner=True),
+    place=AgainstWall(corner=True, can_stand_free=True),
     clearance=0.3,
     essential=True,
 )

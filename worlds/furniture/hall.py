@@ -190,6 +190,7 @@ def standing_mirror(s: Size, rng: Generator) -> Parts:
     depth=(0.7, 0.9),
     height=(1.05, 1.15),
     rooms={"lobby": (1, 1)},
+    place=AgainstWall(can_stand_free=True),
     clearance=0.7,
     essential=True,
 )

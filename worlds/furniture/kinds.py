@@ -98,6 +98,8 @@ class AgainstWall:
     """Kinds of furniture that the piece is preferably placed next to."""
     corner: bool = False
     """Whether the piece is preferably placed at the end of a wall."""
+    can_stand_free: bool = False
+    """Whether the first piece that a room requires may stand away from the walls if it fits at none, as in an open plan."""
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ from worlds.furniture.shapes import about, box, cone, cylinder, fronts, inset, l
     depth=(0.85, 0.95),
     height=(0.78, 0.9),
     rooms={"living room": (1, 1), "lobby": (1, 1), "office": 0.12, "library": 0.3},
+    place=AgainstWall(can_stand_free=True),
     clearance=0.9,
 )
 def sofa(s: Size, rng: Generator) -> Parts:

@@ -23,6 +23,7 @@ _DESKS = ("desk", "double desk")
         "library": 0.3,
         "print room": 0.4,
     },
+    place=AgainstWall(can_stand_free=True),
     clearance=0.85,
 )
 def desk(s: Size, rng: Generator) -> Parts:

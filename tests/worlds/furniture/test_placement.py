@@ -386,6 +386,36 @@ def test_rooms_of_usual_size_always_have_their_essential_pieces(label, kind):
         assert kind in {piece.kind for piece in pieces if piece.room == "room"}, seed
 
 
+FREE = [kind for kind in CATALOGUE.values() if isinstance(kind.place, AgainstWall) and kind.place.can_stand_free]
+
+
+def _walled(label, open_sides):
+    """A room of 6 x 6 m amid corridors, with walls on all sides but the first `open_sides`; the last side is at x = 0."""
+    corners = _rectangle(6.0, 6.0)
+    east = ((0.0, -2.0), (8.0, -2.0), (8.0, 8.0), (0.0, 8.0), (0.0, 6.0), (6.0, 6.0), (6.0, 0.0), (0.0, 0.0))
+    west = ((-2.0, -2.0), (0.0, -2.0), (0.0, 8.0), (-2.0, 8.0))
+    corridors = tuple(RoomSpec(id=name, label="corridor", polygon_m=each) for name, each in (("east", east), ("west", west)))
+    openings = tuple(
+        OpeningSpec(rooms=("room", beside), kind="open", start_m=start, end_m=end)
+        for beside, start, end in zip(("east", "east", "east", "west"), corners, corners[1:] + corners[:1], strict=True)
+    )[:open_sides]
+    return StoreySpec(rooms=(RoomSpec(id="room", label=label, polygon_m=corners), *corridors), openings=openings)
+
+
+@pytest.mark.parametrize(
+    ("kind", "label"), [(kind, label) for kind in FREE for label in kind.rooms if kind.is_required_in(label)]
+)
+def test_pieces_that_define_a_room_stand_free_only_where_the_room_has_no_wall(kind, label):
+    """A room without walls is still an office; with one wall left, its desk stands there."""
+    for seed in range(6):
+        for open_sides in (3, 4):
+            room = [piece for piece in furnish(_walled(label, open_sides), _seeded(seed)) if piece.room == "room"]
+            first = next(piece for piece in room if piece.kind == kind.name)
+            facing_x = abs(math.sin(first.yaw_rad)) > 0.5
+            gap_m = first.position_m[0] - first.size_m[1 if facing_x else 0] / 2
+            assert (gap_m < 0.07) == (open_sides == 3), (seed, open_sides, gap_m)
+
+
 def test_kitchens_of_sampled_homes_can_be_cooked_in():
     """Counters took all the walls of 7 of these 10 homes before essential pieces were placed first."""
     lacking = [missing for seed in range(10) for missing in missing_essentials(build_house(sample_house("home", seed)))]

@@ -6,7 +6,7 @@ The candidates are not checked for collisions: `RoomPlan.first_free` takes the f
 from collections.abc import Callable, Iterator
 from itertools import chain
 
-from worlds.furniture.kinds import AgainstWall, Around, Kind, OnCeiling, OnFloor, OnTop, OnWall, Place, Size
+from worlds.furniture.kinds import AgainstWall, Around, OnCeiling, OnFloor, OnTop, OnWall, Place, Size
 from worlds.furniture.placing.draws import Draws
 from worlds.furniture.placing.free_floor import HALF_WALL_M
 from worlds.furniture.placing.piece import Piece, Pose
@@ -23,12 +23,12 @@ _UNDER_M = 0.02
 """Least distance between a piece and the piece that hangs above it [m]."""
 
 
-def candidates(plan: RoomPlan, kind: Kind, size: Size, host: Piece | None, draws: Draws) -> Iterator[Pose]:
-    """Yield poses for a piece of `kind` and `size`, best first, all at the same height.
+def candidates(plan: RoomPlan, place: Place, size: Size, host: Piece | None, draws: Draws) -> Iterator[Pose]:
+    """Yield poses for a piece of `size` in a kind of `place`, best first, all at the same height.
 
     `host` is the piece that the new piece stands at or on, or hangs above; None if the new piece needs no host.
     """
-    return _BY_PLACE[type(kind.place)](plan, kind.place, size, host, draws)
+    return _BY_PLACE[type(place)](plan, place, size, host, draws)
 
 
 def _against_wall(plan: RoomPlan, place: AgainstWall, size: Size, host: Piece | None, draws: Draws) -> Iterator[Pose]:

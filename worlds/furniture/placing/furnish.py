@@ -17,14 +17,14 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import islice
+from itertools import islice, product
 from typing import NamedTuple
 
 from numpy.random import Generator
 
 from worlds.furniture.catalogue import CATALOGUE, kind_of
 from worlds.furniture.kind_checks import check_kinds
-from worlds.furniture.kinds import Around, Kind, OnCeiling, OnFloor, OnTop, OnWall, Range, Size
+from worlds.furniture.kinds import AgainstWall, Around, Kind, OnCeiling, OnFloor, OnTop, OnWall, Place, Range, Size
 from worlds.furniture.placing.candidates import candidates
 from worlds.furniture.placing.counts import USUAL, appearances
 from worlds.furniture.placing.draws import Draws, pool, stream_key
@@ -158,13 +158,17 @@ class _Furnisher:
                 break
 
     def _place(self, kind: Kind, number: int, host: Piece | None, since: float) -> Piece | None:
-        """Place a piece with a random size, or else with the smallest size of its kind; return None if neither fits."""
+        """Place a piece with a random size, or else with the smallest size of its kind; return None if neither fits.
+
+        The first piece that the room requires may stand free if its kind can.
+        """
         draws = self._draws(kind, number, host)
         seed, shares = int(draws.random() * 2**32), (draws.random(), draws.random(), draws.random())
         since = max(since, host.since) if host else since
         walkable = WALKABLE_SHARE - _SHARE_PER_CLUTTER * max(0.0, since - USUAL)
-        for size in (_size(kind, each, self._plan.height_m) for each in (shares, _SMALLEST)):
-            poses = candidates(self._plan, kind, size, host, draws)
+        sizes = [_size(kind, each, self._plan.height_m) for each in (shares, _SMALLEST)]
+        for place, size in product(self._places(kind), sizes):
+            poses = candidates(self._plan, place, size, host, draws)
             pose = self._plan.first_free(kind, size, poses, host, walkable)
             if pose is not None:
                 piece = Piece(kind, size, pose, _key(kind, number, host), seed, since)
@@ -173,6 +177,12 @@ class _Furnisher:
                 self._by_kind[kind.name].append(piece)
                 return piece
         return None
+
+    def _places(self, kind: Kind) -> tuple[Place, ...]:
+        """Return where the next piece of a kind may stand, the usual place first."""
+        first = kind.is_required_in(self._plan.label) and not self._by_kind[kind.name]
+        free = isinstance(kind.place, AgainstWall) and kind.place.can_stand_free
+        return (kind.place, OnFloor()) if first and free else (kind.place,)
 
     def _draws(self, kind: Kind, number: int, host: Piece | None) -> Draws:
         return Draws(self._numbers, _key(kind, number, host))
