@@ -78,10 +78,15 @@ class RateVerdict:
         return float(lower), float(upper)
 
     def __str__(self) -> str:
-        low, high = self.interval
-        rate = f"rate at least {low:.3f}, at most {high:.3f} with {percent(self.confidence)} confidence"
+        low, high = (_beside(bound, self.p) for bound in self.interval)
+        rate = f"rate at least {low}, at most {high} with {percent(self.confidence)} confidence"
         counts = f"holds in {round(self.held, 2):g} of {counted(self.houses, 'house')}"
         return f"{counts} (wanted: in {percent(self.p)}; {rate}): {self.outcome}"
+
+
+def _beside(bound: float, p: float) -> str:
+    """Return a bound as text, with as many decimals as are needed to tell it from `p`, but at least three."""
+    return next((text for decimals in range(3, 9) if float(text := f"{bound:.{decimals}f}") != p), f"{bound:.3f}")
 
 
 def _log_evidence(p: float, held: float, failed: float) -> tuple[float, float]:

@@ -61,6 +61,22 @@ def test_means_are_over_the_houses_in_which_both_slams_have_the_figure():
     assert "labels.accuracy: only one SLAM has it in 2 of 3 houses" in str(compared)
 
 
+def test_a_figure_that_only_one_slam_has_is_shown_and_counts_for_it():
+    compared = compare_results(results([0.9, 0.5]), results([None, None]))
+    (change,) = (each for each in compared.figures if each.name == "labels.accuracy")
+    assert change.means == (0.7, None) and (change.better, change.worse) == (0, 2)
+    (row,) = (line.split() for line in str(compared).splitlines() if line.startswith("labels.accuracy "))
+    assert row[1:3] == ["0.700", "-"]
+    assert "labels.accuracy: only one SLAM has it in 2 of 2 houses, which count for this SLAM\n" in f"{compared}\n"
+
+
+def test_keyframes_that_end_just_before_the_walk_does_are_no_loss_of_coverage():
+    """A SLAM with keyframes half a metre apart, compared with one that returns a pose for every frame of 80 m."""
+    frames = [replace(each, coverage=replace(each.coverage, path_covered=1.0)) for each in results([0.9] * 12)]
+    keyframes = [replace(each, coverage=replace(each.coverage, path_covered=1.0 - 0.5 / 80.0)) for each in frames]
+    assert compare_results(frames, keyframes).verdicts["coverage.path_covered"] == "not shown to differ"
+
+
 def test_the_table_says_how_often_a_claim_holds_for_each_slam():
     compared = compare_results(results([0.9, 0.5, 0.9, 0.9]), results([0.5, 0.5, 0.9, 0.5]), ["labels.accuracy >= 0.8"])
     (claim,) = (each for each in compared.claims if each.name == "labels.accuracy >= 0.8")

@@ -1,5 +1,6 @@
 """The sequential test of a rate keeps its error bounds, although it is evaluated after every house."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -36,6 +37,14 @@ def first_outcomes(p, true_rate, streams=10_000, houses=400, seed=0):
 def test_shares_are_told_with_all_their_digits():
     told = str(RateVerdict(0.995, 0.9999, 5, 5))
     assert "wanted: in 99.5%" in told and "with 99.99% confidence" in told
+
+
+@pytest.mark.parametrize(("held", "outcome"), [(0, "fails"), (8, "holds")])
+def test_the_bounds_as_they_are_shown_agree_with_the_outcome(held, outcome):
+    """The upper bound of 0 of 8 houses is 0.49968: rounded to 0.500, it would not show why a rate of 50 % fails."""
+    verdict = RateVerdict(0.5, 0.99, held, 8)
+    low, high = map(float, re.search(r"at least ([\d.]+), at most ([\d.]+) with", str(verdict)).groups())
+    assert verdict.outcome == outcome and (high < 0.5 if outcome == "fails" else low > 0.5)
 
 
 @pytest.mark.parametrize("p", P)
