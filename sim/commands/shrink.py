@@ -82,6 +82,8 @@ def _shrink(arguments: argparse.Namespace) -> int:
     print(str(blamed))
     if blamed.original is not None:
         print(f"in the original scenario: {blamed.original}")
+    if blamed.another_error:
+        print(blamed.another_error)
     print(f"why: {arguments.out / WHY}")
     return 0
 

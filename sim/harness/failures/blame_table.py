@@ -97,6 +97,22 @@ class BlameTable:
         return "what mends it is unknown, because Ctrl-C ended the search." if self.interrupted else "no change was tried."
 
     @property
+    def another_error(self) -> str:
+        """A hint that the original scenario has an error that the smallest one does not have; empty if nothing tells so.
+
+        What mends the smallest scenario then does not mend the original one.
+        """
+        still_there = self.original.named("does not mend") if self.original is not None else ()
+        only_here = [name for name in self.named("mends") if name in still_there]
+        if not only_here:
+            return ""
+        changes, verb = joined(only_here, "or"), "mends" if len(only_here) == 1 else "each mend"
+        return (
+            f"The original scenario has another error, too: {changes} {verb} only the smallest scenario. "
+            "To find the other error, search with a limit closer to the original figure, or with a reference."
+        )
+
+    @property
     def not_needed(self) -> str:
         """What the failing scenario does not contain, so that the failure cannot need it: "no drift, fault or clutter".
 

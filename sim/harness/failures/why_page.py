@@ -293,6 +293,9 @@ def _mends(blamed: BlameTable, figure: str) -> Iterator[str]:
         yield ""
         yield "In the scenario in which the failure was found:"
         yield from _effects(blamed.original, figure, "the original scenario")
+    if blamed.another_error:
+        yield ""
+        yield blamed.another_error
 
 
 def _effects(blamed: BlameTable, figure: str, scenario: str) -> Iterator[str]:

@@ -157,6 +157,19 @@ def test_the_summary_says_no_more_than_the_table(effects, summary):
     assert str(BlameTable(tuple(rows))) == summary
 
 
+def table(**effects):
+    return tuple(BlameRow(name.replace("_", " "), effect) for name, effect in effects.items())
+
+
+@pytest.mark.parametrize("in_original", ["mends", "changes nothing", "cannot be told"])
+def test_a_change_that_mends_the_smallest_scenario_alone_tells_of_another_error(in_original):
+    smallest = table(perfect_odometry="mends", no_clutter="does not mend")
+    other = BlameTable(smallest, BlameTable(table(perfect_odometry="does not mend", no_clutter="does not mend")))
+    assert "perfect odometry mends only the smallest scenario" in other.another_error
+    same = BlameTable(smallest, BlameTable(table(perfect_odometry=in_original, no_clutter="does not mend")))
+    assert same.another_error == "" == BlameTable(smallest).another_error
+
+
 def test_what_the_scenario_lacks_is_named_as_what_the_failure_does_not_need():
     rows = [BlameRow(each.name, "changes nothing") for each in substitutions(SCENARIO, None)]
     assert str(BlameTable(tuple(rows))) == "the failure needs no drift, fault, clutter or open wall."
