@@ -116,7 +116,7 @@ GENERATE = Action(
         argument(
             "--rooms",
             metavar="N|A,B,...",
-            help="number of rooms besides corridors, halls and stairs, 2 to 40, or a list of room labels "
+            help="number of rooms besides corridors, halls and stairs, 2 to 40, or a list of 1 to 40 room labels "
             "(default: the family's)",
         ),
         argument(
@@ -125,7 +125,7 @@ GENERATE = Action(
             metavar="N",
             help="number of storeys, 1 to 4 (default: the family's; 1 with a list of rooms)",
         ),
-        argument("--openness", type=float, metavar="X", help=f"{_OPENNESS} (default: the family's)"),
+        argument("--openness", type=float, metavar="X", help=f"{_OPENNESS} (default: as the plan is drawn)"),
         argument("--clutter", type=float, default=1.0, metavar="X", help=f"{_CLUTTER} (default: %(default)s)"),
         *_APPEARANCE,
         SEED,
@@ -135,7 +135,7 @@ GENERATE = Action(
 VARIANT = Action(
     "variant",
     _variant,
-    "change one property of a house and leave everything else as it is",
+    "change some properties of a house and leave everything else as it is",
     "lexis-sim house variant home.json --openness 0.8 -o open.json",
     (
         FILE,

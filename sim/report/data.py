@@ -59,6 +59,7 @@ class FloorPlan:
     fences: tuple[Outline, ...] = ()
     openings: tuple[PlannedOpening, ...] = ()
     furniture: tuple[Outline, ...] = ()
+    """Pieces that begin below head height. A ceiling lamp would look like a table."""
     treads: tuple[Outline, ...] = ()
     climbs: tuple[Float64[np.ndarray, "_ 2"], ...] = ()
     """For each staircase, the path up the flight that begins on this storey, or else that ends here, in W [m]."""

@@ -12,6 +12,7 @@ from worlds.errors import WorldsError
 from worlds.labels import ROOM_LABELS
 from worlds.parts import Part
 from worlds.spec import ID_PATTERN
+from worlds.valid_names import did_you_mean
 
 MAX_NAME_LENGTH = 40
 """Largest number of characters of a kind's name. The ids of its pieces consist of three numbers and this name."""
@@ -183,7 +184,10 @@ class Kind:
         self._check_fields(self.place)
         for label, count in self.rooms.items():
             if label not in ROOM_LABELS:
-                raise WorldsError(f"kind {self.name!r} names an unknown room {label!r}; valid: {', '.join(ROOM_LABELS)}")
+                guess = did_you_mean(str(label), ROOM_LABELS)
+                raise WorldsError(
+                    f"kind {self.name!r} names an unknown room {label!r}{guess}; valid: {', '.join(ROOM_LABELS)}"
+                )
             if not _is_count(count):
                 raise self._error(f"the count in {label!r}", count, _COUNT)
 

@@ -219,3 +219,12 @@ def test_names_stand_in_their_rooms(preset, seed):
             (x, y), width = mark.points[0], 0.55 * mark.size * len(mark.text)
             (room,) = [room for room in rooms if room.contains(Point(x, y))]
             assert room.contains(box(x, y - 0.2 * mark.size, x + width, y + 0.4 * mark.size)), mark.text
+
+
+def test_lamps_under_the_ceiling_are_not_drawn_and_what_stands_below_them_is():
+    house = build_house(sample_house("home", seed=3))
+    hanging = [piece for piece in house.furniture if piece.kind.startswith("ceiling")]
+    standing = [piece for piece in house.furniture if piece.solid]
+    drawn = [Polygon(outline) for floor in floor_plans(house) for outline in floor.furniture]
+    assert hanging and not any(piece.footprint.equals(outline) for piece in hanging for outline in drawn)
+    assert standing and all(any(piece.footprint.equals(outline) for outline in drawn) for piece in standing)
