@@ -22,7 +22,10 @@ from worlds.visuals.house_visuals import STAIRS_OBJECT
 Picture = UInt8[np.ndarray, "_ _ 3"]
 
 COLUMNS = 5
+"""Largest number of pictures in a row."""
 _PLAN_PX = (640, 460)
+_LARGER = 2.0
+"""Largest factor by which plans are drawn larger if there are fewer than `COLUMNS` in a row."""
 _PLAN_PX_PER_M = 36
 _VIEW_PX = (400, 300)
 _VIEW_HFOV_DEG = 95.0
@@ -48,14 +51,17 @@ class RoomView:
 
 
 def plans_page(specs: Sequence[HouseSpec]) -> Picture:
-    """Draw the floor plans of houses in rows of five, each with the house's name."""
-    tiles = [_captioned(_fitted(plan_image(build_house(spec), _PLAN_PX_PER_M), _PLAN_PX), spec.name) for spec in specs]
-    return _page(tiles)
+    """Draw the floor plans of houses, each with the house's name. Fewer than 17 plans are drawn larger, in shorter rows."""
+    columns = min(COLUMNS, math.isqrt(len(specs) - 1) + 1)
+    larger = min(_LARGER, COLUMNS / columns)
+    size_px = int(larger * _PLAN_PX[0]), int(larger * _PLAN_PX[1])
+    plans = (_fitted(plan_image(build_house(spec), round(larger * _PLAN_PX_PER_M)), size_px) for spec in specs)
+    return _page([_captioned(plan, spec.name) for plan, spec in zip(plans, specs, strict=True)], columns)
 
 
 def rooms_page(views: Sequence[RoomView], *, labelled: bool = True) -> Picture:
     """Arrange views in rows of five. Each caption is the label of the view or, if not `labelled`, a number from 1."""
-    return _page([_captioned(v.image, v.label if labelled else str(i)) for i, v in enumerate(views, 1)])
+    return _page([_captioned(v.image, v.label if labelled else str(i)) for i, v in enumerate(views, 1)], COLUMNS)
 
 
 def sampled_specs(presets: Sequence[str], seed: int, count: int = 25) -> list[HouseSpec]:
@@ -162,8 +168,8 @@ def _captioned(image: Picture, text: str) -> Picture:
     return np.vstack([image, strip])
 
 
-def _page(tiles: Sequence[Picture]) -> Picture:
+def _page(tiles: Sequence[Picture], columns: int) -> Picture:
     blank = np.full_like(tiles[0], 255)
-    rows = [list(tiles[i : i + COLUMNS]) for i in range(0, len(tiles), COLUMNS)]
-    rows[-1] += [blank] * (min(COLUMNS, len(tiles)) - len(rows[-1]))
+    rows = [list(tiles[i : i + columns]) for i in range(0, len(tiles), columns)]
+    rows[-1] += [blank] * (min(columns, len(tiles)) - len(rows[-1]))
     return np.vstack([np.hstack([np.pad(t, ((2, 2), (2, 2), (0, 0)), constant_values=255) for t in row]) for row in rows])

@@ -13,10 +13,19 @@ from worlds.presets import sample_from_rooms
 def test_a_page_has_a_tile_for_every_house():
     specs = sampled_specs(["uh2-apt", "home"], 4, 7)
     assert [spec.name for spec in specs] == [f"{p}-{4 + i // 2}" for i, p in enumerate(["uh2-apt", "home"] * 4)][:7]
-    one, seven = plans_page(specs[:1]), plans_page(specs)
-    assert seven.shape == (2 * one.shape[0], COLUMNS * one.shape[1], 3)
-    assert (seven[one.shape[0] :, 2 * one.shape[1] :] == 255).all() and seven.std() > 10
-    assert np.array_equal(seven[: one.shape[0], : one.shape[1]], one)
+    five, seven = plans_page(specs[:5]), plans_page(specs)
+    height, width = seven.shape[0] // 3, seven.shape[1] // 3
+    assert five.shape == (2 * height, 3 * width, 3) and np.array_equal(five[:height], seven[:height])
+    tiles = [seven[i * height : (i + 1) * height, j * width : (j + 1) * width] for i in range(3) for j in range(3)]
+    assert [tile.std() > 10 for tile in tiles] == 7 * [True] + 2 * [False]
+    assert (np.stack(tiles[7:]) == 255).all()
+
+
+def test_fewer_plans_are_drawn_larger_and_the_page_never_gets_wider():
+    specs = sampled_specs(["uh2-apt"], 4, 5)
+    one, four, five = (plans_page(specs[:count]) for count in (1, 4, 5))
+    assert 2 * one.shape[1] == four.shape[1] <= five.shape[1] <= COLUMNS * 650
+    assert one.shape[1] > five.shape[1] / 3
 
 
 def test_every_label_has_a_room_even_where_no_house_does():
