@@ -19,8 +19,12 @@ These are the stages, in the order in which they run (with the sections of the p
    This happens when a map is made, because the result depends on all poses. If loops are searched by room, as in the paper,
    it also happens while the map grows.
 
-With an earlier map, the keyframes are a further session of this map. Its place in the map is unknown at first: see
-`lexis.sessions.relocalisation`.
+`Slam.process`, `Slam._add` and `Slam._map` call these stages. The rest of the class is about long runs and several sessions:
+
+- A keyframe retires from the optimisation when several earlier keyframes show its place. It then follows one of them, its
+  anchor, whose images also stand for its own (`lexis.graph.thinning`).
+- With an earlier map, the keyframes are a further session of this map. Its place in the map is unknown at first, so that the
+  map is split into components, until loops join them (`lexis.sessions.relocalisation`).
 """
 
 from collections.abc import Sequence
@@ -30,6 +34,7 @@ from lexis.config import Config
 from lexis.errors import LexisError
 from lexis.features import FeatureExtractor
 from lexis.graph.components import session_components, side_by_side
+from lexis.graph.loop_record import LoopRecord
 from lexis.graph.pose_graph import KnownPlace, PoseGraph
 from lexis.inputs import check_camera, check_observation, check_room_names, with_copied_geometry
 from lexis.keyframe_window import KeyframeWindow
@@ -41,14 +46,7 @@ from lexis.place_recognition import PlaceRecogniser, propose
 from lexis.room_labels import most_similar, similarities
 from lexis.semantics import Labeller, Semantics, Views, derive_by_component
 from lexis.sessions.compatibility import check_continues
-from lexis.sessions.relocalisation import (
-    Relocaliser,
-    at_any_distance,
-    candidates_elsewhere,
-    shift_of,
-    with_support,
-    without_support,
-)
+from lexis.sessions.relocalisation import Relocaliser, at_any_distance, candidates_elsewhere, shift_of, without_support
 from lexis.sessions.renumbered_map import RenumberedMap
 from lexis.sight.visible_space import VisibleSpace, spaces_in_view
 from lexis.timing import StageTimer
@@ -103,10 +101,9 @@ class Slam:
         self._graph = PoseGraph(self._config.pose_graph, self._camera)
         self._similarities = GrowingArray((len(camera.rig), len(self._room_names)))
         self._spaces: list[tuple[VisibleSpace, ...]] = []
-        self._candidates: list[tuple[int, tuple[int, ...]]] = []
-        self._decisions: list[LoopDecision] = []
+        self._record = LoopRecord()
         self._forgotten = 0
-        """Number of retired keyframes whose spaces, candidates and decisions have been dropped."""
+        """Number of retired keyframes whose spaces and records have been dropped."""
         self._rooms: tuple[RoomInstance, ...] = ()
         self._previous: Observation | None
         self._selector: KeyframeSelector
@@ -223,7 +220,7 @@ class Slam:
         self._graph.resume(map.keyframes, map.T_W_B, map.loops, components)
         for keyframe in map.keyframes:
             self._take_views(keyframe)
-        self._candidates, self._decisions = list(map.candidates), list(map.decisions)
+        self._record.resume(map.candidates, map.decisions)
 
     def _add(
         self,
@@ -270,27 +267,21 @@ class Slam:
             candidates = self._propose(query, label, self._rooms, self._graph, self._config.place_recognition)
         with self._timed("verify"):
             verified = self._verify(query, candidates, self._graph, self._camera, self._config.verification)
-        self._candidates.append((query.id, candidates))
-        self._decisions.extend(verified.decisions)
+        self._record.add(query.id, candidates, verified.decisions)
         self._graph.add_loops(verified.edges)
         return verified
 
     def _keep_loops(self, loops: Sequence[LoopEdge], decisions: Sequence[LoopDecision], verified: Verification) -> None:
         """Add known loops of the last keyframe that were not found again, and the decisions on them.
 
-        `verified` are the loops that were found, and their decisions, which are the last ones so far.
+        `verified` are the loops that were found, and their decisions.
         """
         found, judged = ({one.match for one in ones} for ones in (verified.edges, verified.decisions))
         kept = [loop for loop in loops if loop.match not in found]
         known = [decision for decision in decisions if decision.match not in judged]
         self._graph.add_loops(kept)
-        self._decisions[len(self._decisions) - len(verified.decisions) :] = [*with_support(verified.decisions, kept), *known]
-        self._propose_more([decision.match for decision in known])
-
-    def _propose_more(self, matches: Sequence[int]) -> None:
-        """Add candidates to those of the last keyframe."""
-        query, before = self._candidates[-1]
-        self._candidates[-1] = query, (*before, *matches)
+        self._record.accept(kept)
+        self._record.add(loops[0].query, [decision.match for decision in known], known)
 
     def _join_components(self, query: Keyframe) -> bool:
         """Seek the place of a keyframe in the components of the map that are not connected with its own.
@@ -304,11 +295,10 @@ class Slam:
             settings = at_any_distance(self._config.verification)
             found = self._verify(query, candidates, self._graph, self._camera, settings)
             agreed = self._relocaliser.agreed(found.edges, self._graph)
-        self._propose_more(candidates)
-        self._decisions.extend(without_support(found.decisions))
+        self._record.add(query.id, candidates, without_support(found.decisions))
         if not agreed:
             return False
-        self._decisions = with_support(self._decisions, agreed)
+        self._record.accept(agreed)
         self._graph.join(agreed, shift_of(agreed[-1], self._graph))
         self._optimise(final=True)
         return True
@@ -325,12 +315,10 @@ class Slam:
         if not new:
             return
         self._forgotten += len(new)
-        keyframes = self._graph.keyframes
         if self._spaces:
             for id in new:
-                self._spaces[id] = spaces_in_view(keyframes[id], self._camera, self._config.sight)
-        self._candidates = [found for found in self._candidates if keyframes[found[0]].anchor is None]
-        self._decisions = [decision for decision in self._decisions if keyframes[decision.query].anchor is None]
+                self._spaces[id] = spaces_in_view(self._graph.keyframes[id], self._camera, self._config.sight)
+        self._record.forget(new)
 
     def _map(self) -> LexisMap:
         T_W_B = side_by_side(self._graph.T_W_B, self._graph.components)
@@ -344,7 +332,7 @@ class Slam:
             **vars(semantics),
             loops=tuple(self._graph.loops),
             loop_weights=self._graph.loop_weights,
-            candidates=tuple(self._candidates),
-            decisions=tuple(self._decisions),
+            candidates=self._record.candidates,
+            decisions=self._record.decisions,
             stage_seconds=dict(self._timed.seconds),
         )

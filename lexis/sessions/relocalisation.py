@@ -129,15 +129,6 @@ def without_support(decisions: Sequence[LoopDecision]) -> list[LoopDecision]:
     ]
 
 
-def with_support(decisions: Sequence[LoopDecision], edges: Sequence[LoopEdge]) -> list[LoopDecision]:
-    """Return decisions in which the candidates are accepted whose edges have joined two components."""
-    joining = {(edge.query, edge.match) for edge in edges}
-    return [
-        replace(decision, outcome="accepted") if (decision.query, decision.match) in joining else decision
-        for decision in decisions
-    ]
-
-
 def _queries(edges: Sequence[LoopEdge]) -> set[int]:
     return {edge.query for edge in edges}
 

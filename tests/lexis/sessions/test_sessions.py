@@ -11,6 +11,7 @@ from helpers.same_map import assert_same
 from lexis.config import Config, LabelConfig, PlaceRecognitionConfig, SessionConfig
 from lexis.errors import LexisError, MapError
 from lexis.graph.components import component_of, sessions_apart, side_by_side
+from lexis.graph.loop_record import accepted
 from lexis.graph.pose_graph import PoseGraph
 from lexis.map.folder import load_map, save_map
 from lexis.map.interchange import read_spark_dsg, write_spark_dsg
@@ -18,7 +19,7 @@ from lexis.map.relabelling import relabel
 from lexis.maths import se3
 from lexis.merging import merge
 from lexis.planning import PathPlanner
-from lexis.sessions.relocalisation import at_any_distance, with_support
+from lexis.sessions.relocalisation import at_any_distance
 from lexis.slam import Slam
 from lexis.types import EncoderId, Features, LoopDecision, LoopEdge, Observation, Percept
 from lexis.verification import Verification, plausible
@@ -307,9 +308,9 @@ def test_a_loop_of_a_replayed_keyframe_leaves_the_decisions_on_other_keyframes_a
 
     def recorded(decisions, edges):
         looked_at.append(({decision.query for decision in decisions}, {edge.query for edge in edges}))
-        return with_support(decisions, edges)
+        return accepted(decisions, edges)
 
-    monkeypatch.setattr("lexis.slam.with_support", recorded)
+    monkeypatch.setattr("lexis.graph.loop_record.accepted", recorded)
     merge(walk(range(30), verifier()).finish(), joined, Encoder(), verifier=without_second)
     kept = [queries for _, queries in looked_at if len(queries) == 1]
     assert len(kept) >= 2
