@@ -12,6 +12,7 @@ from sim.commands.action import Action
 from sim.commands.arguments import SEED, argument
 from sim.commands.house_action import FILE, describe
 from sim.commands.progress import tracked
+from worlds.checks.essentials import missing_essentials
 from worlds.house import build_house
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec
@@ -25,7 +26,10 @@ def _check(arguments: argparse.Namespace) -> int:
     for found, problem in enumerate(spec_problems(spec), 1):  # noqa: B007
         print(f"{arguments.file}: {problem}")
     if not found:
-        print(f"{arguments.file}: {describe(build_house(spec))}; all checks passed")
+        house = build_house(spec)
+        print(f"{arguments.file}: {describe(house)}; all checks passed")
+        for room, kind in missing_essentials(house) if house.furniture else ():
+            print(f"{arguments.file}: note: {room} has no {kind}, although every {house.room_by_id[room].label} should")
     return int(found > 0)
 
 

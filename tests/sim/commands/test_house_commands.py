@@ -51,6 +51,16 @@ def test_what_is_asked_for_is_generated():
     assert (spec.clutter, spec.appearance.texture, spec.appearance.light) == (0.5, "poor", "dim")
 
 
+def test_check_names_rooms_without_an_essential_piece_unless_the_house_is_unfurnished(capsys):
+    Path("sofa.json").write_text(two_rooms(furniture=[SOFA]), encoding="utf-8")
+    Path("empty.json").write_text(two_rooms(), encoding="utf-8")
+    assert status_of("check", "sofa.json") == status_of("check", "empty.json") == 0
+    printed = capsys.readouterr().out
+    assert "sofa.json: note: bedroom has no double bed, although every bedroom should\n" in printed
+    assert "sofa.json: note: kitchen has no stove, although every kitchen should\n" in printed
+    assert "empty.json: note" not in printed
+
+
 def test_a_list_of_rooms_can_have_storeys():
     assert status_of("generate", "--rooms", "kitchen, gym,office", "--storeys", 2, "-o", "h.json") == 0
     spec = HouseSpec.load("h.json")
