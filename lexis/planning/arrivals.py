@@ -30,17 +30,17 @@ CLEAR = 0.45
 Just behind a door or an open boundary, about half of the images still show the other room, and the share is lower."""
 
 
-def surely_inside(map: LexisMap, room: RoomInstance, clear: float) -> Int[np.ndarray, "k"]:
+def surely_inside(map: LexisMap, room: RoomInstance, most_evidence: float) -> Int[np.ndarray, "k"]:
     """Return the ids of the keyframes of a room at which a robot is surely inside the room, ascending; there may be none.
 
     Args:
         map: the map.
         room: the room.
-        clear: the largest evidence at the innermost keyframe of any room with the label.
+        most_evidence: the largest evidence at the innermost keyframe of any room with the label.
     """
     own, label = np.array(room.keyframes), map.room_names.index(room.label)
     own = own[_is_deep(map, own, label) & (rounded(map.probabilities[own, label]) >= SURE)]
-    return np.asarray(own[evidence_at(map, room.label, own) >= CLEAR * clear]) if len(own) else own
+    return np.asarray(own[evidence_at(map, room.label, own) >= CLEAR * most_evidence]) if len(own) else own
 
 
 def _is_deep(map: LexisMap, keyframes: Int[np.ndarray, "k"], label: int) -> Bool[np.ndarray, "k"]:

@@ -122,8 +122,8 @@ class PathPlanner:
 
     def _surely_inside(self, room: RoomInstance) -> Int[np.ndarray, "k"]:
         if room.id not in self._inside:
-            clear = max(self._end(other).evidence for other in self._map.rooms if other.label == room.label)
-            self._inside[room.id] = surely_inside(self._map, room, clear)
+            most = max(self._end(other).evidence for other in self._map.rooms if other.label == room.label)
+            self._inside[room.id] = surely_inside(self._map, room, most)
         return self._inside[room.id]
 
     @cached_property

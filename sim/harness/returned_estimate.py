@@ -9,13 +9,13 @@ from sim.errors import EstimateError
 from sim.harness.estimate import Estimate
 
 
-def checked_estimate(returned: object, given: Collection[int], names: int) -> Estimate:
+def checked_estimate(returned: object, given: Collection[int], name_count: int) -> Estimate:
     """Return a copy of what `SlamUnderTest.finish` has returned, if it is a valid estimate.
 
     The copy stays as it is if the SLAM goes on to write into its arrays, such as for planning.
 
     Raises `EstimateError` for anything but an `Estimate`, for an estimate that the SLAM has made invalid after creating it,
-    for frames that are not in `given`, and for indices of room names of which there are not `names`.
+    for frames that are not in `given`, and for indices of room names that are not below `name_count`.
     """
     if not isinstance(returned, Estimate):
         raise EstimateError(f"SLAM under test: finish() returned {type(returned).__name__}; valid: an Estimate")
@@ -25,12 +25,12 @@ def checked_estimate(returned: object, given: Collection[int], names: int) -> Es
             raise EstimateError(f"estimate: frames has {frame} in row {row}; valid: {_indices(given)}")
     for name in ("labels", "baseline_labels"):
         values = getattr(returned, name)
-        if values is not None and (beyond := np.flatnonzero(values >= names)).size:
+        if values is not None and (beyond := np.flatnonzero(values >= name_count)).size:
             bad = f"{name} has {values[beyond[0]]} in row {beyond[0]}"
-            raise EstimateError(f"estimate: {bad}; valid: -1 to {names - 1}, since there are {names} room names")
-    columns = names if returned.similarities is None else returned.similarities.shape[1]
-    if columns != names:
-        raise EstimateError(f"estimate: similarities has {columns} columns; valid: {names}, one for each room name")
+            raise EstimateError(f"estimate: {bad}; valid: -1 to {name_count - 1}, since there are {name_count} room names")
+    columns = name_count if returned.similarities is None else returned.similarities.shape[1]
+    if columns != name_count:
+        raise EstimateError(f"estimate: similarities has {columns} columns; valid: {name_count}, one for each room name")
     return returned
 
 

@@ -101,7 +101,7 @@ def _faults(data: ReportData) -> Iterator[Finding]:
         yield Finding(False, text)
 
 
-def _confusions(data: ReportData, most: int = 3) -> Iterator[Finding]:
+def _confusions(data: ReportData) -> Iterator[Finding]:
     table, names = data.keyframes, data.label_names
     if not table.is_labelled:
         return
@@ -109,7 +109,7 @@ def _confusions(data: ReportData, most: int = 3) -> Iterator[Finding]:
     if len(wrong) == 0:
         yield Finding(True, "Every keyframe carries the label of its room.")
     pairs = Counter((int(table.true_labels[k]), int(table.predicted_labels[k])) for k in wrong)
-    for (true, said), count in pairs.most_common(most):
+    for (true, said), count in pairs.most_common(_EXAMPLES):
         those = np.flatnonzero((table.true_labels == true) & (table.predicted_labels == said))
         verb = _suiting(count, "has", "have") if said == UNKNOWN else _suiting(count)
         what = "no label" if said == UNKNOWN else f"labelled {names[said]}"

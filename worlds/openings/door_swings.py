@@ -15,7 +15,7 @@ from worlds.spec import RoomSpec
 
 _WALL_M = 0.051
 """Distance from a wall's centre line to just outside its face: half the thickness and 1 mm [m]."""
-_FRONT_M = 0.6
+FRONT_M = 0.6
 """Depth of the area that stays free before and behind an opening, so that a body can step there [m]."""
 _PASSING_M = 0.65
 """Width that stays free past the tip of a leaf that stands open in a corridor [m]."""
@@ -161,7 +161,7 @@ def _swings_freely(
             continue
         if other.leaf is not None and other.leaf.into == leaf.into and overlap(swing, swing_box(other, other.leaf)):
             return False
-        if overlap(standing, other.around(_FRONT_M)):
+        if overlap(standing, other.around(FRONT_M)):
             return False
     return True
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from worlds.errors import WorldsError
 from worlds.furniture.catalogue import kind_of
-from worlds.openings.door_swings import hang_leaf, is_in_front
+from worlds.openings.door_swings import FRONT_M, hang_leaf, is_in_front
 from worlds.openings.opening_draft import OpeningDraft
 from worlds.openings.opening_forms import STYLES, Gaps, Task, area_of, closed, fully_open, open_by
 from worlds.openings.partitions import Partition, gap_area, partitions
@@ -31,7 +31,7 @@ TOLERANCE = 0.05
 """Greatest difference between the openness that is reached and the target."""
 _NEAR = 0.004
 """Openings are not adjusted any further once the openness differs from the target by at most this value."""
-_FRONT_M = 0.6
+_AT_WALL_M = 0.6
 """Depth of the area in front of a wall in which furniture counts as standing at the wall [m]."""
 _NARROW_M = 1.3
 """Openings narrower than this count as narrow [m]. No door leaf may stand in front of a new narrow opening."""
@@ -214,7 +214,7 @@ def _rebuild(storey: StoreySpec, changed: Sequence[_PartPlan]) -> StoreySpec:
     openings = kept + [gap.spec() for gap, _ in new]
     for k, gap in enumerate(gaps):
         bare = gap.leaf is None and k >= len(kept)
-        if gap.kind == "door" and (bare or any(is_in_front(gap, other, _FRONT_M) for other in narrow)):
+        if gap.kind == "door" and (bare or any(is_in_front(gap, other, FRONT_M) for other in narrow)):
             gaps[k] = replace(gap, leaf=hang_leaf(gap, gaps, rooms, draws[k], obstacles))
             openings[k] = gaps[k].spec()
     return storey.model_copy(update={"openings": tuple(openings)})
@@ -240,6 +240,6 @@ def _blocked(part: Partition, storey: StoreySpec) -> Gaps:
     for x0, y0, x1, y1 in (_footprint(piece) for piece in _blocking_furniture(storey) if piece.room in part.rooms):
         for wall in part.walls:
             along, across = ((x0, x1), (y0, y1)) if wall.axis == 0 else ((y0, y1), (x0, x1))
-            if across[0] < wall.at + _FRONT_M and across[1] > wall.at - _FRONT_M:
+            if across[0] < wall.at + _AT_WALL_M and across[1] > wall.at - _AT_WALL_M:
                 found.append(OpeningDraft((rooms[0], rooms[1]), "open", wall.axis, wall.at, *along))
     return tuple(found)

@@ -1,6 +1,6 @@
 """Candidate poses for a piece, best first; each kind of place (`worlds.furniture.kinds.Place`) has its own function.
 
-The candidates are not checked for collisions: `RoomPlan.first_free` takes the first pose at which the piece fits.
+The candidates are not checked for collisions: `RoomPlan.claim_first_free` takes the first pose at which the piece fits.
 """
 
 from collections.abc import Callable, Iterator

@@ -169,7 +169,7 @@ class _Furnisher:
         sizes = [_size(kind, each, self._plan.height_m) for each in (shares, _SMALLEST)]
         for place, size in product(self._places(kind), sizes):
             poses = candidates(self._plan, place, size, host, draws)
-            pose = self._plan.first_free(kind, size, poses, host, walkable)
+            pose = self._plan.claim_first_free(kind, size, poses, host, walkable)
             if pose is not None:
                 piece = Piece(kind, size, pose, _key(kind, number, host), seed, since)
                 self._plan.add(piece)

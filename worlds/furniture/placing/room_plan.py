@@ -39,12 +39,14 @@ class RoomPlan:
         self._flat: list[Rectangle] = []
         self._floor = FreeFloor(self.shape, ways.entries, ways.leaves)
 
-    def first_free(self, kind: Kind, size: Size, poses: Iterable[Pose], host: Piece | None, share: float) -> Pose | None:
-        """Return the first of `poses` at which a piece fits; None if no pose is found. All poses must have the same height.
+    def claim_first_free(
+        self, kind: Kind, size: Size, poses: Iterable[Pose], host: Piece | None, share: float
+    ) -> Pose | None:
+        """Claim the floor of the first of `poses` at which a piece fits, and return this pose; None if no pose is found.
 
-        A solid piece must leave all passages connected and `share` of the room's area walkable; at most `_TRIES` poses are
-        checked for this. If a solid piece fits, this method already marks its floor as occupied, so the caller has to `add`
-        the piece.
+        All poses must have the same height. A solid piece must leave all passages connected and `share` of the room's area
+        walkable; at most `_TRIES` poses are checked for this. Its floor counts as occupied from then on, so that the caller
+        has to `add` the piece.
         """
         obstacles: list[Rectangle] | None = None
         tries = _TRIES
