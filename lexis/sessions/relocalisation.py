@@ -81,10 +81,8 @@ class Relocaliser:
 
     def _is_recent(self, edge: LoopEdge, graph: PoseGraph) -> bool:
         """Whether the query of an edge is in the current session and on the last part of the path."""
-        return (
-            edge.query >= graph.session_start
-            and graph.path_between(edge.query, len(graph.keyframes) - 1) <= self._config.window_m
-        )
+        path_m = graph.path_between(edge.query, len(graph.keyframes) - 1)
+        return edge.query >= graph.session_start and path_m <= self._config.window_m
 
     def _suffice(self, found: Sequence[LoopEdge], graph: PoseGraph) -> bool:
         """Whether edges that agree come from enough keyframes, on a piece of the path that is long enough."""

@@ -5,7 +5,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Int
 
 from lexis.config import VerificationConfig
 from lexis.perception import Encoder
@@ -39,7 +38,8 @@ class FeatureInput:
     """Verifier of the loop closures of LEXIS's pose graph. `verify` asks it about observations, without a pose graph."""
     camera: Camera
     original: Callable[[int], int] = int
-    """Maps an index of an observation that the SLAM gets to the index in the run."""
+    """Maps an index of an observation that the SLAM gets to the index in the run. They are equal unless a law changes the
+    observations, such as by giving every frame twice."""
 
     def verify(self, query: int, matches: Sequence[int]) -> tuple[LoopEdge, ...]:
         """Return the loop closures that a comparison of images would give between an observation and earlier ones.
@@ -104,7 +104,7 @@ class _Unestimated:
         for id, index in given.items():
             self.keyframes[id] = replace(_BLANK, id=id, observation_index=index, stamp=float(id))
         self.T_W_B: Poses = np.broadcast_to(np.eye(4), (count, 4, 4))
-        self.sessions: Int[np.ndarray, n] = np.zeros(count, np.int64)
+        self.sessions = np.zeros(count, np.int64)
 
     def path_between(self, first: int, second: int) -> float:
         """Return an unknown length."""

@@ -106,9 +106,8 @@ class BlameTable:
         only_here = [name for name in self.named("mends") if name in still_there]
         if not only_here:
             return ""
-        changes, verb = joined(only_here, "or"), "mends" if len(only_here) == 1 else "each mend"
         return (
-            f"The original scenario has another error, too: {changes} {verb} only the smallest scenario. "
+            f"The original scenario has another error, too: {joined(only_here, 'or')} mends only the smallest scenario. "
             "To find the other error, search with a limit closer to the original figure, or with a reference."
         )
 
