@@ -31,7 +31,7 @@ _WIDEST_PX = 1000
 """Largest width of these plans [px]; the scale of very wide ones is therefore smaller."""
 _LETTER_PX = 13
 """Height of the letters in the legend of these plans [px]."""
-OVERHEAD_M = 1.9
+_OVERHEAD_M = 1.9
 """Height above the floor from which pieces are not drawn [m], such as lamps under the ceiling."""
 _SHORT_M = 1e-6
 """Length of a step on the path up the stairs below which it has no direction [m]."""
@@ -113,7 +113,7 @@ def _plan(house: House, level: int) -> FloorPlan:
         furniture=tuple(
             _outline(piece.footprint)
             for piece in house.furniture
-            if piece.storey == level and piece.position[2] < floor_m + OVERHEAD_M
+            if piece.storey == level and piece.position[2] < floor_m + _OVERHEAD_M
         ),
         treads=(
             *(_tread(part) for stairs in house.stairs if level - stairs.storey in (0, 1) for part in stairs.treads),

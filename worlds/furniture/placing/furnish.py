@@ -166,8 +166,8 @@ class _Furnisher:
         seed, shares = int(draws.random() * 2**32), (draws.random(), draws.random(), draws.random())
         since = max(since, host.since) if host else since
         walkable = WALKABLE_SHARE - _SHARE_PER_CLUTTER * max(0.0, since - USUAL)
-        sizes = [_size(kind, each, self._plan.height_m) for each in (shares, _SMALLEST)]
-        for place, size in product(self._places(kind), sizes):
+        for place, each in product(self._places(kind), (shares, _SMALLEST)):
+            size = _size(kind, each, self._plan.height_m)
             poses = candidates(self._plan, place, size, host, draws)
             pose = self._plan.claim_first_free(kind, size, poses, host, walkable)
             if pose is not None:
