@@ -25,7 +25,7 @@ class MatchCounts:
     fp: int
     """Number of false positives: all other queries for which a match was proposed."""
     possible: int
-    """Number of queries that could be true positives, because at least N of the keyframes that are old enough are right
+    """Number of keyframes that could be true positives, because at least N of the keyframes that are old enough are right
     matches."""
 
     def __add__(self, other: "MatchCounts") -> "MatchCounts":
@@ -67,10 +67,10 @@ def count_matches(candidates: Sequence[tuple[int, Sequence[int]]], right: csr_ar
 
     The paper: "If N matches were situated within a distance/angle threshold, we counted it as a true positive; otherwise, a
     false positive". Here, a query is a true positive if at least N of all matches proposed for it are right. It is a false
-    positive otherwise, also if fewer than N matches were proposed. A query without proposals counts as neither. Most queries
-    of a walk are at a place for the first time and cannot be true positives; `MatchCounts.possible` counts those that can. A
-    proposed keyframe that is not old enough, such as the query itself, is not right, and a keyframe that is proposed twice
-    counts once.
+    positive otherwise, also if fewer than N matches were proposed. A query without proposals counts as neither, whether
+    `candidates` lists it or not. Most keyframes of a walk are at a place for the first time and cannot be true positives;
+    `MatchCounts.possible` counts those that can, among all rows of `right`. A proposed keyframe that is not old enough, such
+    as the query itself, is not right, and a keyframe that is proposed twice counts once.
 
     Args:
         candidates: the query keyframes, each once, with the keyframes proposed for it.
@@ -80,4 +80,4 @@ def count_matches(candidates: Sequence[tuple[int, Sequence[int]]], right: csr_ar
     right_of = np.split(right.indices, right.indptr[1:-1])
     found = [len(set(proposed) & set(right_of[query].tolist())) for query, proposed in candidates if len(proposed)]
     tp = sum(count >= n for count in found)
-    return MatchCounts(tp, len(found) - tp, possible=sum(len(right_of[query]) >= n for query, _ in candidates))
+    return MatchCounts(tp, len(found) - tp, possible=int((np.diff(right.indptr) >= n).sum()))

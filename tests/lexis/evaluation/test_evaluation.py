@@ -218,7 +218,7 @@ def test_place_recognition_asks_for_n_right_matches():
     candidates = [(5, (0, 1, 2, 3, 4)), (3, (0, 1)), (4, ())]
     earlier = np.tri(6, k=-1, dtype=bool)
     counts = [count_matches(candidates, csr_array(earlier & at_one_place(truth)), n) for n in (1, 3, 5)]
-    assert counts == [MatchCounts(1, 1, possible=1), MatchCounts(1, 1, possible=1), MatchCounts(0, 2, possible=0)]
+    assert counts == [MatchCounts(1, 1, possible=3), MatchCounts(1, 1, possible=1), MatchCounts(0, 2, possible=0)]
     assert [count.precision for count in counts] == [0.5, 0.5, 0.0]
     assert MatchCounts(0, 0, possible=1).precision is None
 
@@ -247,6 +247,13 @@ def test_a_query_is_possible_where_enough_keyframes_that_may_be_proposed_are_at_
         1,
         0,
     ]
+
+
+def test_a_query_that_nobody_lists_is_possible_all_the_same():
+    """Otherwise, a method that lists its few right answers alone would seem to find all revisits."""
+    truth, earlier = np.stack([pose(), pose(0.5), pose(0.9), pose(3.0)]), np.tri(4, k=-1, dtype=bool)
+    right = csr_array(earlier & at_one_place(truth))
+    assert count_matches([(1, (0,))], right, 1) == MatchCounts(1, 0, possible=2)
 
 
 @given(arrays(np.float64, 12, elements=st.floats(0.0, 4.0)), st.integers(1, 5))
