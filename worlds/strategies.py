@@ -64,7 +64,8 @@ def houses(
         kinds: kinds of openings, the simplest first. Half walls and counters, which cannot be walked through, get a door
             beside them where the room has no other entrance.
         doors: states of doors ("no leaf", "open", "ajar", "closed"), the simplest first; a "closed" door stops a body that
-            cannot open doors.
+            cannot open doors. A leaf without room to swing is left out, and so are those of doors beside half walls and
+            counters.
         openness: range from which the house's openness is drawn; inner walls are opened, or closed with doors, until the
             openness is within 0.05 of the value drawn (see `worlds.openings.openness`). None: openings stay as drawn.
     """
@@ -72,7 +73,7 @@ def houses(
     _check_int("max_storeys", max_storeys, 1, MAX_DRAWN_STOREYS)
     _check_bool("furnished", furnished)
     starts: tuple[Start, ...] = ("beside", "row", "storey") if max_storeys > 1 else ("beside", "row")
-    room = _rooms(_choices("labels", labels, DRAWABLE), _ways(kinds, doors), starts)
+    room = _rooms(_choices("labels", labels, DRAWABLE), kinds, doors, starts)
     outdoor = [label for label in labels if label in OUTDOOR_LABELS]
     if outdoor and max_storeys > 1:
         raise InvalidArgument(f"labels has {outdoor[0]!r}, which bears no storey; valid with max_storeys=1 only")
@@ -99,7 +100,7 @@ def open_plans(
     if isinstance(min_openness, bool) or not isinstance(min_openness, int | float) or not 0.0 <= min_openness <= 1.0:
         raise InvalidArgument(f"min_openness={min_openness!r} is not in 0 ... 1")
     kinds = ("open", "cased", "half wall", "counter", "arch", "door")
-    room = _rooms(_choices("labels", labels, INDOOR), _ways(kinds, ("no leaf",)), ("beside", "row"))
+    room = _rooms(_choices("labels", labels, INDOOR), kinds, ("no leaf",), ("beside", "row"))
     rooms = _lists(room, min_rooms, max_rooms, labels, distinct_labels)
     return st.builds(grow, rooms, min_openness=st.just(min_openness))
 
@@ -111,7 +112,7 @@ def room_pairs(
     doors: Sequence[str] = ("no leaf", "open"),
 ) -> SearchStrategy[HouseSpec]:
     """Draw unfurnished houses of exactly two neighbouring rooms; see `houses` for the arguments."""
-    room = _rooms(_choices("labels", labels, DRAWABLE), _ways(kinds, doors), ("beside", "row"))
+    room = _rooms(_choices("labels", labels, DRAWABLE), kinds, doors, ("beside", "row"))
     return st.builds(grow, st.lists(room, min_size=2, max_size=2))
 
 
@@ -144,15 +145,18 @@ def _lists(
 
 
 def _rooms(
-    label: SearchStrategy[str], way: SearchStrategy[OpeningRequest], starts: Sequence[Start]
+    label: SearchStrategy[str], kinds: Sequence[str], doors: Sequence[str], starts: Sequence[Start]
 ) -> SearchStrategy[RoomRequest]:
     """Draw requests for rooms, either plain or with all options.
 
     Plain rooms help Hypothesis to shrink a house: Hypothesis deletes at most five consecutive draws at once, and a plain
-    room in a list takes exactly five draws.
+    room in a list takes exactly five draws. Plain rooms are entered through the simplest opening.
     """
+    valid_kinds, states = _valid("kinds", kinds, OPENING_KINDS), _valid("doors", doors, get_args(DoorState))
+    simplest = OpeningRequest(valid_kinds[0], leaf=states[0])
+    way = _ways(valid_kinds, states)
     size = st.integers(MIN_SIZE_DM, _MAX_SIZE_DM)
-    plain = st.builds(RoomRequest, label, size, size)
+    plain = st.builds(RoomRequest, label, size, size, way_in=st.just(simplest))
     elaborate = st.builds(
         RoomRequest,
         label,
@@ -168,26 +172,31 @@ def _rooms(
     return st.one_of(plain, elaborate, elaborate, elaborate)
 
 
-def _ways(kinds: Sequence[str], doors: Sequence[str]) -> SearchStrategy[OpeningRequest]:
+def _ways(kinds: Sequence[OpeningKind], states: Sequence[DoorState]) -> SearchStrategy[OpeningRequest]:
     return st.builds(
         OpeningRequest,
-        kind=_choices("kinds", kinds, OPENING_KINDS),
+        kind=st.sampled_from(kinds),
         width_dm=st.integers(MIN_WIDTH_DM, _MAX_WIDTH_DM),
         offset_dm=st.integers(0, _MAX_SIZE_DM),
-        leaf=_choices("doors", doors, get_args(DoorState)),
+        leaf=st.sampled_from(states),
         hinge=st.sampled_from(("start", "end")),
         into_first=st.booleans(),
     )
 
 
 def _choices(name: str, given: Sequence[str], valid: Sequence[_T]) -> SearchStrategy[_T]:
+    return st.sampled_from(_valid(name, given, valid))
+
+
+def _valid(name: str, given: Sequence[str], valid: Sequence[_T]) -> list[_T]:
+    """Return the values in an argument. Raises `InvalidArgument` unless they are one or more of the valid values."""
     if isinstance(given, str) or not isinstance(given, Sequence) or not given:
         raise InvalidArgument(f"{name}={given!r} is not a list of at least one of {', '.join(valid)}")
     by_name = {str(value): value for value in valid}
     for value in given:
         if value not in by_name:
             raise InvalidArgument(f"{name} has {value!r}; valid: {', '.join(valid)}")
-    return st.sampled_from([by_name[value] for value in given])
+    return [by_name[value] for value in given]
 
 
 def _check_rooms(min_rooms: int, max_rooms: int, least: int = 1) -> None:

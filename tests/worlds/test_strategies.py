@@ -83,6 +83,27 @@ def test_rooms_joined_by_a_half_wall_or_counter_also_have_a_door(spec):
     assert "door" in {opening.kind for opening in spec.storeys[0].openings}
 
 
+@pytest.mark.parametrize("strategy", [houses, room_pairs])
+@pytest.mark.parametrize(("kind", "door"), [("arch", "no leaf"), ("cased", "open"), ("door", "closed"), ("open", "ajar")])
+def test_openings_are_of_the_kinds_and_doors_in_the_states_that_are_asked_for(strategy, kind, door):
+    angles = {"no leaf": None, "open": math.pi / 2, "ajar": 0.5, "closed": 0.0}
+
+    @settings(SHRINKING, max_examples=50)
+    @given(strategy(kinds=(kind,), doors=(door,)))
+    def are_as_asked(spec):
+        inner = [o for storey in spec.storeys for o in storey.openings if o.leads is None]
+        assert {opening.kind for opening in inner} <= {kind}
+        # A leaf without room to swing is left out.
+        assert {o.leaf.angle_rad for o in inner if o.leaf} <= {angles[door]}
+
+    are_as_asked()
+
+
+def test_a_pair_of_rooms_with_a_closed_door_has_a_closed_door():
+    spec = find(room_pairs(kinds=("door",), doors=("closed",)), lambda spec: True, settings=SHRINKING)
+    assert [opening.leaf.angle_rad for opening in spec.storeys[0].openings] == [0.0]
+
+
 @given(st.data())
 def test_open_plans_are_as_open_as_asked(data):
     least = data.draw(st.sampled_from([0.2, 0.5, 0.8, 1.0]))
