@@ -88,7 +88,8 @@ class Estimate:
 
     Raises `EstimateError` for values of another type than the fields state; for arrays that differ in their number of
     rows, or have numbers that are not finite; for rows that do not exist; for poses that are no rigid motions or not on
-    Earth; for labels, rooms and floors below -1; and for loops whose query is not later than its match.
+    Earth; for labels, rooms and floors below -1; and for loops whose query is not later than its match, or that are listed
+    twice.
     """
 
     frames: Int[np.ndarray, "n"]
@@ -248,6 +249,11 @@ def _check_loops(loops: object) -> None:
         row = wrong[0]
         pair = f"query {loops.query[row]} and match {loops.match[row]} in row {row}"
         raise EstimateError(f"estimate: loops has {pair}; valid: a query that is later than its match")
+    rows_of: dict[tuple[int, int], int] = {}
+    for row, (query, match) in enumerate(zip(loops.query.tolist(), loops.match.tolist(), strict=True)):
+        if (first := rows_of.setdefault((query, match), row)) != row:
+            pair = f"the pair of query {query} and match {match} in rows {first} and {row}"
+            raise EstimateError(f"estimate: loops has {pair}; valid: each pair once")
     _check_rows("loops.T_match_query", loops.T_match_query, n, "fiu", (4, 4))
     _check_rigid("loops.T_match_query", loops.T_match_query)
     if loops.weights is not None:

@@ -19,7 +19,7 @@ from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.results import RunResult
 from sim.number_checks import check_between
-from sim.verdicts.items import items
+from sim.verdicts.items import independent_results
 from sim.verdicts.outcome import Outcome
 from sim.wording import counted, percent
 
@@ -87,11 +87,12 @@ def assert_mean(results: Iterable[RunResult], claim: Claim | str, confidence: fl
 
     Raises:
         AssertionError: the mean violates the claim, with this confidence.
-        SimError: an argument is not valid, or fewer than 8 results have the figure, which could not fail.
+        SimError: an argument is not valid, two results are of one scenario, or fewer than 8 results have the figure, which
+            could not fail.
     """
     __tracebackhide__ = True  # pytest then shows the line of the test instead of these lines
     wanted = Claim.of_argument("assert_mean: claim", claim)
-    margins = (wanted.margin(result) for result in items("assert_mean: results", RunResult, results))
+    margins = (wanted.margin(result) for result in independent_results("assert_mean: results", results))
     verdict = MeanVerdict(confidence, tuple(margin for margin in margins if margin is not None))
     if (n := len(verdict.margins)) < _FEWEST:
         have = f"{counted(n, 'result')} with the figures of {str(wanted)!r}"

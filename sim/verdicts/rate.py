@@ -21,7 +21,7 @@ from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.results import RunResult
 from sim.number_checks import check_between
-from sim.verdicts.items import items
+from sim.verdicts.items import independent_results
 from sim.verdicts.outcome import Outcome
 from sim.wording import counted, percent
 
@@ -119,14 +119,14 @@ def assert_rate(
 
     Raises:
         AssertionError: the rate is below `p`, or the answer is undecided and `undecided` is "fail".
-        SimError: an argument is not valid.
+        SimError: an argument is not valid, or two results are of one scenario.
     """
     __tracebackhide__ = True  # pytest then shows the line of the test instead of these lines
     if undecided not in ("fail", "pass", "skip"):
         raise SimError(f"assert_rate: undecided is {undecided!r:.40}; valid: 'fail', 'pass' or 'skip'")
     wanted = Claim.of_argument("assert_rate: claim", claim)
     verdict, not_estimated = RateVerdict(p, confidence, 0, 0), 0
-    for result in items("assert_rate: results", RunResult, results):
+    for result in independent_results("assert_rate: results", results):
         outcome = wanted.outcome(result)
         not_estimated += outcome == "unknown"
         verdict = RateVerdict(p, confidence, verdict.held + (outcome == "holds"), verdict.houses + 1)

@@ -361,6 +361,10 @@ def one_loop(**changes):
         ({"loops": one_loop(weights=np.array([np.nan]))}, "loops.weights is not finite in row 0"),
         ({"loops": one_loop(T_match_query=np.zeros((1, 4, 4)))}, "loops.T_match_query is no rigid motion in row 0"),
         ({"loops": one_loop(query=np.array([0]), match=np.array([2]))}, "query 0 and match 2 in row 0; valid: a query that"),
+        (
+            {"loops": EstimatedLoops(np.array([5, 4, 5]), np.array([1, 1, 1]), np.tile(np.eye(4), (3, 1, 1)))},
+            "loops has the pair of query 5 and match 1 in rows 0 and 2; valid: each pair once",
+        ),
         ({"loops": []}, "loops is a list; valid: EstimatedLoops"),
         (
             {"loops": unchecked(EstimatedLoops, query=np.array(5), match=np.zeros(1, int), T_match_query=np.eye(4)[None])},

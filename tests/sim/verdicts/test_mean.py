@@ -14,7 +14,8 @@ from sim.verdicts.rate import RateVerdict
 
 
 def results(*accuracies):
-    return [replace(RESULT, labels=replace(RESULT.labels, accuracy=each)) for each in accuracies]
+    labels = [replace(RESULT.labels, accuracy=accuracy) for accuracy in accuracies]
+    return [replace(RESULT, scenario=str(i), labels=each) for i, each in enumerate(labels)]
 
 
 def outcomes(mean, houses, streams=2000, seed=0):

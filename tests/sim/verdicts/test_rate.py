@@ -17,7 +17,8 @@ P = (0.5, 0.9, 0.95, 0.99)
 
 
 def results(*accuracies):
-    return [replace(RESULT, labels=replace(RESULT.labels, accuracy=each)) for each in accuracies]
+    labels = [replace(RESULT.labels, accuracy=accuracy) for accuracy in accuracies]
+    return [replace(RESULT, scenario=str(i), labels=each) for i, each in enumerate(labels)]
 
 
 def first_outcomes(p, true_rate, streams=10_000, houses=400, seed=0):
@@ -151,6 +152,17 @@ def test_arguments_are_checked(arguments, message, monkeypatch):
     monkeypatch.setattr(RateVerdict, "__init__", untyped(RateVerdict.__init__))
     with pytest.raises(SimError, match=message):
         untyped(assert_rate)(**{"results": [], "claim": "labels.accuracy >= 0.7"} | arguments)
+
+
+@pytest.mark.parametrize(("function", "options"), [(assert_rate, {"p": 0.5}), (assert_mean, {})])
+def test_runs_in_one_scenario_are_no_independent_results(function, options):
+    """One result, given often enough, would confirm every claim that holds in it."""
+    first, second = results(0.9, 0.9)
+    again = replace(second, seed=8)
+    with pytest.raises(
+        SimError, match=rf"^{function.__name__}: results\[2\] is a run in the scenario of results\[1\]; valid"
+    ):
+        function([first, second, *[again] * 8], "labels.accuracy >= 0.7", **options)
 
 
 @pytest.mark.parametrize("function", [assert_rate, assert_mean])
