@@ -64,7 +64,8 @@ def try_plans(run: Run, steering: Steering = "estimate", blind: bool = False) ->
     Stairs are neither start nor goal. The robot starts at the first frame of the plan. Its odometry has the error that it
     had at the end of the run, and drifts on from there. If `blind`, the robot uses no range scan to avoid obstacles. There
     are no trials if no room of the SLAM has a label, or if the SLAM cannot plan paths. A plan that cannot be driven fails:
-    the robot cannot stand at its first frame, or no way leads from there into a room of the goal's label.
+    its first frame is in a room of the goal's label already, the robot cannot stand there, or no way leads from there into a
+    room of the goal's label.
 
     Raises `EstimateError` for a plan that does not consist of rows of the estimate.
     """
@@ -121,8 +122,10 @@ def _failed(start: str, goal: str, refusal: str, planned: Float64[np.ndarray, "j
 def _try(
     run: Run, robot: Robot, belief: _Belief, start: str, goal: str, keyframes: Int[np.ndarray, "k"], rng: np.random.Generator
 ) -> Trial:
-    T_W_B = run.true_poses[keyframes[0]]
     planned = run.true_poses[keyframes][:, :3, 3] - [0.0, 0.0, run.session.tour.eye_height_m]
+    if run.room_names[run.true_labels[keyframes[0]]] == goal:
+        return _failed(start, goal, f"the plan was not driven: it begins in the goal, a room labelled {goal}", planned)
+    T_W_B = run.true_poses[keyframes[0]]
     pose = DeadReckoning(*_seen_from_above(belief.T_believed_true @ T_W_B), belief.drift, rng)
     try:
         shortest = shortest_into(run.walkable, planned[0], goal)

@@ -118,6 +118,18 @@ def test_a_plan_into_a_room_that_cannot_be_reached_fails_alone(labels, monkeypat
     assert any(trial.success for trial in trials)
 
 
+def test_a_plan_that_begins_in_its_goal_fails(labels):
+    """Otherwise, a plan that consists of one frame in the goal would be a success without a step."""
+
+    class Teleport(Planner):
+        def plan(self, start, goal):
+            return super().plan(start, goal)[-1:]
+
+    trials = try_plans(run(SCENARIO, Teleport(np.eye(4), labels)))
+    assert trials and not any(trial.success for trial in trials)
+    assert all(trial.refusal.endswith(f"it begins in the goal, a room labelled {trial.goal}") for trial in trials)
+
+
 def test_a_map_that_has_diverged_gives_plans_that_nobody_drives_and_says_so(labels):
     class Diverged(Planner):
         def finish(self):
