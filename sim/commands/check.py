@@ -71,12 +71,14 @@ def _check(arguments: argparse.Namespace) -> int:
     if isinstance(trials, Crash):
         return _crashed(trials, arguments)
     result = evaluate(finished, trials)
+    crash = None
+    if arguments.out is not None:  # before anything is printed, because standard output may be closed
+        crash = attempt_write(finished, partial(write_run, finished, result, trials, arguments.out))
     print_result(finished, result, nulls=False, keys=True)
     print_gaps(finished, result)
+    if crash is not None:
+        return _crashed(crash, arguments)
     if arguments.out is not None:
-        crash = attempt_write(finished, partial(write_run, finished, result, trials, arguments.out))
-        if crash is not None:
-            return _crashed(crash, arguments)
         print(f"report: {arguments.out / REPORT}")
     failed = [(claim, outcome) for claim in claims if (outcome := claim.outcome(result)) != "fails"]
     for claim, _ in failed:

@@ -4,12 +4,12 @@ import argparse
 import os
 from dataclasses import astuple
 
-from rich.console import Console
 from rich.table import Table
 
 from lexis.command_line import positive
 from sim.commands.action import Action
 from sim.commands.arguments import SEED, argument
+from sim.commands.console import standard_output
 from sim.commands.house_action import FILE, describe
 from sim.commands.progress import tracked
 from worlds.checks.essentials import missing_essentials
@@ -49,7 +49,7 @@ def _prove(arguments: argparse.Namespace) -> int:
     )
     for row in summaries(proofs):
         table.add_row(*(f"{value:.0f}" if isinstance(value, float) else str(value) for value in astuple(row)))
-    Console().print(table)
+    standard_output().print(table)
     return int(any(proof.failure is not None for proof in proofs))
 
 

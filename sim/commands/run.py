@@ -4,10 +4,9 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rich.console import Console
-
 from lexis.command_line import Commands, add_command, warn_of_replacement
 from sim.commands.arguments import CONFIG_HELP, DEMO_SEED, add_run_seed, add_scenario, folder, scenario_of_arguments
+from sim.commands.console import standard_output
 from sim.commands.progress import progress_bar
 
 if TYPE_CHECKING:
@@ -66,9 +65,9 @@ def _run_and_report(scenario: "Scenario", slam: "SlamUnderTest | None", out: Pat
         finished = run(scenario, slam, progress)
     trials = try_plans(finished)
     result = evaluate(finished, trials)
+    write_run(finished, result, trials, out)
     print_result(finished, result)
     print_gaps(finished, result)
-    write_run(finished, result, trials, out)
     if result.planning.success not in (None, 1.0):
         print("Not every plan reached its room: the report lists and draws those that failed.")
     print(f"report: {out / REPORT}")
@@ -93,6 +92,6 @@ def print_result(finished: "Run", result: "RunResult", nulls: bool = True, keys:
     """
     from sim.report import result_table, result_title
 
-    console, figures = Console(), result.data()
+    console, figures = standard_output(), result.data()
     print(result_title(figures, finished.house.spec.name))
     console.print(result_table(figures, meanings=console.width >= _WIDE, nulls=nulls, keys=keys))

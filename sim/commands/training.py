@@ -3,10 +3,9 @@
 import argparse
 from pathlib import Path
 
-from rich.console import Console
-
 from lexis.command_line import Commands, add_command, positive
 from sim.commands.arguments import SEED, folder
+from sim.commands.console import standard_output
 from sim.output_files import check_output_file, make_output_folder
 
 
@@ -63,5 +62,5 @@ def _train(arguments: argparse.Namespace) -> int:
         start=arguments.start,
         teacher=arguments.teacher,
     )
-    train_encoder(run, Console())
+    train_encoder(run, standard_output())
     return 0

@@ -92,11 +92,11 @@ def tables(arguments: argparse.Namespace) -> Iterator[Table]:
             accuracy[model][preset] = Accuracy(tuple(house.row.accuracy for house in houses))
             yield from _of_preset(f"{preset}, encoder {model}", houses, arguments.worst)
     rows = list(_timed_rows(accuracy, arguments))
-    yield _table_one(rows)
     if arguments.csv:
         write_csv(rows, arguments.csv)
     if arguments.plot:
         draw_plot(rows, arguments.plot)
+    yield _table_one(rows)
 
 
 def _check(arguments: argparse.Namespace) -> None:

@@ -67,11 +67,11 @@ def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
             *(shown(row.untouched, "{:.0%}"), shown(row.false_trusted, "{:.1%}")),
             end_section=row.kernel == rows[-1].kernel,
         )
-    yield table
     if arguments.csv:
         write_rows(rows, arguments.csv)
     if arguments.plot:
         draw_kernels(rows, arguments.plot)
+    yield table
 
 
 def _scale(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -124,9 +124,9 @@ def _rigs(arguments: argparse.Namespace) -> Iterator[Table]:
             *(shown(known(row.recall), "{:.2f}"), str(row.trusted)),
             *(str(row.false), f"{row.labels:.3f}", f"{row.rooms:.3f}", f"{row.ate_m:.3f}", f"{row.keyframe_ms:.1f}"),
         )
-    yield table
     if arguments.csv:
         write_rows(rows, arguments.csv)
+    yield table
 
 
 BENCHMARKS = (

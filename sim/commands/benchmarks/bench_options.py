@@ -22,6 +22,7 @@ from sim.commands.arguments import (
     number,
     seeing_encoder,
 )
+from sim.commands.console import standard_output
 from sim.fidelity import FIDELITIES
 from sim.report.figures import shown
 from worlds.presets import PRESETS
@@ -96,4 +97,4 @@ def printing(tables: Tables) -> Command:
 
 def console() -> Console:
     """Return standard output as a console. It is 250 columns wide if it is no terminal; rich would cut figures off at 80."""
-    return Console(width=None if sys.stdout.isatty() else 250)
+    return standard_output(None if sys.stdout.isatty() else 250)

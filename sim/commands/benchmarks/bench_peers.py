@@ -94,9 +94,9 @@ def _table2(arguments: argparse.Namespace) -> Iterator[Table]:
     table.add_section()
     for method, paper in PAPER_ACCURACY.items():
         table.add_row(f"paper: {method}", *(_percent(*paper[each]) if each in paper else "" for each in presets))
-    yield table
     if arguments.csv:
         write_rows(rows, arguments.csv)
+    yield table
 
 
 def _percent(mean: float | None, std: float | None) -> str:
@@ -119,9 +119,9 @@ def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
     table.add_section()
     for method, paper in PAPER_ATE_M.items():
         table.add_row(f"paper: {method}", *(f"{paper[each]:.2f}" if each in paper else "" for each in presets))
-    yield table
     if arguments.csv:
         write_rows(rows, arguments.csv)
+    yield table
 
 
 def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -140,6 +140,8 @@ def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
         yield _tuned_places(walks)
         return
     found = list(compare_place_methods(walks))
+    for path in arguments.out:
+        write_places(found, path)
     as_often = equally_often(found)
     for preset, methods in totals(found).items():
         title = f"{preset}, seeds {seeds[0]} to {seeds[-1]}, walks of {arguments.length:g} m"
@@ -149,8 +151,6 @@ def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
         for name, total in methods.items():
             false.add_row(name, *map(str, total.false_places))
         yield false
-    for path in arguments.out:
-        write_places(found, path)
 
 
 def _matches(methods: "Mapping[str, PlaceTotal]", title: str) -> Table:

@@ -142,9 +142,9 @@ def _stages(arguments: argparse.Namespace) -> Iterator[Table]:
     table = Table("replaced", "houses", "labels", "room PQ", "ATE, m", "right plans", title=title)
     for name, found in gains(rows).items():
         table.add_row(name, str(found.houses), *gain_texts(name, found))
-    yield table
     if arguments.csv:
         write_rows(rows, arguments.csv)
+    yield table
 
 
 def _planning(arguments: argparse.Namespace) -> Iterator[Table]:

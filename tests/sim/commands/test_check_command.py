@@ -5,6 +5,7 @@ import pickle
 import re
 import runpy
 import shlex
+import subprocess
 import sys
 from dataclasses import astuple, replace
 
@@ -24,6 +25,21 @@ SCENARIO = Scenario(
 )
 ODOMETRY = ["--slam", "sim.harness.adapters:OdometryOnly"]
 GEOMETRIC = ["--slam", "sim.harness.adapters:GeometricRooms"]
+
+
+def status_with_closed_output(*command: object) -> int:
+    """Return the exit status of `lexis-sim` where nobody reads standard output, as after `| head`."""
+    code = f"import sys; from sim.cli import main; sys.exit(main({list(map(str, command))}))"
+    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    process.stdout.close()
+    assert process.stderr.read() == b""
+    return process.wait()
+
+
+def test_a_result_is_written_even_if_nobody_reads_the_output(folder):
+    check = ["check", "--scenario", "scenario.json", *ODOMETRY, "-o", "out"]
+    assert status_with_closed_output(*check) == 141
+    assert json.loads((folder / "out" / "result.json").read_text())["slam"] == "OdometryOnly"
 
 
 @pytest.fixture(autouse=True)
