@@ -148,7 +148,10 @@ def _what_is_valid(value: object, annotation: Any, unit: str) -> str | None:
     if base not in _KINDS or (_is_a(value, base) and all(_holds(value, bound) for bound in bounds)):
         return None
     numeric = [f"{_SIGNS[type(bound)][1]} {_limit(bound):g}" for bound in bounds if type(bound) in _SIGNS]
-    return " and ".join(numeric) + unit if numeric else _KINDS[base]
+    if not numeric:
+        return _KINDS[base]
+    kind = "" if _is_a(value, base) or (base is int and type(value) is int) else f"{_KINDS[base]} "
+    return kind + " and ".join(numeric) + unit
 
 
 def _is_a(value: object, base: type) -> bool:

@@ -10,6 +10,7 @@ from time import perf_counter
 from types import MappingProxyType
 
 from lexis.config import PoseGraphConfig
+from lexis.errors import one_line
 from lexis.files.g2o import G2oGraph, read_g2o
 from lexis.graph.graph_optimisation import GraphOptimiser
 from sim.errors import SimError
@@ -51,9 +52,13 @@ def optimise_files(paths: Sequence[Path]) -> Iterator[PoseGraphRow]:
         for start, begin in _STARTS.items():
             optimiser = optimiser_of(graph, str(path))
             began = perf_counter()
-            begin(optimiser)
-            start_cost = optimiser.cost
-            optimiser.optimise()
+            try:
+                begin(optimiser)
+                start_cost = optimiser.cost
+                optimiser.optimise()
+            except RuntimeError as error:  # of GTSAM, for a system of equations that rounding makes singular
+                found = f"{path}: cannot be optimised: {one_line(str(error), 120)}"
+                raise SimError(f"{found}; valid: distances and information matrices that differ less") from None
             seconds = perf_counter() - began
             least = LEAST_COSTS.get(path.stem)
             excess = None if least is None else optimiser.cost / least - 1.0

@@ -31,8 +31,11 @@ def parse_fault(text: str) -> Fault:
     """Parse a fault, given as `name`, `name:value`, `name:field=value,...` or `name:value,field=value,...`.
 
     A value without a field is the value of the fault's first field. Values have the units of the fields. Raises `SimError`
-    for an unknown name or field, for a field that is given twice, and for a value that is no number or out of range.
+    for anything but a text, for an unknown name or field, for a field that is given twice, and for a value that is no number
+    or out of range.
     """
+    if not isinstance(text, str):
+        raise SimError(f"fault is {text!r:.60}; valid: a text, such as 'kidnap:20'")
     name, _, rest = text.partition(":")
     if (kind := FAULTS.get(name)) is None:
         raise SimError(f"unknown fault {name!r}{did_you_mean(name, FAULTS)}; valid: {', '.join(FAULTS)}")

@@ -5,6 +5,7 @@ from contextlib import closing
 
 from lexis.errors import ObservationError
 from lexis.timing import StageTimer
+from sim.errors import SimError
 from sim.feature_sensor.model import MINI_FEATURES, FeatureModel
 from sim.fidelity import ORACLE
 from sim.harness.adapters.lexis import Lexis
@@ -18,6 +19,7 @@ from sim.harness.slam_under_test import AcceptsFeatures, SlamUnderTest, check_sl
 from sim.harness.walk import walk
 from sim.session import Session
 from sim.truth import Truth
+from sim.wording import class_of
 
 Progress = Callable[[float], None]
 """A function that is called with the share of the frames that are done, in [0, 1]."""
@@ -31,6 +33,8 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     `last_run`. Raises `WorldsError`, `SimError` or `LexisError` if the scenario is impossible or the estimate is not valid,
     and whatever the SLAM raises.
     """
+    if not isinstance(scenario, Scenario):
+        raise SimError(f"scenario is {class_of(scenario)}; valid: a Scenario, such as Scenario(preset='home', seed=7)")
     last = last_run()
     scenario = last.begin(scenario)
     if slam is None:

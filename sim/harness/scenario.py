@@ -88,6 +88,9 @@ class Scenario(Settings, place="scenario", error=SimError):
         house: object = self.house
         if house is not None and not isinstance(house, HouseSpec):
             self.refuse("house", "a HouseSpec, such as HouseSpec.load(path), or None")
+        rig: object = self.rig
+        if not isinstance(rig, RigConfig):
+            self.refuse("rig", "a RigConfig, such as RigConfig('stereo')")
         if self.fidelity == "render" and self.encoder == ORACLE:
             raise SimError(f"encoder {ORACLE!r} is told the truth and sees no images; valid: with fidelity 'features'")
         self._check_imitated()

@@ -1,6 +1,7 @@
 """Settings refuse what their annotations exclude, and go to plain data and back."""
 
 import json
+import math
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Annotated, Literal, get_origin, get_type_hints
 
@@ -33,15 +34,15 @@ class Outer(Settings, place="outer", error=ConfigError):
     ("kind", "name", "value", "valid"),
     [
         (Inner, "speed_m_s", 0.0, "> 0 m/s"),
-        (Inner, "speed_m_s", float("nan"), "> 0 m/s"),
-        (Inner, "speed_m_s", float("inf"), "> 0 m/s"),
-        (Inner, "speed_m_s", "fast", "> 0 m/s"),
-        (Inner, "speed_m_s", None, "> 0 m/s"),
-        (Inner, "speed_m_s", True, "> 0 m/s"),
-        (Inner, "laps", 2.0, ">= 1"),
+        (Inner, "speed_m_s", float("nan"), "a finite number > 0 m/s"),
+        (Inner, "speed_m_s", float("inf"), "a finite number > 0 m/s"),
+        (Inner, "speed_m_s", "fast", "a finite number > 0 m/s"),
+        (Inner, "speed_m_s", None, "a finite number > 0 m/s"),
+        (Inner, "speed_m_s", True, "a finite number > 0 m/s"),
+        (Inner, "laps", 2.0, "a whole number >= 1"),
         (Inner, "laps", 0, ">= 1"),
         (Inner, "laps", 10**400, ">= 1"),
-        (Inner, "speed_m_s", 10**400, "> 0 m/s"),
+        (Inner, "speed_m_s", 10**400, "a finite number > 0 m/s"),
         (Outer, "gait", "hop", "walk, run"),
         (Outer, "share", 0.0, "> 0 and <= 1"),
         (Outer, "share", 1.01, "> 0 and <= 1"),
@@ -79,7 +80,10 @@ def test_data_and_back():
         ({"gate": "walk"}, "file: outer has no setting 'gate'; valid: gait, share"),
         ({"inner": {"lap": 1}}, "file: inner has no setting 'lap'; valid: speed_m_s, laps"),
         ({"inner": {"laps": 0}}, "file: inner.laps is 0; valid: >= 1"),
-        ({"inner": {"speed_m_s": 10**400}}, f"file: inner.speed_m_s is {10**400}; valid: > 0 m/s"),
+        ({"inner": {"laps": 1.5}}, "file: inner.laps is 1.5; valid: a whole number >= 1"),
+        ({"inner": {"laps": "2"}}, "file: inner.laps is '2'; valid: a whole number >= 1"),
+        ({"inner": {"speed_m_s": math.inf}}, "file: inner.speed_m_s is inf; valid: a finite number > 0 m/s"),
+        ({"inner": {"speed_m_s": 10**400}}, f"file: inner.speed_m_s is {10**400}; valid: a finite number > 0 m/s"),
         ({"inner": {"laps": 10**400}}, f"file: inner.laps is {10**400}; valid: >= 1"),
         ({"inner": 3}, "file: inner is 3; valid: names of settings"),
         ([], "file: outer is []; valid: names of settings"),

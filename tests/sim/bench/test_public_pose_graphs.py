@@ -37,6 +37,17 @@ def test_both_starts_reach_the_cost_that_gtsam_reaches_from_the_truth(tmp_path, 
     assert chordal.iterations is not None and 0 < chordal.iterations < 20
 
 
+def test_a_graph_that_cannot_be_solved_is_named(tmp_path, rng):
+    """The stiffest edge has an information of 1e32: beside it, all other numbers are lost to rounding."""
+    written(tmp_path / "stiff.g2o", rng, 0.03)
+    lines = (tmp_path / "stiff.g2o").read_text().splitlines()
+    triangle = " ".join("1e32" if row == column else "0" for row in range(6) for column in range(row, 6))
+    stiff = f"EDGE_SE3:QUAT 3 20 1e9 0 0 0 0 0 1 {triangle}"
+    (tmp_path / "stiff.g2o").write_text("\n".join([*lines, stiff]))
+    with pytest.raises(SimError, match=r"stiff\.g2o: cannot be optimised: .*; valid: "):
+        list(optimise_files([tmp_path / "stiff.g2o"]))
+
+
 def test_a_graph_without_loops_is_solved_from_both_starts(tmp_path):
     pose = "0 0 0 0 0 0 1"
     information = " ".join("1" if k in (0, 6, 11, 15, 18, 20) else "0" for k in range(21))

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 from helpers.blind_encoder import BlindEncoder
-from helpers.unchecked import unchecked
+from helpers.unchecked import unchecked, untyped
 
 from lexis.errors import ObservationError
 from lexis.maths.se3 import between, compose_covariance, exp, is_rigid
@@ -394,6 +394,12 @@ def test_the_text_of_a_fault_is_short():
 def test_bad_faults_say_what_is_valid(text, message):
     with pytest.raises(SimError, match=message):
         parse_fault(text)
+
+
+@pytest.mark.parametrize("value", [None, 3, Kidnap(20.0)])
+def test_a_fault_that_is_no_text_is_refused(value):
+    with pytest.raises(SimError, match=r"^fault is .*; valid: a text, such as 'kidnap:20'"):
+        untyped(parse_fault)(value)
 
 
 @pytest.mark.parametrize(("kind", "field"), [(kind, each.name) for kind in FAULTS.values() for each in fields(kind)])

@@ -144,10 +144,11 @@ def test_the_hash_stays_the_same_in_a_file(tmp_path):
     ("settings", "message"),
     [
         ({"house": "home.json"}, r"^scenario\.house is 'home\.json'; valid: a HouseSpec, such as HouseSpec\.load\(path\)"),
+        ({"rig": "wide"}, r"^scenario\.rig is 'wide'; valid: a RigConfig, such as RigConfig\('stereo'\)"),
         ({"encoder": "oracl", "fidelity": "features"}, r"^encoder 'oracl' \(did you mean 'oracle'\?\) is not the one that"),
     ],
 )
-def test_a_house_that_is_none_and_an_encoder_that_features_do_not_imitate_are_refused(settings, message):
+def test_values_that_would_fail_in_the_run_are_refused(settings, message):
     with pytest.raises(SimError, match=message):
         unchecked(Scenario, **settings)
 

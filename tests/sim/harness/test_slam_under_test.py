@@ -417,6 +417,12 @@ def test_a_method_that_the_harness_cannot_call_is_named_before_the_run(method, m
         untyped(run)(SCENARIO, slam)
 
 
+@pytest.mark.parametrize("scenario", [None, {}, SCENARIO.house, "scenario.json"])
+def test_what_is_no_scenario_is_refused(scenario):
+    with pytest.raises(SimError, match=r"^scenario is an instance of \w+; valid: a Scenario, such as Scenario\("):
+        untyped(run)(scenario, OdometryOnly())
+
+
 def test_the_arguments_of_start_are_named():
     class Slam(Recorder):
         def start(self, camera: str) -> None:
