@@ -181,7 +181,7 @@ def _gap_and_area(house: House) -> dict[tuple[str, str], tuple[float, float]]:
             taken = 0.0 if opening is None else gap_area(opening, height) * boundary.length / opening.width_m
             gap, area = sums[min(a, b), max(a, b)]
             sums[min(a, b), max(a, b)] = gap + taken, area + boundary.length * height
-    return dict(sums)
+    return {pair: (min(gap, area), area) for pair, (gap, area) in sums.items()}  # rounding may leave a larger gap
 
 
 def boundary_lines(house: House) -> tuple[BoundaryLine, ...]:

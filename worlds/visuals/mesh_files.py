@@ -20,6 +20,14 @@ _JPEG_QUALITY = 88
 _Y_UP = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 
 
+class _Material(PBRMaterial):
+    """A material that is known by its name. By default, trimesh reads all pixels of its texture for every mesh that has it."""
+
+    def __hash__(self) -> int:
+        """Return the hash of the name."""
+        return hash(self.name)
+
+
 def to_trimesh(house: House) -> trimesh.Scene:
     """Return the house as a scene in the world frame W [m], z up. Each node has the name of its `house_visuals.Visual`."""
     seen, scene = visuals(house), trimesh.Scene()
@@ -51,4 +59,4 @@ def _material(name: str, image: UInt8[np.ndarray, "h w 3"]) -> PBRMaterial:
     encoded = BytesIO()
     Image.fromarray(image).save(encoded, "JPEG", quality=_JPEG_QUALITY)
     picture = Image.open(encoded)
-    return PBRMaterial(name=name, baseColorTexture=picture, metallicFactor=0.0, roughnessFactor=1.0)  # type: ignore[no-untyped-call]
+    return _Material(name=name, baseColorTexture=picture, metallicFactor=0.0, roughnessFactor=1.0)  # type: ignore[no-untyped-call]

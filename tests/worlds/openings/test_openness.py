@@ -47,6 +47,13 @@ def test_openness_is_the_share_of_the_wall_that_is_gap(gap, share):
     assert openness(house) == pytest.approx(share) == pytest.approx(boundary_openness(house)["a", "b"])
 
 
+@pytest.mark.parametrize(("preset", "seed"), [("home", 2), ("apartment", 10), ("random", 2)])
+def test_no_house_and_no_boundary_is_more_than_open(preset, seed):
+    """By rounding alone, these houses had an openness of 1 + 2e-16."""
+    spec = sample_house(preset, seed, openness=1.0)
+    assert max(openness_of(spec), openness(build_house(spec)), *boundary_openness(build_house(spec)).values()) <= 1.0
+
+
 def test_outdoors_and_stairs_do_not_count():
     spec = sample_house("home", 3)
     house = build_house(spec)
