@@ -3,6 +3,7 @@
 Loading the commands takes some tenths of a second. Ctrl-C during this time ends the program with one line, as it does later.
 """
 
+import faulthandler
 import sys
 from importlib import import_module
 
@@ -11,7 +12,12 @@ INTERRUPTED = 130
 
 
 def run_program(module: str) -> int:
-    """Import a module, call its function `main`, and return the exit status. Ctrl-C prints one line and gives status 130."""
+    """Import a module, call its function `main`, and return the exit status. Ctrl-C prints one line and gives status 130.
+
+    If compiled code crashes, such as that of a SLAM under test, the traceback of the Python code that called it is printed.
+    """
+    if sys.__stderr__ is not None:  # it is None for a process that was started without one
+        faulthandler.enable(sys.__stderr__)
     try:
         return int(import_module(module).main())
     except KeyboardInterrupt:

@@ -89,11 +89,13 @@ def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type
 
     Errors of the `expected` classes count as bad input: they are reported in one line, plus one line for each note that
     is attached to the error. A standard output that cannot be written, for example to a full disk, counts as bad input too.
+    SIGTERM acts as Ctrl-C.
     """
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # file names need not be valid in any encoding
     try:
-        return _run_and_flush(parser, argv)
+        with _terminated_as_interrupted():
+            return _run_and_flush(parser, argv)
     except BrokenPipeError:
         # The reader closed the pipe, as `head` does.
         _drop_output()
@@ -132,6 +134,29 @@ def interrupted_later() -> Iterator[threading.Event]:
         yield pressed
     finally:
         signal.signal(signal.SIGINT, usual)
+
+
+@contextmanager
+def _terminated_as_interrupted() -> Iterator[None]:
+    """While the block runs, let SIGTERM act as Ctrl-C: a CI system sends it to a job that takes too long.
+
+    Nothing changes outside of the main thread, and where SIGTERM is not handled as usual.
+    """
+    usual = signal.getsignal(signal.SIGTERM)
+    if usual is not signal.SIG_DFL or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def interrupt(number: int, frame: object) -> None:
+        if not callable(signal.getsignal(signal.SIGINT)):  # Ctrl-C is ignored, as in the background of a shell
+            raise KeyboardInterrupt
+        signal.raise_signal(signal.SIGINT)
+
+    signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, usual)
 
 
 def _run_and_flush(parser: Parser, argv: Sequence[str] | None) -> int:

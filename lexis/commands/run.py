@@ -28,7 +28,7 @@ from lexis.commands.arguments import (
 )
 from lexis.encoder.options import PRECISIONS, EncoderOptions
 from lexis.errors import DatasetError, EncoderError, LexisError, ObservationError, one_line
-from lexis.files.replace import similar_name
+from lexis.files.replace import check_outside, similar_name
 from lexis.map.folder import JSON_FILE, save_map
 
 if TYPE_CHECKING:
@@ -82,6 +82,8 @@ def _run(arguments: argparse.Namespace) -> int:
     from lexis.slam import Slam
 
     check_map_folder(arguments.out)
+    if arguments.map is not None and arguments.map.resolve() != arguments.out.resolve():  # it may be replaced as a whole
+        check_outside(arguments.out, arguments.map)
     options = EncoderOptions(arguments.device, arguments.precision, cache=arguments.cache)
     dataset = open_dataset(arguments.dataset, DatasetConfig(arguments.odometry, arguments.camera))
     old = recognisable_map(arguments.map) if arguments.map else None

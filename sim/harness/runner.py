@@ -15,7 +15,7 @@ from sim.harness.last_run import last_run
 from sim.harness.returned_estimate import checked_estimate
 from sim.harness.scenario import Scenario
 from sim.harness.scenario_sessions import feature_model, session_of
-from sim.harness.slam_under_test import AcceptsFeatures, SlamUnderTest, check_slam_methods
+from sim.harness.slam_under_test import AcceptsFeatures, SlamUnderTest, check_slam_methods, title_of
 from sim.harness.walk import walk
 from sim.session import Session
 from sim.truth import Truth
@@ -51,6 +51,7 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     last.done = 0.0
     with timed("start_s"), last.calling_slam():
         _start(slam, scenario, session, model)
+        title_of(slam)  # raises here, and not after the run, whatever the SLAM's `settings` raise
     last.started = True
     given, delivered, refused = _processed(slam, session, timed, progress)
     last.done = 1.0

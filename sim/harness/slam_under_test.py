@@ -7,6 +7,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Protocol, runtime_checkable
 
+from lexis.errors import encodable
 from lexis.types import Camera, Observation
 from sim.errors import SimError
 from sim.harness.estimate import Estimate
@@ -132,7 +133,7 @@ def title_of(slam: object) -> str:
     if not isinstance(stated, str) or not stated:  # the class may use the name for something else
         return name
     short = stated if len(stated) <= _LONGEST_SETTINGS else f"{stated[: _LONGEST_SETTINGS - 1]}…"
-    return f"{name} ({short})"
+    return encodable(f"{name} ({short})")
 
 
 @runtime_checkable

@@ -77,6 +77,8 @@ def pytest_configure(config: pytest.Config) -> None:
     given = getattr(config, "workerinput", {}).get("lexis_seed", config.option.lexis_seed)
     fresh = secrets.randbelow(2**31) if nightly else DEFAULT_SEED
     config.stash[SEED] = fresh if given is None else given
+    if (out := out_folder(config)).exists() and not out.is_dir():
+        raise pytest.UsageError(f"--lexis-out: {out} is no folder; valid: the name of a folder, which is made if needed")
     if (replayed := replayed_file(config)) is not None and not replayed.is_file():
         raise pytest.UsageError(
             f"--lexis-replay: {replayed} does not exist; valid: a scenario file or the folder of a failure"

@@ -517,6 +517,26 @@ def test_ctrl_c_ends_a_run_after_the_present_image_and_leaves_the_map_until_then
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+@pytest.mark.parametrize("handler", [signal.default_int_handler, signal.SIG_IGN], ids=["usual", "ignored"])
+def test_sigterm_ends_a_run_as_ctrl_c_does_even_where_ctrl_c_is_ignored(dataset, tmp_path, capsys, monkeypatch, handler):
+    process = Slam.process
+
+    def terminated(slam, observation):
+        if observation.index == 59:
+            os.kill(os.getpid(), signal.SIGTERM)
+        process(slam, observation)
+
+    monkeypatch.setattr(Slam, "process", terminated)
+    out, before = tmp_path / "map", signal.signal(signal.SIGINT, handler)
+    try:
+        command = ["run", str(dataset), "--rooms", "kitchen, office", "--save-every", "3", "-o", str(out)]
+        assert cli.main(command) == 130
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert capsys.readouterr().err.endswith("interrupted\n") and len(load_map(out).keyframes) >= 9
+    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+
+
 @pytest.mark.parametrize("step", ["finish", "save"])
 @pytest.mark.parametrize("presses", [1, 2])
 def test_one_ctrl_c_while_the_map_is_finished_or_saved_does_not_lose_it(
@@ -601,6 +621,9 @@ def test_a_session_needs_a_map_with_key_points_and_equal_room_names(dataset, tex
     assert cli.main(["run", str(dataset), "--map", str(mapped), "-o", str(tmp_path / "both")]) == 2
     assert "the map has no key points to recognise places by; valid: a map that 'lexis run'" in capsys.readouterr().err
     assert cli.main(["run", str(textured), "--rooms", "kitchen, office", "-o", str(tmp_path / "one")]) == 0
+    inside = ["run", str(dataset), "--map", str(mapped), "-o", str(mapped / "new")]
+    assert cli.main(inside) == 2 and not (mapped / "new").exists()
+    assert "is inside" in capsys.readouterr().err
     again = ["run", str(textured), "--map", str(tmp_path / "one"), "--rooms", "kitchen", "-o", str(tmp_path / "both")]
     assert cli.main(again) == 2
     assert "valid: equal names in equal order" in capsys.readouterr().err and not (tmp_path / "both").exists()

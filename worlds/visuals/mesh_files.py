@@ -21,7 +21,7 @@ _Y_UP = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0
 
 
 class _Material(PBRMaterial):
-    """A material that is known by its name. By default, trimesh reads all pixels of its texture for every mesh that has it."""
+    """A material that is known by its name. Otherwise, trimesh reads all pixels of its texture for each mesh that has it."""
 
     def __hash__(self) -> int:
         """Return the hash of the name."""

@@ -42,6 +42,13 @@ def test_a_result_is_written_even_if_nobody_reads_the_output(folder):
     assert json.loads((folder / "out" / "result.json").read_text())["slam"] == "OdometryOnly"
 
 
+def test_a_crash_of_compiled_code_shows_the_line_of_the_slam_that_called_it():
+    command = [sys.executable, "-m", "sim", "check", "--scenario", "scenario.json", "--slam", "own_slam_here:Fatal"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode < 0 and done.stderr.startswith("Fatal Python error: Aborted")
+    assert re.search(r'own_slam_here\.py", line \d+ in finish', done.stderr)
+
+
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
     """The current folder, with a scenario and modules of users."""
@@ -57,6 +64,7 @@ def folder(tmp_path, monkeypatch):
         "class Lost(Mine):\n    def finish(self): return 1 / 0\n"
         "class Unreadable(Mine):\n    def finish(self): raise OSError('no file \\udcff')\n"
         "class Third(Mine):\n    def process(self, seen):\n        if seen.index < 10: super().process(seen)\n"
+        "class Fatal(Mine):\n    def finish(self):\n        import os\n        os.abort()\n"
         "class Leaving(Mine):\n    def finish(self): raise SystemExit(0)\n"
         "class Unsaved(Mine):\n    def save(self, folder): 1 / 0\n"
         "class Roaming(Mine):\n    def process(self, seen):\n        import os\n        os.chdir('/')\n"

@@ -223,6 +223,17 @@ def test_a_crash_is_placed_at_the_frame_that_the_slam_was_given_even_if_frames_w
     assert crash_frame(picture_session(faulty), crash.done).frame == slam.frames[-1] > 10
 
 
+def test_settings_that_cannot_be_stated_are_a_crash_before_the_walk():
+    class Unsettled(Recorder):
+        @property
+        def settings(self):
+            raise RuntimeError("no settings")
+
+    slam = Unsettled()
+    crash = attempt(lambda scenario, progress: run(scenario, slam, progress), SCENARIO)
+    assert isinstance(crash, Crash) and crash.message == "RuntimeError: no settings" and not slam.frames
+
+
 def test_an_exception_before_a_run_is_no_crash_of_the_run_before():
     def fails(scenario, progress):
         with last_run().calling_slam():

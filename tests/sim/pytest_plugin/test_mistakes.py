@@ -165,6 +165,7 @@ def test_wrong_options_and_tests_are_told_in_one_line(pytester, inner):
             "gone",
             "--lexis-replay: *gone does not exist; valid: a scenario file or the folder of a failure",
         ),
+        ("--lexis-out", "test_houses.py", "--lexis-out: *test_houses.py is no folder; valid: the name of a folder*"),
     ):
         result = inner(f"{option}={value}")
         assert result.ret == pytest.ExitCode.USAGE_ERROR
