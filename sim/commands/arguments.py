@@ -13,8 +13,10 @@ from sim.fidelity import FIDELITIES, ORACLE, Fidelity
 from sim.odometry.config import ODOMETRY_PRESETS
 from sim.tours.config import FASTEST_HZ, LONGEST_M, TOUR_KINDS
 from sim.tours.sway import SWAYS
+from worlds.errors import WorldsError, reworded
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec
+from worlds.validation import built_and_checked
 
 if TYPE_CHECKING:
     from sim.harness import Scenario
@@ -221,7 +223,10 @@ def scenario_of_arguments(arguments: argparse.Namespace) -> "Scenario":
         if given := given_options_of_a_run(arguments):
             option = f"--{given[0].replace('_', '-')}"
             raise SimError(f"{option} is given beside --scenario; valid: one of the two, since the file says all of a run")
-        return Scenario.load(arguments.scenario)
+        scenario = Scenario.load(arguments.scenario)
+        if scenario.house is not None:
+            _check_house(scenario.house, arguments.scenario)
+        return scenario
     fidelity: Fidelity = arguments.fidelity or "render"
     if arguments.feature_model is not None and fidelity != "features":
         raise SimError(f"--feature-model {arguments.feature_model} has no effect on images; valid: with --fidelity features")
@@ -246,12 +251,27 @@ def add_tour(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--start-manoeuvre", action="store_true", help=START_HELP)
 
 
+def _house(file: Path) -> HouseSpec:
+    """Read a house, and check it before the run, so that messages about its geometry begin with the name of the file."""
+    spec = HouseSpec.load(file)
+    _check_house(spec, file)
+    return spec
+
+
+def _check_house(spec: HouseSpec, file: Path) -> None:
+    """Raise `WorldsError` that begins with the name of the file if the house cannot be built, or breaks a rule of houses."""
+    try:
+        built_and_checked(spec)
+    except WorldsError as error:
+        raise reworded(error, f"{file}: {error}") from None
+
+
 def walk_options(arguments: argparse.Namespace) -> dict[str, Any]:
     """Convert the options of `add_walk` to fields of `Scenario`. Raises `WorldsError` or `SimError` if they are invalid."""
     return {
         "preset": arguments.preset,
         "seed": arguments.seed,
-        "house": HouseSpec.load(arguments.house) if arguments.house else None,
+        "house": _house(arguments.house) if arguments.house else None,
         "tour_kind": _TOURS[arguments.tour],
         "length_m": arguments.length,
         "reverse": arguments.reverse,

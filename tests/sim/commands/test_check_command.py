@@ -42,6 +42,14 @@ def test_a_result_is_written_even_if_nobody_reads_the_output(folder):
     assert json.loads((folder / "out" / "result.json").read_text())["slam"] == "OdometryOnly"
 
 
+def test_a_scenario_whose_house_breaks_a_rule_is_named_by_its_file(folder, capsys):
+    data = json.loads((folder / "scenario.json").read_text())
+    data["house"]["storeys"][0]["openings"] = []
+    (folder / "apart.json").write_text(json.dumps(data))
+    assert status_of(["check", "--scenario", "apart.json", *ODOMETRY]) == 2
+    assert capsys.readouterr().err.startswith("lexis-sim: apart.json: not reachable on foot")
+
+
 def test_a_crash_of_compiled_code_shows_the_line_of_the_slam_that_called_it():
     command = [sys.executable, "-m", "sim", "check", "--scenario", "scenario.json", "--slam", "own_slam_here:Fatal"]
     done = subprocess.run(command, capture_output=True, text=True)

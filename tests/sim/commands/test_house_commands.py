@@ -251,6 +251,15 @@ def test_no_command_replaces_the_file_that_it_reads(command, other_name, here, c
         assert (here / "b.json").read_text() == two_rooms() and (here / "link.json").is_symlink()
 
 
+@pytest.mark.parametrize("command", ["run", "check", "record"])
+def test_a_house_that_breaks_a_rule_is_named_by_its_file(command, here, capsys):
+    (here / "apart.json").write_text(two_rooms(openings=[]))
+    assert command_line.status_of([command, "--house", "apart.json", "-o", "out"]) == 2
+    message = capsys.readouterr().err
+    assert message.startswith("lexis-sim: apart.json: not reachable on foot") and message.count("\n") == 1
+    assert not (here / "out").exists()
+
+
 def test_a_reader_that_closes_the_pipe_causes_no_traceback():
     code = "import sys; from sim.cli import main; sys.exit(main(['house', 'schema']))"
     process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
