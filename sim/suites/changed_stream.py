@@ -59,7 +59,7 @@ class ChangedFeatureStream(ChangedStream):
         if not isinstance(self._slam, AcceptsFeatures):
             raise SimError("SLAM under test: has no method start_on_features(); valid: ChangedStream")
         started = self._begin(camera, room_names)
-        renumbered = features.renumbered(lambda index: self._given[index])
+        renumbered = features.renumbered(lambda index: self._given[index], lambda index: index < len(self._given))
         self._slam.start_on_features(*started, self._change.features(renumbered))
 
 
@@ -110,7 +110,8 @@ def _moved(loops: EstimatedLoops | None, new_row: Int[np.ndarray, "n"], T_B_N: P
     """Convert estimated loops: their frames to rows of the unchanged observations, their poses to the unchanged body frame.
 
     A loop between two frames of the same unchanged observation is left out. If the later frame of a loop showed the earlier
-    observation, the loop is turned around. None stays None.
+    observation, the loop is turned around. Several copies of an observation may close the same loop: the last of these loops
+    is kept. None stays None.
     """
     if loops is None:
         return None
@@ -119,5 +120,8 @@ def _moved(loops: EstimatedLoops | None, new_row: Int[np.ndarray, "n"], T_B_N: P
     T_match_query = T_B_N @ loops.T_match_query[others] @ inverse(T_B_N)
     turned = query < match
     T_match_query[turned] = inverse(T_match_query[turned])
-    weights = None if loops.weights is None else loops.weights[others]
-    return EstimatedLoops(np.maximum(query, match), np.minimum(query, match), T_match_query, weights)
+    later, earlier = np.maximum(query, match), np.minimum(query, match)
+    _, from_end = np.unique(np.stack((later, earlier), axis=1)[::-1], axis=0, return_index=True)
+    kept = np.sort(len(later) - 1 - from_end)
+    weights = None if loops.weights is None else loops.weights[others][kept]
+    return EstimatedLoops(later[kept], earlier[kept], T_match_query[kept], weights)

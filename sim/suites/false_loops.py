@@ -67,4 +67,6 @@ class _Mistaken:
         angle = rng.uniform(0.0, 2.0 * np.pi)
         wrong[:2, 3] += self.mistakes.error_m * np.array([np.cos(angle), np.sin(angle)])
         mistake = LoopEdge(query.id, match, wrong, np.diag(_SURE), _INLIERS)
-        return replace(verified, edges=(*verified.edges, mistake))
+        # The false loop takes the place of a true one: an estimate may hold each pair of frames once only.
+        kept = tuple(edge for edge in verified.edges if edge.match != match)
+        return replace(verified, edges=(*kept, mistake))

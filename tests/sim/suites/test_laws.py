@@ -202,3 +202,9 @@ def test_false_loops_reach_only_a_slam_that_uses_the_verifier():
     law = replace(FLAT, parts=(replace(PART, checks=(LAWS["false loop closures"],), n=1),))
     assert outcomes(check_slam(OdometryOnly, law))["false loop closures"] == "not applicable"
     assert outcomes(check_slam(Oracle, law))["false loop closures"] in ("holds", "undecided")
+
+
+def test_lexis_is_not_blamed_for_false_loops_between_frames_that_also_have_a_true_one():
+    base = evaluated_run(replace(OPEN_FLAT, length_m=60.0), Oracle)
+    found = LAWS["false loop closures"].examine(base, Oracle)
+    assert len(base.run.estimate.loops.query) > 20 and found.holds, found.measured

@@ -258,6 +258,15 @@ def test_other_frames_give_rigid_poses_and_the_same_distances(change):
         np.testing.assert_allclose(*same, rtol=1e-6, atol=1e-15)
 
 
+def test_copies_of_an_observation_that_close_the_same_loop_close_it_once():
+    motions = np.tile(np.eye(4), (3, 1, 1))
+    motions[:, 0, 3] = 1.0, 2.0, 3.0
+    loops = EstimatedLoops(np.array([2, 3, 4]), np.array([0, 0, 0]), motions, np.array([0.7, 0.8, 0.9]))
+    found = _moved(loops, np.array([0, 1, 2, 2, 3]), np.eye(4))
+    assert found.query.tolist() == [2, 3] and found.match.tolist() == [0, 0] and found.weights.tolist() == [0.8, 0.9]
+    np.testing.assert_array_equal(found.T_match_query, motions[1:])
+
+
 def test_a_loop_between_observations_that_came_in_the_other_order_is_turned_around():
     """The SLAM got the observations 0, 2 and 1, and closes a loop from the third that it got to the second."""
     motion = np.eye(4)
