@@ -37,6 +37,8 @@ class FeatureInput:
     verifier: Verifier
     """Verifier of the loop closures of LEXIS's pose graph. `verify` asks it about observations, without a pose graph."""
     camera: Camera
+    is_delivered: Callable[[int], bool]
+    """Tells by its index whether the SLAM has got an observation, so that `verify` says nothing about later ones."""
     original: Callable[[int], int] = int
     """Maps an index of an observation that the SLAM gets to the index in the run. They are equal unless a law changes the
     observations, such as by giving every frame twice."""
@@ -54,12 +56,12 @@ class FeatureInput:
         Returns:
             Edges whose `query` and `match` are indices of observations.
 
-        Raises `SimError` for an index that is negative, and for a match that is the query itself.
+        Raises `SimError` for an index of an observation that the SLAM has not got, and for a match that is the query itself.
         """
-        if query < 0 or any(match < 0 or match == query for match in matches):
+        if query in matches or not all(index >= 0 and self.is_delivered(index) for index in (query, *matches)):
             raise SimError(
-                f"verify: observation {query} is to be compared with {list(matches)!r:.60}; valid: indices of other "
-                "observations, from 0"
+                f"verify: observation {query} is to be compared with {list(matches)!r:.60}; valid: indices of different "
+                "observations that were delivered"
             )
         asked = {self.original(match): match for match in matches}
         graph = _Unestimated({**asked, self.original(query): query})
@@ -71,14 +73,14 @@ class FeatureInput:
             if self.original(match) == edge.match
         )
 
-    def renumbered(self, original: Callable[[int], int]) -> "FeatureInput":
+    def renumbered(self, original: Callable[[int], int], is_delivered: Callable[[int], bool]) -> "FeatureInput":
         """Return this input for a SLAM that gets observations under other indices.
 
-        `original` maps an index that the SLAM gets to the index in the run.
+        `original` maps an index that the SLAM gets to the index in the run, and `is_delivered` is told such an index.
         """
         if not isinstance(self.verifier, CovisibilityVerifier):
             raise SimError("feature input: its verifier cannot be renumbered; valid: the verifier of the feature sensor")
-        return replace(self, verifier=self.verifier.renumbered(original), original=original)
+        return replace(self, verifier=self.verifier.renumbered(original), is_delivered=is_delivered, original=original)
 
     def check(self, encoder: Encoder) -> None:
         """Raise `SimError` unless the embeddings of the run simulate `encoder`."""

@@ -49,11 +49,12 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
         session = session_of(scenario, model)
     rendered_before_s = session.render_seconds
     last.done = 0.0
+    indices: set[int] = set()
     with timed("start_s"), last.calling_slam():
-        _start(slam, scenario, session, model)
+        _start(slam, scenario, session, model, indices.__contains__)
         title_of(slam)  # raises here, and not after the run, whatever the SLAM's `settings` raise
     last.started = True
-    given, delivered, refused = _processed(slam, session, timed, progress)
+    given, delivered, refused = _processed(slam, session, timed, progress, indices)
     last.done = 1.0
     with timed("slam_s"), last.calling_slam():
         returned = slam.finish()
@@ -66,9 +67,9 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
 
 
 def _processed(
-    slam: SlamUnderTest, session: Session, timed: StageTimer, progress: Progress | None
+    slam: SlamUnderTest, session: Session, timed: StageTimer, progress: Progress | None, indices: set[int]
 ) -> tuple[dict[int, Given], list[Truth], list[str]]:
-    """Give all observations of a session to a SLAM.
+    """Give all observations of a session to a SLAM. Before each of them, its index is added to `indices`.
 
     Return what the SLAM has accepted, by the index of the observation; the truth of all delivered observations; and the
     messages of those that it has refused, which only a session with faults allows.
@@ -81,6 +82,7 @@ def _processed(
     with closing(iter(session)) as pairs:
         for observation, truth in pairs:
             delivered.append(truth)
+            indices.add(observation.index)
             last.done = observation.index / len(session)
             now = Given(observation.stamp, observation.T_O_B.copy())  # the SLAM may write into the observation
             try:
@@ -94,12 +96,18 @@ def _processed(
     return given, delivered, refused
 
 
-def _start(slam: SlamUnderTest, scenario: Scenario, session: Session, model: FeatureModel | None) -> None:
+def _start(
+    slam: SlamUnderTest,
+    scenario: Scenario,
+    session: Session,
+    model: FeatureModel | None,
+    is_delivered: Callable[[int], bool],
+) -> None:
     names, camera = session.house.spec.room_labels, session.camera.copy()  # the SLAM may write into the camera
     if model is not None and isinstance(slam, AcceptsFeatures):
         source = str(scenario.feature_model or MINI_FEATURES)
-        slam.start_on_features(
-            camera, names, FeatureInput(model, source, scenario.encoder == ORACLE, session.verifier(), camera)
-        )
+        oracle = scenario.encoder == ORACLE
+        features = FeatureInput(model, source, oracle, session.verifier(), camera, is_delivered)
+        slam.start_on_features(camera, names, features)
     else:
         slam.start(camera, names)

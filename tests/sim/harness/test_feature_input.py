@@ -1,5 +1,7 @@
 """`FeatureInput.verify` gives any SLAM the loop closures that a comparison of images would give."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,8 @@ from sim.errors import SimError
 from sim.harness.estimate import Estimate
 from sim.harness.runner import run
 from sim.harness.scenario import Scenario
+from sim.suites.changed_stream import changed
+from sim.suites.stream_changes import Pause
 from worlds.presets import sample_from_rooms
 
 SCENARIO = Scenario(
@@ -66,7 +70,7 @@ def test_answers_depend_neither_on_the_run_nor_on_earlier_questions(ran):
 
 def test_a_slam_that_numbers_observations_anew_gets_the_same_loops(ran):
     truth, features = ran
-    anew = features.renumbered(lambda index: index - 1000)
+    anew = features.renumbered(lambda index: index - 1000, lambda index: True)
     for query in {edge.query for edge in _edges(features, len(truth))}:
         matches = range(0, query - 15, 2)
         there, here = features.verify(query, matches), anew.verify(query + 1000, [match + 1000 for match in matches])
@@ -80,13 +84,30 @@ def test_a_slam_that_numbers_observations_anew_gets_the_same_loops(ran):
 def test_two_frames_of_one_observation_get_the_same_loops(ran):
     truth, features = ran
     edge = _edges(features, len(truth))[0]
-    paused = features.renumbered(lambda index: index // 2)  # every frame is given twice
+    paused = features.renumbered(lambda index: index // 2, lambda index: True)  # every frame is given twice
     loops = paused.verify(2 * edge.query, [2 * edge.match + 1, 2 * edge.match])
     assert [loop.match for loop in loops] == [2 * edge.match + 1, 2 * edge.match]
     assert all(loop.query == 2 * edge.query and np.array_equal(loop.T_match_query, edge.T_match_query) for loop in loops)
 
 
+@pytest.mark.parametrize("pause", [None, Pause()])
+def test_no_question_tells_what_lies_ahead(pause):
+    """The relative pose of a frame that the SLAM will get later would tell it the true path."""
+
+    class Asking(Recorder):
+        def process(self, observation):
+            super().process(observation)
+            now = observation.index
+            for question in ((now, [now + 1]), (now + 1, [now])):
+                with pytest.raises(SimError, match="valid: indices of different observations that were delivered"):
+                    self.features.verify(*question)
+            if now:
+                self.features.verify(now, [0])
+
+    run(replace(SCENARIO, length_m=None), Asking() if pause is None else changed(Asking(), pause))
+
+
 @pytest.mark.parametrize(("query", "matches"), [(-1, [0]), (3, [-1]), (3, [1, 3])])
 def test_indices_that_are_no_other_observations_are_refused(ran, query, matches):
-    with pytest.raises(SimError, match="valid: indices of other observations"):
+    with pytest.raises(SimError, match="valid: indices of different observations that were delivered"):
         ran[1].verify(query, matches)
