@@ -64,8 +64,8 @@ def try_plans(run: Run, steering: Steering = "estimate", blind: bool = False) ->
     Stairs are neither start nor goal. The robot starts at the first frame of the plan. Its odometry has the error that it
     had at the end of the run, and drifts on from there. If `blind`, the robot uses no range scan to avoid obstacles. There
     are no trials if no room of the SLAM has a label, or if the SLAM cannot plan paths. A plan that cannot be driven fails:
-    its first frame is in a room of the goal's label already, the robot cannot stand there, or no way leads from there into a
-    room of the goal's label.
+    its first frame is in a room that has the start's label neither by the SLAM nor in truth, the robot cannot stand there, or
+    no way leads from there into a room of the goal's label.
 
     Raises `EstimateError` for a plan that does not consist of rows of the estimate.
     """
@@ -123,8 +123,9 @@ def _try(
     run: Run, robot: Robot, belief: _Belief, start: str, goal: str, keyframes: Int[np.ndarray, "k"], rng: np.random.Generator
 ) -> Trial:
     planned = run.true_poses[keyframes][:, :3, 3] - [0.0, 0.0, run.session.tour.eye_height_m]
-    if run.room_names[run.true_labels[keyframes[0]]] == goal:
-        return _failed(start, goal, f"the plan was not driven: it begins in the goal, a room labelled {goal}", planned)
+    if start not in (begins := _labels_of(run, int(keyframes[0]))):
+        refusal = f"the plan was not driven: it begins in a {begins[0]} labelled {begins[1]}, and not in a {start}"
+        return _failed(start, goal, refusal, planned)
     T_W_B = run.true_poses[keyframes[0]]
     pose = DeadReckoning(*_seen_from_above(belief.T_believed_true @ T_W_B), belief.drift, rng)
     try:
@@ -138,6 +139,13 @@ def _try(
     arrived = driven.room is not None and run.house.room_by_id[driven.room].label == goal
     success = arrived and not driven.touched
     return Trial(start, goal, success, shortest, driven.length_m, driven.touched, driven.room, driven.path, planned)
+
+
+def _labels_of(run: Run, row: int) -> tuple[str, str | None]:
+    """Return the true label of a frame's room, and the label that the SLAM gives to the room in which it puts the frame."""
+    rooms, named = run.estimate.rooms, run.estimate.named_rooms(run.room_names)
+    estimated = None if rooms is None or named is None else named.get(int(rooms[row]))
+    return run.room_names[run.true_labels[row]], estimated
 
 
 def _seen_from_above(T: Pose) -> tuple[float, float, float]:

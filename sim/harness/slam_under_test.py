@@ -100,9 +100,9 @@ class PlansPaths(Protocol):
     def plan(self, start: str, goal: str) -> Sequence[int]:
         """Return a path from a room labelled `start` to a room labelled `goal`, as rows of the estimate in driving order.
 
-        The label of a room is the most frequent label of its rows, see `Estimate.named_rooms`. A plan that begins in a room
-        whose true label is `goal` fails. The harness calls this method after `finish`. An implementation raises
-        `lexis.errors.PlanError` if there is no path.
+        The label of a room is the most frequent label of its rows, see `Estimate.named_rooms`. A plan fails if its first row
+        is in a room that is labelled `start` neither by the SLAM nor in truth. The harness calls this method after `finish`.
+        An implementation raises `lexis.errors.PlanError` if there is no path.
         """
 
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import RigidTransform
 
 from sim.harness import Estimate, Scenario, evaluate, run, try_plans
-from sim.harness.planning import shortest_into
+from sim.harness.planning import ask_plan, shortest_into
 from worlds.house import build_house
 from worlds.presets import sample_from_rooms
 from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
@@ -118,16 +118,27 @@ def test_a_plan_into_a_room_that_cannot_be_reached_fails_alone(labels, monkeypat
     assert any(trial.success for trial in trials)
 
 
-def test_a_plan_that_begins_in_its_goal_fails(labels):
+@pytest.mark.parametrize("left", [1, 10])
+def test_a_plan_that_does_not_begin_in_its_start_fails(labels, left):
     """Otherwise, a plan that consists of one frame in the goal would be a success without a step."""
 
     class Teleport(Planner):
         def plan(self, start, goal):
-            return super().plan(start, goal)[-1:]
+            return super().plan(start, goal)[-left:]
 
-    trials = try_plans(run(SCENARIO, Teleport(np.eye(4), labels)))
-    assert trials and not any(trial.success for trial in trials)
-    assert all(trial.refusal.endswith(f"it begins in the goal, a room labelled {trial.goal}") for trial in trials)
+    finished = run(SCENARIO, Teleport(np.eye(4), labels))
+    for trial in try_plans(finished):
+        begins = finished.room_names[labels[ask_plan(finished, finished.slam, trial.start, trial.goal)[0]]]
+        if begins != trial.start:
+            assert not trial.success and not trial.travelled_m
+            assert trial.refusal.endswith(f"it begins in a {begins} labelled {begins}, and not in a {trial.start}")
+        assert begins != trial.start or left > 1
+
+
+def test_a_plan_may_begin_in_a_room_that_only_the_slam_or_only_the_truth_calls_its_start(labels):
+    """A SLAM with wrong labels is not blamed for plans as well, and one that knows better than its labels is not either."""
+    wrong = np.where(labels == labels[0], labels.max(), labels)
+    assert not [trial for trial in try_plans(run(SCENARIO, Planner(np.eye(4), wrong))) if "it begins in" in trial.refusal]
 
 
 def test_a_map_that_has_diverged_gives_plans_that_nobody_drives_and_says_so(labels):
