@@ -64,8 +64,8 @@ def try_plans(run: Run, steering: Steering = "estimate", blind: bool = False) ->
     Stairs are neither start nor goal. The robot starts at the first frame of the plan. Its odometry has the error that it
     had at the end of the run, and drifts on from there. If `blind`, the robot uses no range scan to avoid obstacles. There
     are no trials if no room of the SLAM has a label, or if the SLAM cannot plan paths. A plan that cannot be driven fails:
-    its first frame is in a room that has the start's label neither by the SLAM nor in truth, the robot cannot stand there, or
-    no way leads from there into a room of the goal's label.
+    its first frame is in a room that has the start's label neither by the SLAM nor in truth, the robot cannot stand there,
+    or no way leads from there into a room of the goal's label.
 
     Raises `EstimateError` for a plan that does not consist of rows of the estimate.
     """

@@ -49,9 +49,9 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
         session = session_of(scenario, model)
     rendered_before_s = session.render_seconds
     last.done = 0.0
-    indices: set[int] = set()
+    indices: set[int] = set()  # of the observations that the SLAM has got
     with timed("start_s"), last.calling_slam():
-        _start(slam, scenario, session, model, indices.__contains__)
+        _start(slam, scenario, session, model, indices)
         title_of(slam)  # raises here, and not after the run, whatever the SLAM's `settings` raise
     last.started = True
     given, delivered, refused = _processed(slam, session, timed, progress, indices)
@@ -96,18 +96,12 @@ def _processed(
     return given, delivered, refused
 
 
-def _start(
-    slam: SlamUnderTest,
-    scenario: Scenario,
-    session: Session,
-    model: FeatureModel | None,
-    is_delivered: Callable[[int], bool],
-) -> None:
+def _start(slam: SlamUnderTest, scenario: Scenario, session: Session, model: FeatureModel | None, indices: set[int]) -> None:
     names, camera = session.house.spec.room_labels, session.camera.copy()  # the SLAM may write into the camera
     if model is not None and isinstance(slam, AcceptsFeatures):
         source = str(scenario.feature_model or MINI_FEATURES)
         oracle = scenario.encoder == ORACLE
-        features = FeatureInput(model, source, oracle, session.verifier(), camera, is_delivered)
+        features = FeatureInput(model, source, oracle, session.verifier(), camera, indices.__contains__)
         slam.start_on_features(camera, names, features)
     else:
         slam.start(camera, names)
