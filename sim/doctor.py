@@ -12,6 +12,8 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_info
 
+from sim.processes import usable_cores
+
 _GIB = 1 << 30
 NEEDED_BYTES = 2 * _GIB
 """Memory that a run with rendered images needs [bytes]: at most 1.2 GB without torch, plus torch itself."""
@@ -124,11 +126,6 @@ def probe(subject: str, *steps: str, advice: str = _BROKEN) -> Diagnosis:
         return Diagnosis(subject, False, f"crashed with {signal.Signals(-done.returncode).name}; {advice}")
     said = (done.stderr if done.returncode else done.stdout).strip().splitlines()
     return Diagnosis(subject, done.returncode == 0, said[-1] if said else f"ended with {done.returncode}")
-
-
-def usable_cores() -> int:
-    """Return the number of processor cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _cores(usable: int) -> Diagnosis:

@@ -1,4 +1,4 @@
-"""`process_pool`: worker processes that do not compete with each other for processor cores."""
+"""`process_pool`: worker processes that do not compete for processor cores; `usable_cores`: how many there are for them."""
 
 import multiprocessing
 import os
@@ -27,6 +27,11 @@ def process_pool(
     Processes that are still starting print no traceback when Ctrl-C ends them.
     """
     return _Pool(workers, _Context(), initializer=_begin, initargs=(start, arguments))
+
+
+def usable_cores() -> int:
+    """Return the number of processor cores that this process may use, which may be fewer than the machine has."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 class _Worker(SpawnProcess):

@@ -32,7 +32,8 @@ class LoopScores:
     precision: float | None
     """Share of loop edges that are true; None without an edge."""
     recall: float | None
-    """Share of true revisits from which at least one true loop edge leads; None without a revisit."""
+    """Share of true revisits from which at least one true loop edge leads to a keyframe at least 10 s earlier; None without
+    a revisit."""
     error_m: float | None
     """Root mean square of the errors in position of the true edges [m]; None without one."""
     error_rad: float | None
@@ -60,7 +61,8 @@ def score_loops(
     errors = _errors(query, match, T_match_query, T_W_B)
     is_true = within_limits(errors)
     revisits = true_revisits(T_W_B, stamps)
-    found = np.isin(revisits, query[is_true])
+    joins_visits = reaches(stamps[query] - stamps[match], REVISIT_S)
+    found = np.isin(revisits, query[is_true & joins_visits])
     return LoopScores(
         proposed=proposed,
         verified=len(query),

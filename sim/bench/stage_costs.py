@@ -5,7 +5,6 @@ LEXIS maps every house as it is, and once more for each substitution of the blam
 What it gains is what the stage costs.
 """
 
-import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import as_completed
 from dataclasses import astuple, dataclass, fields
@@ -23,7 +22,7 @@ from sim.harness.planning import planned_pairs
 from sim.harness.run_settings import with_listed_house
 from sim.harness.runner import run
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
-from sim.processes import process_pool
+from sim.processes import process_pool, usable_cores
 
 UNCHANGED = "nothing"
 """Name of the substitution that replaces nothing."""
@@ -69,7 +68,7 @@ class StageGain:
 
 def measure_stages(presets: Sequence[str], seeds: Sequence[int]) -> Iterator[list[StageRow]]:
     """Yield the rows of each house as soon as it is finished, on the feature sensor, in as many processes as cores."""
-    with process_pool(os.cpu_count() or 1) as pool:
+    with process_pool(usable_cores()) as pool:
         houses = [pool.submit(measure_house, preset, seed) for preset in presets for seed in seeds]
         for finished in as_completed(houses):
             yield finished.result()

@@ -4,7 +4,6 @@ Every worker process handles houses of its own, as the workers of a parallel pyt
 such as importing libraries and loading the encoder, is done before the clock starts.
 """
 
-import os
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ from sim.harness.figures import evaluate
 from sim.harness.runner import run
 from sim.harness.scenario import Scenario
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
-from sim.processes import process_pool
+from sim.processes import process_pool, usable_cores
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec
 from worlds.validation import built_and_checked
@@ -54,7 +53,7 @@ def measure_throughput(houses: int, seed: int) -> Iterator[Throughput]:
 
     There is one worker process for each processor core.
     """
-    workers = os.cpu_count() or 1
+    workers = usable_cores()
     for tier, wanted, handle in (("layout", 30.0, check_layout), ("features", 2.0, run_on_features)):
         yield _measured(tier, wanted, handle, range(seed, seed + houses), workers)
 

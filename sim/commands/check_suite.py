@@ -3,7 +3,6 @@
 import argparse
 import json
 import math
-import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -26,6 +25,7 @@ from sim.commands.suite_lines import suite_lines
 from sim.durations import duration_s
 from sim.errors import SimError
 from sim.output_files import check_ending, check_output_file, make_output_folder
+from sim.processes import usable_cores
 
 if TYPE_CHECKING:
     from sim.harness.crash import Runner
@@ -62,7 +62,7 @@ REFERENCE_HELP = (
     "with --suite and --out: a SLAM without the failures, such as sim.harness.adapters:Lexis; where it passes, a smaller "
     "scenario counts only if it passes there, too"
 )
-WORKERS_HELP = "with --suite: number of processes (default: all processor cores)"
+WORKERS_HELP = "with --suite: number of processes (default: one for each core that this process may use)"
 _OPTIONS = (
     *("reference", "images", "no_laws", "exitfirst", "json", "against", "limit", "expect_failure", "known_failures"),
     *("picture", "budget", "workers"),
@@ -100,14 +100,14 @@ def run_suite(arguments: argparse.Namespace) -> int:
 
     Return 1 if a check fails unexpectedly, if a check that is expected to fail does not, if a figure got worse, or if no
     scenario was completed both in this run and in the earlier run of `--against`; otherwise 0. Raises `SimError` before the
-    run for options that cannot be used, and `KeyboardInterrupt` after Ctrl-C, when the results so far are written and
-    printed.
+    run for options that cannot be used. Once the results so far are written and printed, raises `KeyboardInterrupt` after
+    Ctrl-C, and the error that has ended the suite, if there is one.
     """
     from sim.suites.report import check_slam, runnable
 
     _refuse_scenario_options(arguments)
     _refuse_to_replace_what_is_read(arguments)
-    new_slam, workers = _new_slam(arguments), arguments.workers or os.cpu_count() or 1
+    new_slam, workers = _new_slam(arguments), arguments.workers or usable_cores()
     suite, reference = _suite(arguments), _reference(arguments)
     expected = _expected_failures(arguments)
     _check_output_files(arguments)
@@ -134,6 +134,9 @@ def run_suite(arguments: argparse.Namespace) -> int:
         print(f"failed: {', '.join(worse)} worse than in {arguments.against}", file=sys.stderr)
     if report.interrupted:
         raise KeyboardInterrupt("the results are those of the scenarios before Ctrl-C")
+    if report.error is not None:
+        report.error.add_note("the results are those of the scenarios before this error")
+        raise report.error
     if arguments.picture is not None:
         _draw(report, workers, arguments.picture)
     _search_smallest(report, new_slam, reference, arguments)

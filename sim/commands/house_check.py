@@ -1,7 +1,6 @@
 """`lexis-sim house check|prove`: check that one house is valid and walkable, or check thousands of sampled houses."""
 
 import argparse
-import os
 from dataclasses import astuple
 
 from rich.table import Table
@@ -12,6 +11,7 @@ from sim.commands.arguments import SEED, argument
 from sim.commands.console import standard_output
 from sim.commands.house_action import FILE, describe
 from sim.commands.progress import tracked
+from sim.processes import usable_cores
 from worlds.checks.essentials import missing_essentials
 from worlds.house import build_house
 from worlds.presets import PRESETS
@@ -87,8 +87,8 @@ PROVE = Action(
         argument(
             "--processes",
             type=positive,
-            default=os.cpu_count() or 2,
-            help="number of processes; at least 2 are used (default: one per core)",
+            default=usable_cores(),
+            help="number of processes; at least 2 are used (default: one for each core that this process may use)",
         ),
         SEED,
     ),

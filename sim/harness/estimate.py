@@ -145,13 +145,21 @@ class Estimate:
         self._convert_arrays()
 
     def _convert_arrays(self) -> None:
-        """Copy whole numbers as int64 and other numbers as float64, so that figures do not depend on a SLAM's types."""
+        """Copy whole numbers as int64 and other numbers as float64, so that figures do not depend on a SLAM's types.
+
+        Lists become tuples, so that a SLAM that goes on to write into them changes nothing.
+        """
         object.__setattr__(self, "frames", self.frames.astype(np.int64))
         for name, (kinds, _) in _FORMS.items():
             if (values := getattr(self, name)) is not None:
                 object.__setattr__(self, name, values.astype(_TYPES[kinds]))
         if self.loops is not None:
             object.__setattr__(self, "loops", self.loops.converted())
+        if self.candidates is not None:
+            own = tuple((index(query), tuple(map(index, matches))) for query, matches in self.candidates)
+            object.__setattr__(self, "candidates", own)
+        if self.decisions is not None:
+            object.__setattr__(self, "decisions", tuple(self.decisions))
 
     def named_rooms(self, room_names: tuple[str, ...]) -> dict[int, str] | None:
         """Return the most frequent label of every room instance, by the instance's number.

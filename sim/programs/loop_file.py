@@ -67,13 +67,15 @@ def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
     Loops and candidates of frames before the walk are left out; `rows_of` returns -1 for them.
 
     Raises `SimError` for a file that is not valid, a stamp that belongs to no frame, a loop or a candidate whose match is
-    not earlier than its query, two entries of candidates for one query, and a quaternion whose norm is not 1.
+    not earlier than its query, two loops between the same frames, two entries of candidates for one query, and a quaternion
+    whose norm is not 1.
     """
     file = read_model(path, _LOOPS_FILE, LoopFile)
     query, match = (rows_of([getattr(loop, name) for loop in file.loops]) for name in ("query", "match"))
     rows = np.array([loop.T_match_query for loop in file.loops], float).reshape(-1, 7)
     _check(file.loops, (query <= match) & (query >= 0), np.linalg.norm(rows[:, 3:], axis=1))
     walked, weights = (query >= 0) & (match >= 0), _weights(file.loops)
+    _check_once(file.loops, np.where(walked, query, -1), match)
     chosen = None if weights is None else weights[walked]
     fields: dict[str, Any] = {"loops": EstimatedLoops(query[walked], match[walked], poses_of(rows[walked]), chosen)}
     if file.candidates is not None:
@@ -106,10 +108,23 @@ def _weights(loops: Sequence[LoopEntry]) -> Float64[np.ndarray, "m"] | None:
     return np.array([1.0 if loop.weight is None else loop.weight for loop in loops])
 
 
+def _place(loop: LoopEntry) -> str:
+    return f"{LOOPS}: the loop from {loop.query:.6f} to {loop.match:.6f} s"
+
+
+def _check_once(loops: Sequence[LoopEntry], query: Int[np.ndarray, "m"], match: Int[np.ndarray, "m"]) -> None:
+    """Raise `SimError` for a second loop between the same two frames. Loops whose query is -1 are left out."""
+    pairs: set[tuple[int, int]] = set()
+    for loop, pair in zip(loops, zip(query.tolist(), match.tolist(), strict=True), strict=True):
+        if pair in pairs and pair[0] >= 0:
+            raise SimError(f"{_place(loop)} is a second entry for one pair of frames; valid: each pair once")
+        pairs.add(pair)
+
+
 def _check(loops: Sequence[LoopEntry], not_earlier: Bool[np.ndarray, "m"], norms: Float64[np.ndarray, "m"]) -> None:
     """Raise `SimError` for a loop whose match is not earlier than its query, and for a quaternion whose norm is not 1."""
     for loop, is_not_earlier, norm in zip(loops, not_earlier.tolist(), norms.tolist(), strict=True):
-        place = f"{LOOPS}: the loop from {loop.query:.6f} to {loop.match:.6f} s"
+        place = _place(loop)
         if is_not_earlier:
             raise SimError(f"{place} does not lead to an earlier frame; valid: match before query")
         if abs(norm - 1.0) > _UNIT:

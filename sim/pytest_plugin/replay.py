@@ -2,7 +2,7 @@
 
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from xml.etree import ElementTree
@@ -12,6 +12,8 @@ import pytest
 
 def replay(folder: Path, test: str, options: Sequence[str] = ()) -> None:
     """Run a test in a pytest session of its own on the scenario in `folder`; fail with the text of its failure.
+
+    If the test is skipped, the calling test is skipped, too.
 
     `test` is the name of the test, such as "tests/test_slam.py::test_rooms", and `options` are further options of pytest.
     The session runs in the folder that holds the file of the test. This folder is sought among the parents of `folder` and
@@ -31,12 +33,20 @@ def replay(folder: Path, test: str, options: Sequence[str] = ()) -> None:
         if done.returncode == pytest.ExitCode.USAGE_ERROR and f"not found: {top / test}" in done.stderr:
             pytest.fail(f"{test} does not exist any more; if it was renamed, delete the folder {folder}", pytrace=False)
         if done.returncode != 0:
-            pytest.fail(_failures(report) or done.stdout + done.stderr, pytrace=False)
+            pytest.fail("\n".join(_failures(report)) or done.stdout + done.stderr, pytrace=False)
+        if reasons := _skips(report):
+            pytest.skip(f"the test was skipped, so that nothing was replayed: {'; '.join(reasons)}")
 
 
-def _failures(report: Path) -> str:
-    """Return the texts of all failures and errors in a JUnit report; "" without a report."""
-    if not report.is_file():
-        return ""
-    cases = ElementTree.parse(report).iter()
-    return "\n".join(case.text.rstrip() for case in cases if case.tag in ("failure", "error") and case.text)
+def _failures(report: Path) -> list[str]:
+    """Return the texts of all failures and errors in a JUnit report; none without a report."""
+    return [found.text.rstrip() for tag in ("failure", "error") for found in _outcomes(report, tag) if found.text]
+
+
+def _skips(report: Path) -> list[str]:
+    """Return why tests in a JUnit report were skipped. Tests that are expected to fail count as run."""
+    return [found.get("message", "") for found in _outcomes(report, "skipped") if found.get("type") == "pytest.skip"]
+
+
+def _outcomes(report: Path, tag: str) -> Iterator[ElementTree.Element]:
+    return ElementTree.parse(report).iter(tag) if report.is_file() else iter(())

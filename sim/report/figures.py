@@ -117,8 +117,8 @@ SECTIONS: dict[str, dict[str, Definition]] = {
         "recall": Definition(
             "recall",
             _SHARE,
-            "share of revisits that got at least one true edge; a revisit is a keyframe whose true pose is within 1 m and "
-            "0.5 rad of one taken at least 10 s earlier",
+            "share of revisits from which a true edge leads to a keyframe at least 10 s earlier; a revisit is a keyframe "
+            "whose true pose is within 1 m and 0.5 rad of one taken at least 10 s earlier",
         ),
         "error_m": Definition("position error", _METRES, "RMSE of the relative positions of true edges"),
         "error_rad": Definition("rotation error", "{:.4f} rad", "RMSE of the relative rotations of true edges"),

@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import Literal, NamedTuple, Protocol, runtime_checkable
 
 from lexis.errors import one_line
+from lexis.evaluation.trajectory import LEAST_POSES
 from lexis.types import Percept
 from sim.errors import EstimateError, ProgramError, SimError
 from sim.harness.claims import Claim
@@ -110,8 +111,7 @@ class ClaimCheck:
         if outcome == "fails":
             return CheckFinding(False, "; ".join([measured, *usual_mistakes(base.run)]))
         if outcome == "unknown":
-            groups = set(map(group_of, self.claim.figures)) & _NEEDED_BY.keys()
-            lacks = any(not _has(base.run.estimate, _NEEDED_BY[group]) for group in groups)
+            lacks = any(_withholds(base.run.estimate, figure) for figure in self.claim.figures)
             return CheckFinding(None, measured, is_withheld=lacks)
         return CheckFinding(True, measured)
 
@@ -279,6 +279,15 @@ def _described(crash: Crash) -> str:
     expects_images = crash.scenario.fidelity == "features" and Percept.__name__ in str(crash.error)
     hint = " (observations hold percepts here; --images or Suite.with_images() renders images)" if expects_images else ""
     return f"{text}{hint}{crash.place}"
+
+
+def _withholds(estimate: Estimate, figure: str) -> bool:
+    """Return whether a SLAM does not estimate what a figure needs, or for too few frames."""
+    group = group_of(figure)
+    field = "baseline_labels" if figure == "labels.accuracy_baseline" else _NEEDED_BY.get(group)
+    if field is None:
+        return False
+    return not _has(estimate, field) or (group == "trajectory" and len(estimate.frames) < LEAST_POSES)
 
 
 def _has(estimate: Estimate, name: str) -> bool:

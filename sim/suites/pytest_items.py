@@ -126,6 +126,9 @@ class _Reports:
             return
         if report.interrupted:
             raise KeyboardInterrupt
+        if report.error is not None:
+            self._errors[part.name] = report.error, report.error.__traceback__
+            return
         self._of_part[part.name] = report
 
 

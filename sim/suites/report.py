@@ -10,6 +10,7 @@ from itertools import groupby, islice
 from numbers import Real
 from typing import Any, Literal
 
+from lexis.errors import LexisError
 from sim.errors import SimError
 from sim.harness.crash import COMPLETES
 from sim.harness.last_run import LastRun, watched
@@ -25,6 +26,7 @@ from sim.suites.expected_failures import NONE_EXPECTED, ExpectedFailure, expecte
 from sim.suites.suite import Suite, SuitePart
 from sim.suites.suite_means import ALL_PARTS, SuiteMean
 from sim.verdicts.rate import RateVerdict
+from worlds.errors import WorldsError
 
 CONFIDENCE = 0.99
 """Confidence of each single verdict. The suite `pr` has about 300 of them. With 95 % confidence, LEXIS failed at least
@@ -190,6 +192,8 @@ class SuiteReport:
     examined: tuple[Examination, ...]
     interrupted: bool = False
     """Whether Ctrl-C ended the suite before all its scenarios were examined."""
+    error: Exception | None = None
+    """The exception that ended the suite before all its scenarios were examined, such as a full disk; None without one."""
     expected: tuple[ExpectedFailure, ...] = ()
     """The checks and means that are expected to fail."""
 
@@ -240,10 +244,11 @@ class SuiteReport:
     def ok(self) -> bool:
         """Whether no check and no claim about a mean fails, except those that are expected to, which all fail.
 
-        An undecided check or claim does not count as failed: it would take more scenarios to decide. A suite that Ctrl-C has
-        ended is not ok.
+        An undecided check or claim does not count as failed: it would take more scenarios to decide. A suite that Ctrl-C or
+        an exception has ended is not ok.
         """
-        return not (self.interrupted or self.failed or self.failed_means or self.unmet_expectations)
+        failed = self.failed or self.failed_means or self.unmet_expectations
+        return not (self.interrupted or self.error is not None or failed)
 
     @property
     def shortage(self) -> str | None:
@@ -263,13 +268,15 @@ class SuiteReport:
             "seed": self.seed,
             "ok": self.ok,
             "interrupted": self.interrupted,
+            "error": None if self.error is None else str(self.error),
             "examined": [each.scenario.content_hash for each in self.examined],
             "checks": [_check_data(each) | self._expected_data(each.name) for each in self.verdicts],
             "means": [_mean_data(each) | self._expected_data(each.name) for each in self.means],
         }
 
     def __str__(self) -> str:
-        lines = [*map(str, (*self.verdicts, *self.means)), *self.unmet_expectations, self.shortage]
+        ended = None if self.error is None else f"ended early: {self.error}"
+        lines = [*map(str, (*self.verdicts, *self.means)), *self.unmet_expectations, self.shortage, ended]
         return "\n".join(line for line in lines if line is not None)
 
     def _all_verdicts(self) -> tuple[CheckVerdict | SuiteMean, ...]:
@@ -316,7 +323,8 @@ def check_slam(
     """Check a SLAM by a suite.
 
     In a scenario in which an exception is raised while the SLAM is made or runs, the check "the run completes" fails. After
-    Ctrl-C, the report is about the scenarios that were examined before.
+    Ctrl-C, the report is about the scenarios that were examined before. The same is true after one of the errors below, if a
+    scenario was examined before it.
 
     Args:
         new_slam: makes a SLAM that has not run yet, such as a class that takes no arguments; or a `Program`, for which all
@@ -357,6 +365,10 @@ def check_slam(
                     break
     except KeyboardInterrupt:
         return replace(report, interrupted=True)
+    except (SimError, LexisError, WorldsError) as error:  # such as a full disk
+        if not report.examined:
+            raise
+        return replace(report, error=error)
     return report
 
 

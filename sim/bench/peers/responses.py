@@ -4,7 +4,6 @@ Every house is walked once. LEXIS maps this walk with its default settings, and 
 setting, so that differences are due to the setting alone.
 """
 
-import os
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from concurrent.futures import as_completed
@@ -22,7 +21,7 @@ from sim.fidelity import Fidelity
 from sim.harness import Scenario
 from sim.harness.adapters import Lexis
 from sim.harness.world_tests import usual_rate_hz
-from sim.processes import process_pool
+from sim.processes import process_pool, usable_cores
 from worlds.valid_names import did_you_mean
 
 FACTORS = (0.5, 0.7, 1.4, 2.0)
@@ -92,7 +91,7 @@ def measure_responses(
 ) -> Iterator[list[StageRow]]:
     """Yield the rows of each house as soon as it is finished, from as many processes as there are cores."""
     measure = partial(measure_house_responses, tried=variants(sections), fidelity=fidelity)
-    with process_pool(os.cpu_count() or 1) as pool:
+    with process_pool(usable_cores()) as pool:
         houses = [pool.submit(measure, preset, seed) for preset in presets for seed in seeds]
         for finished in as_completed(houses):
             yield finished.result()

@@ -1,7 +1,6 @@
 """`lexis-sim bench all`: runs the benchmarks in parallel and keeps their tables, curves and pictures in a folder."""
 
 import argparse
-import os
 import sys
 from pathlib import Path
 
@@ -10,6 +9,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 
 from lexis.command_line import positive
 from sim.commands.arguments import argument, folder
+from sim.processes import usable_cores
 
 ARGUMENTS = (
     argument("-o", "--out", type=folder, required=True, metavar="DIR", help="folder for the tables, curves and pictures"),
@@ -17,7 +17,7 @@ ARGUMENTS = (
     argument("--only", default="", metavar="TEXT", help="benchmarks whose name contains this text (default: all)"),
     argument("--pose-graphs", nargs="+", type=Path, default=[], metavar="FILE", help="g2o files, for pose-graph"),
     argument(
-        "--workers", type=positive, default=os.cpu_count() or 1, metavar="N", help="processes (default: one for each core)"
+        "--workers", type=positive, default=usable_cores(), metavar="N", help="processes (default: one for each usable core)"
     ),
 )
 

@@ -1,7 +1,6 @@
 """Benchmarks of the harness itself: the bugs that a suite finds, and the reducer."""
 
 import argparse
-import os
 import time
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from contextlib import closing
@@ -21,6 +20,7 @@ from sim.commands.progress import tracked
 from sim.durations import duration_s
 from sim.errors import SimError
 from sim.output_files import check_output_file
+from sim.processes import usable_cores
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Sequence
@@ -135,7 +135,7 @@ def _spread(value: object) -> str:
 
 
 _PROCESSES = argument(
-    "--processes", type=positive, default=os.cpu_count() or 2, help="number of processes (default: one per core)"
+    "--processes", type=positive, default=usable_cores(), help="number of processes (default: one for each usable core)"
 )
 BENCHMARKS = (
     Action(

@@ -26,11 +26,15 @@ _TOP = 3
 
 
 class _Wrong(NamedTuple):
-    """A row of the estimate, what is wrong there, and the row at which a wrong motion begins that ends there."""
+    """A row of the estimate, what is wrong there, and the row at which a wrong motion begins that ends there.
+
+    `in_reference`: see `WrongFrame`.
+    """
 
     row: int
     what: str
     since: int | None = None
+    in_reference: bool = False
 
 
 class Misplaced(NamedTuple):
@@ -62,6 +66,8 @@ class WrongFrame:
     similarities: tuple[tuple[str, float], ...] = ()
     """The room names that the SLAM found most similar to the image, best first; for figures of labels, rooms and plans, and
     for no figure. Empty for other figures."""
+    in_reference: bool = False
+    """Whether the frame is wrong in the run of the reference, too, as all wrong frames are then."""
 
     def __str__(self) -> str:
         return f"in {self.room} at {self.time_s:.1f} s: {self.what}"
@@ -71,7 +77,7 @@ def first_wrong(run: Run, figure: str | None = None, reference: Run | None = Non
     """Return the first frame that is wrong for a figure, such as a frame with a wrong floor for "floors.accuracy".
 
     With the run of a `reference` on the same scenario, the result is the first frame that is wrong only in `run`, if there
-    is one.
+    is one; `WrongFrame.in_reference` tells.
 
     Without a figure, the result is the first frame with a wrong label or, if no label is wrong, the frame that is wrong for
     the trajectory. The result is None if there is no such frame, or if the SLAM does not estimate what the figure needs. It
@@ -83,22 +89,23 @@ def first_wrong(run: Run, figure: str | None = None, reference: Run | None = Non
         found = found._replace(what=f"no label is wrong; {found.what}" if run.estimate.labels is not None else found.what)
     if found is None:
         return None
-    row, what, since = found
+    row, what, since, in_reference = found
     stamps, frames = run.session.tour.stamps, run.estimate.frames.tolist()
     similar = run.most_similar(row, _TOP) if kind in WITH_LABELS else ()
     begin = None if since is None else frames[since]
     room = _room(run, int(run.true_rooms[row])) if kind in WITH_LABELS else _room_id(run, row)
-    return WrongFrame(frames[row], room, float(stamps[frames[row]] - stamps[0]), what, begin, similar)
+    return WrongFrame(frames[row], room, float(stamps[frames[row]] - stamps[0]), what, begin, similar, in_reference)
 
 
 def _found(search: "Callable[[Run], Iterator[_Wrong]]", run: Run, reference: Run | None) -> _Wrong | None:
-    """Return the first wrong row whose frame is right in the reference or, without one, the first wrong row."""
+    """Return the first wrong row whose frame is right in the reference; without such a row, the first wrong row."""
     if reference is not None:
         excused = {int(reference.estimate.frames[found.row]) for found in search(reference)}
         for found in search(run):
             if int(run.estimate.frames[found.row]) not in excused:
                 return found
-    return next(search(run), None)
+    first = next(search(run), None)
+    return first and first._replace(in_reference=reference is not None)
 
 
 def shown_failure(run: Run, what: str, figure: str | None, reference: Run | None) -> ShownFailure:

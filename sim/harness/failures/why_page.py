@@ -180,12 +180,14 @@ def wrong_frame_page(run: Run, figure: str | None, reference: Run | None = None)
     Frames that are wrong in the run of the `reference`, too, are passed over.
     """
     frame = first_wrong(run, figure, reference)
-    title = "## Where it first went wrong" + ("" if reference is None else ", and the reference did not")
+    is_new = reference is not None and not (frame is not None and frame.in_reference)
+    title = "## Where it first went wrong" + (", and the reference did not" if is_new else "")
     if frame is None:
         return Page((title, "", f"No single frame shows what is wrong with {figure or 'this run'}."), {})
     estimates = estimated_frames(run, figure, frame)
     drawn = "".join(_how_drawn(run, frame, estimates))
-    more = [*_frequent_label(run, figure), *_faults(run)]
+    shared = ["The reference is wrong at every frame at which this run is wrong, too."] if frame.in_reference else []
+    more = [*shared, *_frequent_label(run, figure), *_faults(run)]
     return _frame_page(title, run.session, frame, run.scenario.fidelity, estimates, drawn, more)
 
 

@@ -20,6 +20,7 @@ from lexis.evaluation.place_recognition import MatchCounts, at_one_place, count_
 from lexis.evaluation.planning import spl, success_rate
 from lexis.evaluation.relative import separation
 from lexis.evaluation.rooms import score_rooms
+from lexis.maths.se3 import between
 from lexis.place_recognition import old_enough
 
 NOBODY = np.zeros(0, int)
@@ -199,6 +200,15 @@ def test_revisits_and_places_are_those_of_all_pairs(n, seed):
 def plain_right_matches(truth):
     """Right matches at 1 frame per second and 2 m per frame."""
     return right_matches(truth, 1.0 * np.arange(len(truth)), 2.0 * np.arange(len(truth)), PlaceRecognitionConfig())
+
+
+def test_a_true_edge_within_one_visit_finds_no_revisit():
+    """Odometry alone could give such edges to all frames."""
+    truth, stamps = np.stack([pose(), pose(0.1), pose(0.2), pose(0.1)]), np.array([0.0, 1.0, 20.0, 21.0])
+    step, again = between(truth[2], truth[3]), between(truth[1], truth[3])
+    within = score_loops(1, np.array([3]), np.array([2]), step[None], truth, stamps)
+    across = score_loops(1, np.array([3]), np.array([1]), again[None], truth, stamps)
+    assert (within.precision, within.recall, across.recall) == (1.0, 0.0, 0.5)
 
 
 @pytest.mark.parametrize("found", [lambda truth: true_revisits(truth, 1.0 * np.arange(len(truth))), plain_right_matches])

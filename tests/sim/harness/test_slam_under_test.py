@@ -223,6 +223,13 @@ def test_a_crash_is_placed_at_the_frame_that_the_slam_was_given_even_if_frames_w
     assert crash_frame(picture_session(faulty), crash.done).frame == slam.frames[-1] > 10
 
 
+def test_lists_in_an_estimate_are_copied():
+    candidates = [(5, [0])]
+    kept = unchecked(Estimate, np.arange(9), candidates=candidates)
+    candidates[0][1][:] = [99]
+    assert kept.candidates == ((5, (0,)),)
+
+
 def test_settings_that_cannot_be_stated_are_a_crash_before_the_walk():
     class Unsettled(Recorder):
         @property

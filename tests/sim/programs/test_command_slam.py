@@ -145,10 +145,12 @@ def test_a_recording_without_truth_differs_in_the_truth_alone(form, tmp_path, un
 LOOPS = """
 from scipy.spatial.transform import Rotation
 
-(q, *query), (m, *match) = ([float(word) for word in poses[k].split()] for k in (20, 10))
-turn = Rotation.from_quat(match[3:]).inv()
-step = [*turn.apply([a - b for a, b in zip(query, match)][:3]), *(turn * Rotation.from_quat(query[3:])).as_quat()]
-loops = [{"query": q, "match": m, "T_match_query": [x + error, *rest]} for x, *rest in [step] for error in (0.0, 0.6)]
+loops = []
+for k, error in ((20, 0.0), (21, 0.6)):
+    (q, *query), (m, *match) = ([float(word) for word in poses[row].split()] for row in (k, 10))
+    turn = Rotation.from_quat(match[3:]).inv()
+    x, *rest = *turn.apply([a - b for a, b in zip(query, match)][:3]), *(turn * Rotation.from_quat(query[3:])).as_quat()
+    loops.append({"query": q, "match": m, "T_match_query": [x + error, *rest]})
 (out / "loops.json").write_text(json.dumps({"version": 1, "loops": loops}))
 """
 
@@ -354,6 +356,10 @@ def test_an_empty_list_of_loops_is_an_estimate_and_candidates_are_optional(tmp_p
         ([loop(3, 40)], "stamp 1000000010.000000 is none of the estimated frames"),
         ([loop(3, 4)], "to 1000000001.000000 s does not lead to an earlier frame; valid: match before query"),
         ([loop(4, 3, (0.0, 0.0, 0.0, 2.0))], "qx qy qz qw is no unit quaternion; valid: norm 1"),
+        (
+            [loop(4, 3), loop(4, 2), loop(4, 3)],
+            "loop from 1000000001.000000 to 1000000000.750000 s is a second entry for one",
+        ),
         ([loop(4, 3, (1.0,))], "loops.0.T_match_query: "),
         ([loop(4, 3, weight=1.5)], "loops.0.weight: "),
     ],

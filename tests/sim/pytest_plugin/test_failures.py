@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+from contextlib import nullcontext
 from functools import partial
 
 import pytest
@@ -10,8 +11,10 @@ from helpers.plugin_sessions import DRIFTS, LAYOUT, SLAM, ids
 
 import sim.harness.shrinking.reducer
 import sim.harness.shrinking.reductions
+from sim.harness import Scenario
 from sim.pytest_plugin.collection import with_world
 from sim.pytest_plugin.execution import Reason
+from sim.pytest_plugin.replay import replay
 
 pytest_plugins = ["pytester"]
 
@@ -331,6 +334,15 @@ def test_tests_in_folders_of_failures_are_collected_only_by_name(pytester, inner
     out = out.format(pytester.path.name)
     inner("--lexis-out", out).assert_outcomes(passed=1)
     inner("--lexis-out", out, "kept/failure").assert_outcomes(passed=1)
+
+
+@pytest.mark.parametrize(("body", "outcome"), [("pytest.skip('no GPU')", pytest.skip.Exception), ("pass", None)])
+def test_a_replay_in_which_the_test_is_skipped_does_not_count_as_passed(pytester, body, outcome):
+    pytester.makepyfile(test_own=f"import pytest\n\ndef test_own():\n    {body}\n")
+    failure = pytester.mkdir("failure")
+    Scenario().save(failure / "scenario.json")
+    with nullcontext() if outcome is None else pytest.raises(outcome, match=r"nothing was replayed: .*no GPU"):
+        replay(failure, "test_own.py::test_own", ("-p", "no:lexis", "-p", "sim.pytest_plugin"))
 
 
 def test_the_nightly_profile_replays_stored_failures_of_the_same_test_first(pytester, inner):

@@ -18,6 +18,7 @@ from helpers.planted_commands import program
 
 from sim.cli import main
 from sim.commands.check_suite import SUITE_HELP
+from sim.errors import SimError
 from sim.harness.adapters import OdometryOnly
 from sim.harness.crash import COMPLETES
 from sim.programs import Program
@@ -133,6 +134,23 @@ def test_results_before_ctrl_c_are_written_and_told(tmp_path, capsys, monkeypatc
     assert len(load_results(tmp_path / "all.json")) == 1
     written = json.loads((tmp_path / "all.json").read_text())
     assert written["interrupted"] is True and written["ok"] is False
+
+
+def test_results_before_an_error_are_written_and_told(tmp_path, capsys, monkeypatch):
+    def full(job, new_slam):
+        if job.number == 1:
+            raise SimError("recording: cannot be written: No space left on device")
+        return examine(job, new_slam)
+
+    monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": FLAT})
+    monkeypatch.setattr("sim.suites.examination.examine", full)
+    assert main(["check", "--suite", "flat", "--workers", "1", *ODOMETRY, "--json", str(tmp_path / "all.json")]) == 2
+    printed = capsys.readouterr()
+    assert "1 of 2 scenarios were examined" in printed.out
+    assert printed.err.startswith("lexis-sim: recording: cannot be written") and "before this error" in printed.err
+    assert len(load_results(tmp_path / "all.json")) == 1
+    written = json.loads((tmp_path / "all.json").read_text())
+    assert written["error"].endswith("No space left on device") and written["ok"] is False
 
 
 def broken_pipe(*_, **__):

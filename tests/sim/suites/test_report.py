@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from helpers.flat_suite import FLAT, PART, Broken, Oracle, outcomes, verdict_on
 from helpers.open_flat import OPEN_FLAT
@@ -9,6 +10,7 @@ from helpers.results import RESULT
 
 from sim.cli import main
 from sim.errors import SimError
+from sim.harness import Estimate
 from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.harness.claims import Claim
 from sim.harness.crash import COMPLETES
@@ -64,6 +66,19 @@ def test_a_figure_is_withheld_if_the_slam_does_not_estimate_what_it_needs():
     short = evaluated_run(replace(OPEN_FLAT, length_m=10.0), GeometricRooms)
     figure = ClaimCheck(Claim.parse("trajectory.rpe_24m_m > 0.5"), 0.9).examine(short, GeometricRooms)
     assert figure.holds is None and not figure.is_withheld  # the walk is shorter than 24 m
+
+
+class LabelsAtOnce(GeometricRooms):
+    """Labels two frames, without saying what the labels were before refinement."""
+
+    def finish(self):
+        return Estimate(np.array([0, 1]), T_W_B=np.tile(np.eye(4), (2, 1, 1)), labels=np.zeros(2, int))
+
+
+@pytest.mark.parametrize("figure", ["labels.accuracy_baseline", "trajectory.ate_m"])
+def test_a_figure_is_withheld_if_the_slam_estimates_too_little_for_it(figure):
+    claim = ClaimCheck(Claim.parse(f"{figure} >= 0.0"), 0.9)
+    assert claim.examine(evaluated_run(OPEN_FLAT, LabelsAtOnce), LabelsAtOnce).is_withheld
 
 
 class FloorsFromOne(GeometricRooms):

@@ -22,6 +22,7 @@ from sim.harness.diagnosis.error_kinds import (
     most_frequent,
 )
 from sim.harness.diagnosis.first_wrong import first_wrong
+from sim.harness.failures.why_page import wrong_frame_page
 from sim.harness.shrinking.reductions import STEPS
 from worlds.presets import sample_from_rooms
 
@@ -178,7 +179,13 @@ def test_frames_that_the_reference_gets_wrong_are_passed_over():
     frames = run.estimate.frames
     assert first_wrong(run, "labels.accuracy").frame == frames[1]
     assert first_wrong(run, "labels.accuracy", reference).frame == frames[-5]
-    assert first_wrong(reference, "labels.accuracy", reference).frame == frames[1]  # nothing else is wrong
+    assert not first_wrong(run, "labels.accuracy", reference).in_reference
+    alike = first_wrong(reference, "labels.accuracy", reference)  # nothing else is wrong
+    assert alike.frame == frames[1] and alike.in_reference
+    said = "The reference is wrong at every frame at which this run is wrong, too."
+    for other, is_new in ((run, True), (reference, False)):
+        lines = wrong_frame_page(other, "labels.accuracy", reference).lines
+        assert (lines[0] == "## Where it first went wrong, and the reference did not") == is_new == (said not in lines)
 
 
 def test_how_a_reference_fails_is_told():
