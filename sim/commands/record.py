@@ -99,11 +99,11 @@ def _record(arguments: argparse.Namespace) -> int:
     arm = arguments.lever_arm
     rig = RigConfig(arguments.rig, lever_arm_m=arm[:3], lever_arm_rpy_deg=arm[3:] or (0.0, 0.0, 0.0))
     gyroscope, accelerometer = (arguments.imu_bias * deviation for deviation in TURN_ON)
-    config = Scenario(rig=rig, **walk_options(arguments))
+    scenario = Scenario(rig=rig, **walk_options(arguments))
     warn_of_replacement(arguments.out, ROOMS)
     with progress_bar("recording") as progress:
         size = record(
-            config,
+            scenario,
             arguments.out,
             arguments.format,
             arguments.image_format,

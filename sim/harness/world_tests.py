@@ -181,7 +181,7 @@ def stored_failures(out: Path, name: str) -> list[StoredWorld]:
 
 
 def _with_known_arguments(decorator: Callable[_Arguments, _Decorator]) -> Callable[_Arguments, _Decorator]:
-    """Let a call of a decorator raise `SimError` if it names no argument, or an argument that the decorator does not have.
+    """Let a call of a decorator raise `SimError` for an argument by position, and for a name that the decorator lacks.
 
     Tracebacks of pytest do not show the lines of the decorator, but end with the user's line.
     """

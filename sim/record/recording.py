@@ -50,7 +50,7 @@ _DEPTH_BYTES_PER_PIXEL = 1.0
 
 
 def record(
-    config: Scenario,
+    scenario: Scenario,
     out: Path,
     format: str = "euroc",
     images: str = "png",
@@ -59,12 +59,12 @@ def record(
     distortion: Distortion | None = None,
     day: int = 0,
 ) -> int:
-    """Record the run that `config` describes to the folder `out`. An earlier recording there is replaced.
+    """Record the run that `scenario` describes to the folder `out`. An earlier recording there is replaced.
 
-    The cameras are the pinhole cameras of the config's rig. If there is only one, a second camera is added on its right.
+    The cameras are the pinhole cameras of the scenario's rig. If there is only one, a second camera is added on its right.
 
     Args:
-        config: the run to record.
+        scenario: the run to record.
         out: folder to write.
         format: a key of `FORMATS`.
         images: png, jpg or, in bags only, raw.
@@ -79,7 +79,7 @@ def record(
     """
     check_format(format, images)
     with replaced_folder(out, ROOMS) as folder:
-        write_take(folder, prepare(config, imu_config, distortion, day=day), format, images, progress)
+        write_take(folder, prepare(scenario, imu_config, distortion, day=day), format, images, progress)
         return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
 
 

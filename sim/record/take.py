@@ -56,7 +56,7 @@ class RecordedFrame:
 class Take:
     """One walk with its sensors and their data. Images are rendered only when `frames` is iterated."""
 
-    config: Scenario
+    scenario: Scenario
     walk: Walk
     rig: Camera
     """The first pinhole camera of the rig with the others, whose images LEXIS receives."""
@@ -80,9 +80,9 @@ class Take:
         return self._session(self.rig)
 
     def _session(self, camera: Camera) -> Session:
-        walked, config = self.walk, self.config
-        faults, bent = config.faults, self.distortion
-        return Session(walked.house, walked.tour, walked.odometry, camera, faults, config.seed, distortion=bent)
+        walked, scenario = self.walk, self.scenario
+        faults, bent = scenario.faults, self.distortion
+        return Session(walked.house, walked.tour, walked.odometry, camera, faults, scenario.seed, distortion=bent)
 
     @property
     def rest_frames(self) -> int:
@@ -92,7 +92,7 @@ class Take:
     @property
     def frame_s(self) -> float:
         """Time between consecutive frames [s]."""
-        return 1.0 / self.config.frame_rate_hz
+        return 1.0 / self.scenario.frame_rate_hz
 
     def __len__(self) -> int:
         return self.rest_frames + len(self.walk.tour.stamps)
@@ -122,7 +122,7 @@ class Take:
 
         Raises `GraphicsError` if off-screen OpenGL is not available, and `SimError` if faults lose every frame of the walk.
         """
-        walked, faults, seed = self.walk, self.config.faults, self.config.seed
+        walked, faults, seed = self.walk, self.scenario.faults, self.scenario.seed
         camera = self.cameras["cam0"]
         bent = self.distortion
         # The session renders in another thread, so the other cameras need world states of their own.
@@ -160,9 +160,8 @@ class Take:
 
     def _start(self, camera: Camera) -> tuple[Observation, Truth]:
         """Return the first frame of the walk as it is without faults of the stream, which may have lost or delayed it."""
-        of_world = replace(
-            self, config=replace(self.config, faults=tuple(f for f in self.config.faults if not isinstance(f, StreamFault)))
-        )
+        of_images = tuple(fault for fault in self.scenario.faults if not isinstance(fault, StreamFault))
+        of_world = replace(self, scenario=replace(self.scenario, faults=of_images))
         with closing(iter(of_world._session(camera))) as pairs:
             return next(pairs)
 
@@ -179,39 +178,39 @@ def _still(frame: RecordedFrame) -> RecordedFrame:
 
 
 def prepare(
-    config: Scenario,
+    scenario: Scenario,
     imu_config: ImuConfig | None = None,
     distortion: Distortion | None = None,
     with_truth: bool = True,
     day: int = 0,
 ) -> Take:
-    """Plan the walk of the run `config`, and simulate odometry and IMU. Nothing is rendered yet.
+    """Plan the walk of the run `scenario`, and simulate odometry and IMU. Nothing is rendered yet.
 
-    The cameras are the pinhole cameras of the config's rig. If there is only one, a second camera is added on its right.
+    The cameras are the pinhole cameras of the scenario's rig. If there is only one, a second camera is added on its right.
     All cameras have the same `distortion`; by default, there is none. Stamps are `day` days later than usual.
 
     Raises the errors of `sim.harness.run` and `Lens`, and `SimError` for a `day` that is not valid, for a camera that is too
     far from the IMU, for faults that make poses NaN, which no format of recordings can hold, and for a kidnap after faults
     that change the stamps or the delivery of frames: which part of the IMU data it cuts out would depend on them.
     """
-    if any(isinstance(fault, OdometryNaN) for fault in config.faults):
+    if any(isinstance(fault, OdometryNaN) for fault in scenario.faults):
         raise SimError(f"fault {OdometryNaN.name}: recordings hold finite poses only; valid: other faults")
     check_count("day", day, 0, MAX_DAY)
-    _check_order(config.faults)
+    _check_order(scenario.faults)
     imu_config, distortion = imu_config or ImuConfig(), distortion or Distortion()
-    rig = build_rig(config.rig)
+    rig = build_rig(scenario.rig)
     pinholes = tuple(rig.cameras.values())
     cameras = (*pinholes, stereo_partner(rig.front)) if len(pinholes) == 1 else pinholes
     _check_places(cameras)
     if distortion:
         rendered_camera(rig.front, distortion)  # raises before the walk is planned
-    walked = walk(config)
+    walked = walk(scenario)
     # The IMU has its own random stream, so that recording does not change the random numbers of the run.
-    rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(crc32(b"imu"),)))
+    rng = np.random.default_rng(np.random.SeedSequence(scenario.seed, spawn_key=(crc32(b"imu"),)))
     imu = with_noise(_with_rest(ideal_imu(walked.tour.motion, imu_config.rate_hz), imu_config.rate_hz), imu_config, rng)
-    imu, walk_s = _without_cuts(imu, walked.tour.stamps, config.faults)
+    imu, walk_s = _without_cuts(imu, walked.tour.stamps, scenario.faults)
     named = {f"cam{k}": camera for k, camera in enumerate(cameras)}
-    return Take(config, walked, rig.front, named, imu_config, distortion, imu, walk_s, with_truth, day)
+    return Take(scenario, walked, rig.front, named, imu_config, distortion, imu, walk_s, with_truth, day)
 
 
 def _check_order(faults: Sequence[Fault]) -> None:

@@ -173,8 +173,8 @@ class PlanPath:
     goal: str
     points: Float[np.ndarray, "k 3"]
     """Positions of the robot on the floor, in W [m]; empty if no plan was found."""
-    success: bool | None = None
-    """Whether the robot reached the goal; None if the plan was not driven."""
+    success: bool
+    """Whether the robot reached the goal; False, too, if the plan was not driven."""
     reason: str = ""
     """Reason why the robot did not reach the goal; empty if the robot reached the goal."""
     ended: str | None = None
@@ -237,7 +237,7 @@ class ReportData:
     @property
     def failed(self) -> tuple[PlanPath, ...]:
         """The driven plans whose goal was not reached. The report numbers them from 1 in this order."""
-        return tuple(path for path in self.paths if path.success is False)
+        return tuple(path for path in self.paths if not path.success)
 
     def __post_init__(self) -> None:
         n, names = len(self.keyframes.stamps), len(self.label_names)

@@ -158,7 +158,7 @@ SECTIONS: dict[str, dict[str, Definition]] = {
         "path_m": Definition("path", "{:.1f} m", "length of the walk"),
         "duration_s": Definition("duration", "{:.0f} s", "simulated duration of the walk"),
         "frames": Definition("frames", _COUNT, "camera frames along the walk"),
-        "keyframes": Definition("keyframes", _COUNT, "nodes of the pose graph"),
+        "keyframes": Definition("keyframes", _COUNT, "frames of the SLAM's estimate"),
     },
     "house": {
         "rooms": Definition("rooms", _COUNT, "rooms of the house, including stairs and gardens"),

@@ -225,14 +225,12 @@ def _compared(error: str, before: float | None, after: float | None) -> Iterator
 
 
 def _plans(data: ReportData) -> Iterator[Finding]:
-    driven = [path for path in data.paths if path.success is not None]
-    failed = data.failed
+    failed, count = data.failed, len(data.paths)
     if failed:
         examples = listed(failed, _EXAMPLES, shown=_failure, separator="; ")
-        what = f"{counted(len(driven), 'plan')} did not reach {_suiting(len(failed), 'its', 'their')} room"
+        what = f"{counted(count, 'plan')} did not reach {_suiting(len(failed), 'its', 'their')} room"
         yield Finding(False, f"{len(failed)} of {what}: {examples}.")
-    elif driven:
-        count = len(driven)
+    elif count:
         yield Finding(True, _suiting(count, "The only plan reached its room.", f"All {count} plans reached their room."))
 
 

@@ -42,7 +42,7 @@ def _plans(data: ReportData, level: int) -> Iterator[Mark]:
     """Yield the paths of all plans. Where the drive of a failed plan ended, a cross and the plan's number are added."""
     numbers, floors_m = count(1), [plan.floor_m for plan in data.plans]
     for path in data.paths:
-        here, number = storey_of(path.points[:, 2], floors_m) == level, next(numbers) if path.success is False else None
+        here, number = storey_of(path.points[:, 2], floors_m) == level, None if path.success else next(numbers)
         style, text = "plan-failed" if number else "plan", _fate(path, number)
         for part in true_stretches(here):
             yield Mark("line", style, path.points[part, :2], text=text)
@@ -53,7 +53,7 @@ def _plans(data: ReportData, level: int) -> Iterator[Mark]:
 
 
 def _fate(path: PlanPath, number: int | None) -> str:
-    outcome = {True: "reached", False: path.reason or "not reached", None: "not driven"}[path.success]
+    outcome = "reached" if path.success else path.reason or "not reached"
     return f"{f'failed plan {number}' if number else 'plan'}, {path.start} → {path.goal}: {outcome}"
 
 

@@ -153,8 +153,9 @@ def _loops(recall: float, precision: float, of_possible: float) -> tuple[str, ..
 
 PLANS = Consistent(
     "plans can be walked",
-    "No step of a plan leads through a wall or furniture. At least half of the plans begin in a room that the SLAM labels "
-    "like the start, and at least half end in one that it labels like the goal.",
+    "The SLAM finds a plan between any two of its labels. No step of a plan leads through a wall or furniture. At least "
+    "half of the plans begin in a room that the SLAM labels like the start, and at least half end in one that it labels "
+    "like the goal.",
     plans_can_be_walked,
     rate=0.9,
 )

@@ -100,8 +100,9 @@ def write_smallest(verdict: CheckVerdict, slam: SlamUnderSearch, out: Path) -> t
     For a claim or a crash, the folder is like one of `lexis-sim shrink`, with a page that says why the SLAM fails. For any
     other check, it holds the scenario, a short page, and a test that replays the failure. If the failure did not come back,
     the text says so.
-    An exception, for example because the folder cannot be written, is part of the text: the search goes on with the next
-    check.
+
+    An exception, for example because the folder cannot be written, becomes part of the text, and the search goes on with the
+    next check.
     """
     try:
         return _written(verdict, slam, out)

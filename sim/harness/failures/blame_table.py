@@ -70,8 +70,8 @@ class BlameRow:
 class BlameTable:
     """The effects of all substitutions on a failure.
 
-    A smaller scenario may fail for another reason than the original scenario. If so, other substitutions mend it. The table
-    of the smallest scenario therefore holds that of the original scenario.
+    A smaller scenario may fail for another reason than the original scenario. If so, other substitutions mend it. The field
+    `original` of the smallest scenario's table therefore holds a second table, about the original scenario.
     """
 
     rows: tuple[BlameRow, ...]

@@ -32,7 +32,8 @@ class Search:
     found_place: str
     """Where the original run first went wrong: room, time and kind of error; empty if it is not known."""
     kinds: str
-    """How many wrong frames have the most frequent kind of error, in both scenarios; empty for figures without kinds."""
+    """In both scenarios, how many wrong frames have the kind of error that is most frequent in the smallest one; empty for
+    figures without kinds."""
     reduction: Reduction
     blamed: BlameTable
     """The changes that mend the failure in the smallest scenario, and the changes that do not."""

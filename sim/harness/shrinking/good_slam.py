@@ -42,7 +42,7 @@ class GoodSlam:
     """An imaginary SLAM that estimates the true labels, rooms and floors, and poses with small errors."""
 
     error_m: float
-    """Amount by which each error of its trajectory is greater than that of its poses [m]."""
+    """Constant that is added to each of its trajectory errors, so that it is not perfect [m]."""
     uses_odometry: bool = False
     """Whether its poses are those of the odometry, corrected by all true loop closures; otherwise, they are true."""
 

@@ -44,9 +44,9 @@ class OriginalFailure:
         return are_alike(error_kinds(run, figure, self._labels), self.kinds)
 
     def compared(self, run: Run, figure: str | None) -> str:
-        """Say how many wrong frames of the smallest scenario have the most frequent kind of error, and of the original run.
+        """Compare both runs: how many wrong frames have the error that is most frequent in the smallest scenario.
 
-        The result is "" for figures without kinds of errors.
+        Return "" for figures without kinds of errors.
         """
         if not (kinds := error_kinds(run, figure, self._labels)):
             return ""
