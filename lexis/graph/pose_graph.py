@@ -14,7 +14,7 @@ from lexis.config import PoseGraphConfig
 from lexis.graph.graph_optimisation import CONVERGED, ROUGHLY, GraphOptimiser, check_loops, loop_weights
 from lexis.graph.thinning import STAYS, Retired, anchors, as_retired, fits, thinned_loops
 from lexis.maths.growing_array import GrowingArray
-from lexis.maths.se3 import between, compose_covariance, inverse
+from lexis.maths.se3 import between, compose_covariance, inverse, orthonormal
 from lexis.types import Camera, Covariance, Keyframe, LoopArrays, LoopEdge, Pose, Poses
 
 _SESSION_M = 1e6
@@ -162,7 +162,7 @@ class PoseGraph:
         else:
             last = int(self.active[-1])
             step, covariance = self._step_from(last, keyframe)
-            T_W_B = self.T_W_B[last] @ step
+            T_W_B = orthonormal(self.T_W_B[last] @ step)
             self._optimiser.add_keyframe(T_W_B, step, covariance)
         self._active.append(len(self.keyframes))
         self._covariances.append(covariance)

@@ -29,6 +29,17 @@ def between(
     return np.asarray(inverse(T_a_b) @ T_a_c)
 
 
+def orthonormal(T: Transforms) -> Transforms:
+    """Return rigid motions whose rotations are orthonormal to the last digits, for rotations that nearly are.
+
+    This is one Newton step towards the nearest rotation (polar decomposition), which squares the deviation. Without it, a
+    product of many poses adds up the deviations that `is_rigid` tolerates.
+    """
+    rotation, result = T[..., :3, :3], T.copy()
+    result[..., :3, :3] = rotation @ (1.5 * np.eye(3) - 0.5 * rotation.swapaxes(-1, -2) @ rotation)
+    return result
+
+
 def transform(T_a_b: Float64[np.ndarray, "4 4"], points: Float64[np.ndarray, "*n 3"]) -> Float64[np.ndarray, "*n 3"]:
     """Transform points from frame b to frame a."""
     return np.asarray(points @ T_a_b[:3, :3].T + T_a_b[:3, 3])

@@ -14,9 +14,10 @@ from lexis.errors import EncoderError, LexisError, ObservationError
 from lexis.features import FeatureExtractor
 from lexis.map.arrays import pack
 from lexis.map.export import export_map
+from lexis.map.folder import load_map, save_map
 from lexis.maths import se3
 from lexis.slam import Slam
-from lexis.types import Camera, Features, Observation, Percept
+from lexis.types import NO_FEATURES, Camera, Features, Observation, Percept
 
 ROOMS = ("office", "kitchen")
 COVARIANCE = np.diag([1e-8, 1e-8, 1e-5, 3e-5, 3e-5, 1e-6])
@@ -55,6 +56,13 @@ def observations(true):
     for step in se3.between(true[:-1], true[1:]) @ se3.exp(drift):
         T.append(T[-1] @ step)
     return [Observation(i, 0.4 * i, room.render(true[i]), T_O_B, COVARIANCE) for i, T_O_B in enumerate(T)]
+
+
+class Two(ThumbnailEncoder):
+    """Has embeddings of two numbers, one for each room."""
+
+    def encode_rooms(self, names):
+        return np.eye(2, dtype=np.float32)
 
 
 class MistakenEncoder(ThumbnailEncoder):
@@ -230,6 +238,20 @@ def test_a_map_of_numpy_s_numbers_can_be_exported(observations, whole, seconds, 
         export_map(lexis_map, form, tmp_path / form)
     summary = json.loads((tmp_path / "json").read_text())
     assert summary["keyframes"][0]["stamp_s"] == 2.0
+
+
+@pytest.mark.parametrize("deviation", [4e-7, -4e-7])
+def test_poses_whose_rotations_are_only_nearly_orthonormal_make_a_map_that_can_be_loaded(true, tmp_path, deviation):
+    """Poses in single precision, and calibrations with seven digits, are such poses. Products add up their deviations."""
+    scaled = true.copy()
+    scaled[:, :3, :3] *= 1.0 + deviation
+    seen = Percept(np.float32([1.0, 0.0]), NO_FEATURES)
+    slam = Slam(FORWARD_CAMERA, Two(), ROOMS, CONFIG)
+    for i, T_O_B in enumerate(scaled):
+        slam.process(Observation(i, 0.4 * i, seen, T_O_B, COVARIANCE))
+    save_map(slam.finish(), tmp_path / "map")
+    saved = load_map(tmp_path / "map").T_W_B
+    assert len(saved) > 20 and se3.is_rigid(saved, 1e-9).all()
 
 
 def test_no_observation_makes_none():

@@ -20,6 +20,17 @@ def test_between_makes_inner_letters_cancel(twists):
     np.testing.assert_allclose(T_a_b @ se3.between(T_a_b, T_a_c), T_a_c, atol=1e-12)
 
 
+def test_a_nearly_orthonormal_rotation_becomes_the_nearest_rotation(twists, rng):
+    T = se3.exp(twists)
+    near = T.copy()
+    near[:, :3, :3] += 1e-6 * rng.normal(size=(20, 3, 3))
+    u, _, vt = np.linalg.svd(near[:, :3, :3])
+    found = se3.orthonormal(near)
+    np.testing.assert_allclose(found[:, :3, :3], u @ vt, atol=1e-11)
+    np.testing.assert_array_equal(found[:, :, 3], near[:, :, 3])
+    np.testing.assert_allclose(se3.orthonormal(T), T, atol=1e-15)
+
+
 def test_between_broadcasts_one_pose_against_many(twists):
     T = se3.exp(twists)
     np.testing.assert_array_equal(se3.between(T[0], T)[7], se3.between(T[0], T[7]))
