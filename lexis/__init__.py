@@ -1,11 +1,11 @@
 """LEXIS, an indoor SLAM that understands language: RGB images, drifting odometry and a list of room names become a map.
 
 The package needs neither the simulator nor generated houses; it runs unchanged on the data of a real robot. Read `slam.py`
-first: it names the stages in the order in which they run. Then read the files of the stages: `keyframes`, `keyframe_window`
-(waits for the frames after a keyframe), `features` and `landmarks`, `room_labels` and `stairs`, `room_segmentation` and
-`floors`, `place_recognition`, `verification` and `locator`, the subpackages `graph` and `planning`, and `merging` (of two
-maps). `types.py` defines the data that passes between the stages, `config.py` the settings of the stages. The subpackages
-support the stages:
+first: it names the stages in the order in which they run. Then read the files of the stages: `keyframes`, `perception` and
+`features`, `keyframe_window` (waits for the frames after a keyframe), `landmarks`, the subpackage `graph`,
+`place_recognition`, `verification` and `locator`, `semantics` with `room_labels`, `stairs`, `room_segmentation` and
+`floors`, the subpackage `planning`, and `merging` (of two maps). `types.py` defines the data that passes between the stages,
+`config.py` the settings of the stages. The subpackages support the stages:
 
 - `sight`: labels and rooms by what the images show (the default; `room_labels` and `room_segmentation` are as in the paper).
 - `graph`: the pose graph and its optimisation.

@@ -73,9 +73,9 @@ class LabelConfig(Settings, place="labels", error=ConfigError):
     7 to 12), and after every optimisation. Only place recognition by room needs this; with the other methods, labels are
     refined only when a map is made."""
     stairs_name: Annotated[str, MinLen(1)] = "stairs"
-    """The room name that keyframes on stairs and in a moving lift get, in any case ("Stairs"). These keyframes are on no
-    floor, and separate floors. If the user's room names lack this name, these keyframes are labelled like all others, and
-    get the nearest floor."""
+    """The name of the room label for keyframes on stairs and in a moving lift; "Stairs" and "stairs" are the same name.
+    These keyframes are on no floor, and separate floors. If the user's room names lack this name, these keyframes are
+    labelled like all others, and get the nearest floor."""
     stairs_window_m: Annotated[float, Gt(0)] = 2.0
     """Length of the path over which the change of height is measured, centred on the keyframe [m]."""
     stairs_min_height_m: Annotated[float, Gt(0)] = 0.5
@@ -319,15 +319,16 @@ class PlannerConfig(Settings, place="planner", error=ConfigError):
     """Settings for planning paths between rooms over the pose graph (paper, Sec. IV)."""
 
     shortcut_m: Annotated[float, Ge(0)] = 0.6
-    """Largest distance between keyframes of one room, and of a loop edge, that are connected although the camera did not
-    walk between them [m]. Keep it below twice the robot's clearance plus the thickness of a wall, or a path may cross a
-    wall."""
+    """Largest distance between two keyframes that are connected although the camera did not walk between them, because they
+    are in one room or a loop edge joins them [m]. Keep it below twice the robot's clearance plus the thickness of a wall, or
+    a path may cross a wall."""
     sight_m: Annotated[float, Interval(ge=0, le=20)] = 3.0
     """Largest distance between keyframes that are connected because the images show free space between them [m]. With 0,
     there are no such connections. The limit bounds memory: the space is checked at points in proportion to the distance.
     See `lexis.planning.shortcuts`."""
     radius_m: Annotated[float, Interval(gt=0, le=5)] = 0.25
-    """Width of the free space that must be on either side of such a connection [m]; at least the robot's radius."""
+    """Width of the free space on either side of a connection through free space (`sight_m`) [m]; at least the robot's
+    radius."""
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from numbers import Integral, Real
 from typing import TypeGuard
 
 import numpy as np
@@ -46,7 +47,10 @@ _RIGID = "valid: 4x4 with an orthonormal, right-handed rotation and 0 0 0 1 as l
 def check_camera(camera: Camera) -> None:
     """Raise LexisError unless the intrinsics are within their bounds and ``T_B_C`` is a rigid motion, in all of the rig."""
     k = camera.intrinsics
-    finite = all(abs(value) <= MAX_FOCAL_PX for value in (k.fx, k.fy, k.cx, k.cy))
+    sizes, lengths = (k.width, k.height), (k.fx, k.fy, k.cx, k.cy)
+    if not all(isinstance(size, Integral) for size in sizes) or not all(isinstance(length, Real) for length in lengths):
+        raise LexisError(f"intrinsics {k} are unusable; valid: whole numbers as width and height, numbers as fx, fy, cx, cy")
+    finite = all(abs(value) <= MAX_FOCAL_PX for value in lengths)
     if not finite or min(k.width, k.height) < 1 or k.width * k.height > MAX_PIXELS or min(k.fx, k.fy) < MIN_FOCAL_PX:
         raise LexisError(
             f"intrinsics {k} are unusable; valid: width, height >= 1 px, at most {MAX_PIXELS // 10**6} megapixels, "

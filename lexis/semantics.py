@@ -64,7 +64,7 @@ class Views:
     """Session of every keyframe. Nobody walked from the end of one session to the beginning of the next."""
 
     @property
-    def pooled(self) -> Float64[np.ndarray, "n rooms"]:
+    def mean_similarities(self) -> Float64[np.ndarray, "n rooms"]:
         """Mean similarity of the images of every keyframe with every room name."""
         return np.asarray(self.similarities.mean(axis=1))
 
@@ -91,7 +91,7 @@ def derive_by_component(
         for room in part.rooms
     ]
     return Semantics(
-        views.pooled,
+        views.mean_similarities,
         np.concatenate([part.baseline_labels for part in parts])[order],
         np.concatenate([part.labels for part in parts])[order],
         np.concatenate([part.probabilities for part in parts])[order],
@@ -114,8 +114,8 @@ def derive(
 ) -> Semantics:
     """Label, refine and cluster all keyframes at their current poses (paper, Sec. III-B and III-C).
 
-    By sight, borders move to doorways, small rooms are absorbed and alike rooms merge only if labels may be corrected: not
-    with `given` labels or the label method "image".
+    The segmentation method "sight" may correct labels: borders move to doorways, small rooms are absorbed, and alike rooms
+    merge. It corrects neither `given` labels nor those of the label method "image".
 
     Args:
         views: what the keyframes saw.
@@ -126,7 +126,7 @@ def derive(
     positions = views.T_W_B[:, :3, 3]
     seen_by = sight_of_cameras(views.spaces, views.T_W_B, views.camera, config.sight.near_m) if config.by_sight else []
     refine = _refinement(views, seen_by, config)
-    labels = label_keyframes(views.pooled, positions, room_names, config.labels, refine, views.sessions)
+    labels = label_keyframes(views.mean_similarities, positions, room_names, config.labels, refine, views.sessions)
     refined, probabilities = labels.refined, labels.probabilities
     if given is not None:
         refined, probabilities = given, certain(given, len(room_names))
@@ -135,7 +135,8 @@ def derive(
     stairs_name = config.labels.stairs_name
     rooms = segment(refined, positions, room_names, config.segmentation, cluster, views.sessions, stairs_name)
     probabilities = _exchanged(probabilities, refined, rooms.labels)
-    return Semantics(views.pooled, labels.baseline, rooms.labels, probabilities, rooms.floors, rooms.rooms)
+    # The copy lets a caller change the labels of a map, and not also those before refinement.
+    return Semantics(views.mean_similarities, labels.baseline, rooms.labels.copy(), probabilities, rooms.floors, rooms.rooms)
 
 
 def _exchanged(probabilities: Probabilities, refined: Labels, corrected: Labels) -> Probabilities:
@@ -153,7 +154,7 @@ def _refinement(views: Views, seen_by: Sequence[csr_array], config: Config) -> R
     """Return how labels are refined; None for the methods of `label_keyframes` itself."""
     match config.labels.method:
         case "sight":
-            return partial(_pooled, views.similarities, seen_by, config.sight)
+            return partial(_refined_by_sight, views.similarities, seen_by, config.sight)
         case "vote" | "image":
             return None
     assert_never(config.labels.method)
@@ -179,7 +180,7 @@ def _clustering(
     assert_never(config.segmentation.method)
 
 
-def _pooled(
+def _refined_by_sight(
     similarities: Float64[np.ndarray, "n cameras rooms"],
     seen_by: Sequence[csr_array],
     config: SightConfig,

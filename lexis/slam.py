@@ -39,7 +39,7 @@ from lexis.graph.pose_graph import KnownPlace, PoseGraph
 from lexis.inputs import check_camera, check_observation, check_room_names, with_copied_geometry
 from lexis.keyframe_window import KeyframeWindow
 from lexis.keyframes import KeyframeSelector
-from lexis.map.encoder_check import check_size
+from lexis.map.encoder_check import check_embedding_size
 from lexis.maths.growing_array import GrowingArray
 from lexis.perception import Encoder, check_room_embeddings, embedding_of, features_of
 from lexis.place_recognition import PlaceRecogniser, propose
@@ -111,7 +111,7 @@ class Slam:
         self._relocaliser = Relocaliser(self._config.sessions, self._config.verification)
         if map is not None:
             check_continues(map, camera, encoder, room_names)
-            check_size(map, self._text)
+            check_embedding_size(map, self._text)
             self._resume(map)
         self._begin_session()
 
@@ -154,7 +154,7 @@ class Slam:
             LexisError: observations were processed, and their last keyframes still wait for later ones.
         """
         check_continues(map, self._camera, self._encoder, self._room_names)
-        check_size(map, self._text)
+        check_embedding_size(map, self._text)
         if not self._window.is_empty:
             raise LexisError(
                 "the last keyframes still wait for later observations; valid: finish() first, or replay() in another Slam"

@@ -89,6 +89,7 @@ class Observation:
     """The input of LEXIS at one instant: an image and an odometry estimate (paper, Sec. III)."""
 
     index: int
+    """Number of the observation, by which maps and messages name it."""
     stamp: float
     """Time of the image [s]."""
     image: Image | Percept
@@ -201,8 +202,8 @@ LoopOutcome = Literal[
     "unconfirmed", "contradicted", "unsupported",
 ]  # fmt: skip
 """What became of a loop candidate. Inliers are crowded if they cover too little of the image. A pose is uncertain in two
-cases. Its standard deviation is large, and it is not close to the current estimate, or there is no estimate for the two
-keyframes. Or the inliers cover little of the image, and the rotation is not close to the current estimate. A candidate is
+cases. (1) Its standard deviation is large, and it differs from the current estimate, or no estimate relates the two
+keyframes. (2) The inliers cover little of the image, and the rotation differs from the current estimate. A candidate is
 surplus if enough others of the same query have more inliers. It is unconfirmed if a simulated verifier rejects it without a
 reason. It is contradicted if other loops of the same query, with at least as many inliers in all, lead to another pose. It
 is unsupported if it leads to a session that shares no frame with the query, and too few keyframes agree with it to join
@@ -321,6 +322,7 @@ class LexisMap:
     floors: Int[np.ndarray, "n"]
     """Floor number of every keyframe: 0 for the lowest floor, -1 on stairs."""
     rooms: tuple[RoomInstance, ...]
+    """All room instances; the id of each is its index here."""
     loops: tuple[LoopEdge, ...]
     loop_weights: Float64[np.ndarray, "loops"]
     """Weight of every loop edge under the robust kernel at the final poses, in [0, 1]. An edge that fits badly has a small

@@ -113,12 +113,10 @@ def print_summary(lexis_map: LexisMap, folder: Path) -> None:
     if missing := unused_names(lexis_map.room_names, lexis_map.rooms):
         print(f"no room: {', '.join(missing)}")
     if apart := sessions_apart(lexis_map):
-        print(
-            f"not recognised in the rest of the map: {', '.join(f'session {number}' for number in apart)}; the map holds it "
-            "as a separate part, which no plan connects with the rest"
-        )
-    elif (sessions := lexis_map.keyframes[-1].session + 1) > 1:
-        print(f"all {sessions} sessions are joined in one map")
+        sessions = ", ".join(f"session {number}" for number in apart)
+        print(f"not recognised in the rest of the map: {sessions}; no plan leads from there to the rest")
+    elif (count := lexis_map.keyframes[-1].session + 1) > 1:
+        print(f"all {count} sessions are joined in one map")
     print(folder)
 
 

@@ -45,8 +45,8 @@ def _plan(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(json.dumps(plan_summary(lexis_map, result), indent=1))
         return 0
-    start, goal = (name_and_floor(lexis_map, room.id) for room in (result.start, result.goal))
-    print(f"{start} to {goal}: {result.length_m:.1f} m, {counted(len(result.keyframes), 'keyframe')}")
+    begin, end = (name_and_floor(lexis_map, room.id) for room in (result.start, result.goal))
+    print(f"{begin} to {end}: {result.length_m:.1f} m, {counted(len(result.keyframes), 'keyframe')}")
     for number, step in enumerate(directions(lexis_map, result), 1):
         print(f"{number:3d}. {step.at_m:6.1f} m  {step.text}")
     for i in result.keyframes if arguments.keyframes else ():

@@ -131,9 +131,10 @@ class _Stopped(KeyboardInterrupt):
 
 
 def _save_part(slam: "Slam", before: int, out: Path, is_kept: bool) -> None:
-    """Save what a run that ends early has added to the `before` keyframes of an earlier map, if anything, and say so.
+    """Save the map of a run that ends early, and print a line about it.
 
-    If a map in `out` is to be kept, because it may be a finished one, the part is saved under a similar name.
+    Nothing is saved if the run has added no keyframe to the `before` keyframes of an earlier map. If a map in `out` is to be
+    kept, because it may be a finished one, the part is saved under a similar name.
     """
     try:
         part = slam.finish()

@@ -190,10 +190,10 @@ def decode_image(content: UInt8[np.ndarray, "n"], where: str, camera: Camera) ->
         pixels = None
     if pixels is None:
         raise DatasetError(f"{where}: is not a readable PNG or JPEG")
-    return check_size(np.asarray(cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB), np.uint8), where, camera)
+    return check_image_size(np.asarray(cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB), np.uint8), where, camera)
 
 
-def check_size(image: Image, where: str, camera: Camera) -> Image:
+def check_image_size(image: Image, where: str, camera: Camera) -> Image:
     """Return the image unchanged. Raises DatasetError if it does not have the camera's size."""
     height, width = image.shape[:2]
     if (width, height) != (camera.intrinsics.width, camera.intrinsics.height):

@@ -31,7 +31,7 @@ from lexis.datasets.recorded import (
     Recorded,
     check_ascending,
     check_calibration,
-    check_size,
+    check_image_size,
     decode_image,
     rectifier,
 )
@@ -260,4 +260,4 @@ def _as_image(message: Message, where: str, camera: Camera) -> Image:
     if message.encoding not in _CHANNELS or message.data.size != message.height * message.width * channels:
         raise DatasetError(f"{where}: encoding {message.encoding!r}; valid: {', '.join(_CHANNELS)}, without padding")
     pixels = np.asarray(message.data, np.uint8).reshape(message.height, message.width, channels)
-    return check_size(_CHANNELS[message.encoding](pixels), where, camera)
+    return check_image_size(_CHANNELS[message.encoding](pixels), where, camera)

@@ -19,7 +19,7 @@ def check_encoder(map: LexisMap, encoder: Encoder) -> None:
         )
 
 
-def check_size(map: LexisMap, texts: Float32[np.ndarray, "*n d"]) -> None:
+def check_embedding_size(map: LexisMap, texts: Float32[np.ndarray, "*n d"]) -> None:
     """Raise MapError unless the map's embeddings are as long as the encoder's embeddings of texts.
 
     They can differ although the encoder is that of the map, because other programs may have changed an imported map.

@@ -44,7 +44,8 @@ def directions(map: LexisMap, plan: Plan) -> tuple[Step, ...]:
     positions = map.T_W_B[list(plan.keyframes), :3, 3]
     path = arc_length(positions)
     steps = [*_rooms(map, plan, path), *_climbs(map, plan, path), *_turns(positions, path)]
-    return tuple(sorted(steps, key=lambda step: step.at_m))
+    arrived = Step(float(path[-1]), f"arrive in {name_and_floor(map, plan.goal.id)}")
+    return *sorted(steps, key=lambda step: step.at_m), arrived
 
 
 def plan_summary(map: LexisMap, plan: Plan) -> dict[str, Any]:
@@ -71,7 +72,7 @@ def name_and_floor(map: LexisMap, room: int) -> str:
 
 
 def _rooms(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[Step]:
-    """Return directions for the start, for the arrival, and for every room entered in between.
+    """Return directions for the start, and for every room entered later.
 
     A keyframe that belongs to no room counts as part of the previous room.
     """
@@ -80,8 +81,7 @@ def _rooms(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[St
     rooms = _from_start_to_goal(rooms[known], plan)
     begins = [run.start for run in stretches_of(rooms)[1:]]
     entered = [Step(float(path[i]), f"enter {name_and_floor(map, int(rooms[i]))}") for i in begins]
-    arrived = Step(float(path[-1]), f"arrive in {name_and_floor(map, plan.goal.id)}")
-    return [Step(0.0, f"start in {name_and_floor(map, plan.start.id)}"), *entered, arrived]
+    return [Step(0.0, f"start in {name_and_floor(map, plan.start.id)}"), *entered]
 
 
 def _from_start_to_goal(rooms: Int[np.ndarray, "n"], plan: Plan) -> Int[np.ndarray, "n"]:

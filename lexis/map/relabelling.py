@@ -8,7 +8,7 @@ import numpy as np
 from lexis.config import Config
 from lexis.graph.components import component_of, sessions_of
 from lexis.inputs import check_room_names
-from lexis.map.encoder_check import check_encoder, check_size
+from lexis.map.encoder_check import check_embedding_size, check_encoder
 from lexis.perception import Encoder, check_room_embeddings
 from lexis.room_labels import similarities
 from lexis.semantics import Views, derive_by_component
@@ -40,7 +40,7 @@ def relabel(map: LexisMap, room_names: Sequence[str], encoder: Encoder, config: 
     spaces = [spaces_in_view(keyframe, map.camera, config.sight) for keyframe in map.keyframes if config.by_sight]
     text = encoder.encode_rooms(names)
     check_room_embeddings(text, len(names), encoder)
-    check_size(map, text)
+    check_embedding_size(map, text)
     alike = similarities(embeddings, text)
     views = Views(alike, spaces, map.T_W_B, map.camera, sessions_of(map.keyframes))
     meaning = derive_by_component(views, component_of(map), names, config)

@@ -11,8 +11,8 @@ from lexis.types import LexisMap
 def close_pairs(map: LexisMap, among: Bool[np.ndarray, "n"], metres: float) -> Int[np.ndarray, "m 2"]:
     """Return the pairs of some keyframes of a map that are at most `metres` apart, when rounded.
 
-    A keyframe that has retired is paired with its anchor alone. Retired keyframes lie where others lie, and there are more
-    of them the longer the robot walks: all pairs would grow with the square of the hours, and these grow with the area.
+    A keyframe that has retired is paired with its anchor alone. Retired keyframes lie where others lie, and their number
+    grows with the time that the robot walks: the number of all close pairs would grow with the square of this time.
     """
     positions = map.T_W_B[:, :3, 3]
     anchors = np.array([STAYS if keyframe.anchor is None else keyframe.anchor for keyframe in map.keyframes])

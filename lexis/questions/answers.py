@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float, Float32
 
 from lexis.errors import LexisError
-from lexis.map.encoder_check import check_encoder, check_size
+from lexis.map.encoder_check import check_embedding_size, check_encoder
 from lexis.maths.ties import rounded
 from lexis.perception import TextEncoder
 from lexis.questions.calibration import Calibration
@@ -88,7 +88,7 @@ def ask(map: LexisMap, text: str, encoder: TextEncoder, calibration: Calibration
         raise LexisError("the map has no rooms; valid: one with at least one")
     check_encoder(map, encoder)
     readings = np.stack([_embed(captions, encoder) for captions in question.readings])
-    check_size(map, readings)
+    check_embedding_size(map, readings)
     answers = [_rank(map, _fits(map, reading), question.negated) for reading in readings]
     if calibration is None:
         return max(answers, key=lambda answer: answer.rooms[0].similarity)

@@ -60,20 +60,11 @@ probably wrong."""
 
 
 @dataclass(frozen=True, eq=False)
-class StoreyGrid:
-    """A plan of a storey as cells of width `CELL_M`; row 0 is at the lowest y, column 0 at the lowest x."""
+class _StoreyPlan:
+    """The place of a storey's cells of width `CELL_M`; row 0 is at the lowest y, column 0 at the lowest x."""
 
-    floor: int
-    component: int
-    """Component of the map, named as in `lexis.graph.components`."""
     origin: Float64[np.ndarray, "2"]
     """Lower left corner of the grid in W [m]."""
-    free: Bool[np.ndarray, "rows columns"]
-    occupied: Bool[np.ndarray, "rows columns"]
-    """Occupied cells. Cells that are neither free nor occupied are unknown."""
-    low: Bool[np.ndarray, "rows columns"]
-    """Cells that a view looks through below `LOW_M` above the floor, and those of the camera's path. Free cells that are not
-    among them may be over a table."""
     heights: tuple[float, float]
     """Heights of the floor and the ceiling in W, as far as the landmarks and cameras show them [m]."""
 
@@ -83,13 +74,24 @@ class StoreyGrid:
 
 
 @dataclass(frozen=True, eq=False)
-class ViewCounts:
+class StoreyGrid(_StoreyPlan):
+    """A plan of a storey: its free, occupied and unknown cells."""
+
+    floor: int
+    component: int
+    """Component of the map, named as in `lexis.graph.components`."""
+    free: Bool[np.ndarray, "rows columns"]
+    occupied: Bool[np.ndarray, "rows columns"]
+    """Occupied cells. Cells that are neither free nor occupied are unknown."""
+    low: Bool[np.ndarray, "rows columns"]
+    """Cells that a view looks through below `LOW_M` above the floor, and those of the camera's path. Free cells that are not
+    among them may be over a table."""
+
+
+@dataclass(frozen=True, eq=False)
+class ViewCounts(_StoreyPlan):
     """How often the keyframes of a storey look through each cell, and see something in it."""
 
-    origin: Float64[np.ndarray, "2"]
-    """Lower left corner of the grid in W [m]."""
-    heights: tuple[float, float]
-    """Heights of the floor and the ceiling in W, as far as the landmarks and cameras show them [m]."""
     passed: Int[np.ndarray, "rows columns"]
     """Number of camera views that look through the cell at the height of obstacles."""
     hit: Int[np.ndarray, "rows columns"]
@@ -98,10 +100,6 @@ class ViewCounts:
     """Number of camera views that look through the cell below `LOW_M` above the floor, or see the floor in the cell."""
     walked: Bool[np.ndarray, "rows columns"]
     """Whether the cell is within `WALKED_M` of the camera's path."""
-
-    def cells(self, points: Float64[np.ndarray, "k d"]) -> Cells:
-        """Return row and column of the cell that contains each point (x and y in W [m])."""
-        return cells_at(self.origin, points)
 
     def occupied(self, share: float) -> Bool[np.ndarray, "rows columns"]:
         """Return the cells in which at least this share of the views that reach a cell see a landmark."""
@@ -128,7 +126,8 @@ def storey_grid(map: LexisMap, floor: int, component: int = 0) -> StoreyGrid:
     views = count_views(map, floor, component)
     filled = views.occupied(OCCUPIED_SHARE)
     free = ((views.passed >= MIN_VIEWS) & ~filled) | views.walked
-    return StoreyGrid(floor, component, views.origin, free, filled, (views.low > 0) | views.walked, views.heights)
+    low = (views.low > 0) | views.walked
+    return StoreyGrid(views.origin, views.heights, floor, component, free, filled, low)
 
 
 def count_views(map: LexisMap, floor: int, component: int = 0) -> ViewCounts:

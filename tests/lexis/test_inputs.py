@@ -9,7 +9,7 @@ from helpers.unchecked import unchecked, untyped
 from lexis.errors import LexisError, ObservationError
 from lexis.inputs import check_camera, check_observation, check_room_names
 from lexis.map.folder import save_map
-from lexis.types import NO_FEATURES, Camera, Features, Observation, Percept
+from lexis.types import NO_FEATURES, Camera, Features, Intrinsics, Observation, Percept
 
 GOOD = Observation(3, 0.3, np.zeros((240, 320, 3), np.uint8), np.eye(4), 1e-6 * np.eye(6))
 LEANING = np.eye(4) + 0.01
@@ -138,6 +138,13 @@ def test_a_map_can_be_saved_with_every_room_list_that_passes(rng, tmp_path, name
 def test_impossible_intrinsics_are_refused(change):
     with pytest.raises(LexisError, match="fx, fy > 0"):
         check_camera(Camera(replace(FORWARD_CAMERA.intrinsics, **change), np.eye(4)))
+
+
+@pytest.mark.parametrize("change", [{"width": 10.5}, {"height": "8"}, {"fx": "5"}, {"cy": None}])
+def test_intrinsics_of_another_type_are_refused_before_the_run(change):
+    intrinsics = unchecked(Intrinsics, **vars(FORWARD_CAMERA.intrinsics) | change)
+    with pytest.raises(LexisError, match="valid: whole numbers as width and height, numbers as fx, fy, cx, cy"):
+        check_camera(unchecked(Camera, intrinsics, np.eye(4)))
 
 
 UNIT = np.array([0.6, 0.8], np.float32)

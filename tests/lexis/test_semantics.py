@@ -55,6 +55,8 @@ def test_labels_that_are_given_are_not_corrected_by_sight(walk):
     image = Config(segmentation=SegmentationConfig(method="sight"), labels=LabelConfig(method="image"))
     found = derive(views(*walk), NAMES, image)
     np.testing.assert_array_equal(found.labels, found.baseline_labels)
+    found.labels[:] = 2  # a caller may change the labels of a map
+    assert 2 not in found.baseline_labels
 
 
 def test_labels_that_are_given_are_not_corrected_however_easily_rooms_merge(walk):

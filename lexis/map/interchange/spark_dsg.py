@@ -177,8 +177,8 @@ def _walk(map: LexisMap) -> Iterator[_Json]:
     steps = [(a, b) for a, b in consecutive_pairs(sessions_of(map.keyframes)).tolist()]
     yield from (_edge(PLACES.node(a), PLACES.node(b)) for a, b in steps)
     room_of = map.room_of.tolist()
-    passages = {tuple(sorted((room_of[a], room_of[b]))) for a, b in steps if -1 != room_of[a] != room_of[b] != -1}
-    yield from (_edge(ROOMS.node(a), ROOMS.node(b)) for a, b in sorted(passages))
+    adjacent = {tuple(sorted((room_of[a], room_of[b]))) for a, b in steps if -1 != room_of[a] != room_of[b] != -1}
+    yield from (_edge(ROOMS.node(a), ROOMS.node(b)) for a, b in sorted(adjacent))
     between: dict[tuple[int, int], list[_Json]] = {step: [] for step in steps}
     for order, (loop, weight) in enumerate(zip(map.loops, map.loop_weights.tolist(), strict=True)):
         arrays = {"T_match_query": loop.T_match_query.tolist(), "covariance": loop.covariance.tolist()}

@@ -119,7 +119,7 @@ class AgentData(BaseModel):
     model_config = _STRICT
 
     session: Id = 0
-    """Number of the recording session. Files of earlier versions of LEXIS do not state it."""
+    """Number of the recording session, from 0; in a file that states none, all keyframes are of one session."""
     observation_index: Annotated[int, Field(ge=-(2**62), lt=2**62)]
     stamp: float
     T_O_B: Matrix4

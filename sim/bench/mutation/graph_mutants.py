@@ -6,13 +6,13 @@ GRAPH_MUTANTS = (
     Mutant(
         "odometry is added in the world frame",
         "graph/pose_graph.py",
-        "T_W_B = self.T_W_B[last] @ step",
-        "T_W_B = step @ self.T_W_B[last]",
+        "T_W_B = orthonormal(self.T_W_B[last] @ step)",
+        "T_W_B = orthonormal(step @ self.T_W_B[last])",
     ),
     Mutant(
         "new keyframes start at the odometry pose, not at the corrected one",
         "graph/pose_graph.py",
-        "T_W_B = self.T_W_B[last] @ step",
+        "T_W_B = orthonormal(self.T_W_B[last] @ step)",
         "T_W_B = keyframe.T_O_B",
     ),
     Mutant(

@@ -84,6 +84,15 @@ def test_a_ride_in_a_lift_is_told_as_such(rng, rise, way, stops):
     assert f"take the lift {way} to floor 1" in texts and not any("take the stairs" in text for text in texts)
 
 
+def test_the_arrival_is_the_last_direction_even_in_a_lift(rng):
+    rooms = [("hall", range(9)), ("stairs", range(9, 16)), ("attic", range(16, 25))]
+    corners = [(0, 0, 0), (4, 0, 0), (4, 0, 3), (8, 0, 3)]
+    lexis_map, plan = walked(rng, corners, rooms, np.repeat([0, -1, 1], [9, 7, 9]))
+    into_lift = replace(plan, goal=lexis_map.rooms[1], keyframes=(*range(9), 12))
+    texts = [step.text for step in directions(lexis_map, into_lift)]
+    assert texts[-1] == "arrive in stairs (between floors)" and any("up" in text for text in texts)
+
+
 def test_a_level_stretch_that_was_taken_for_stairs_is_not_climbed(rng):
     rooms = [("hall", range(8)), ("stairs", range(8, 17))]
     lexis_map, plan = walked(rng, [(0, 0, 0), (4, 0, 0), (8, 0, 0.2)], rooms, np.repeat([0, -1], [8, 9]))
