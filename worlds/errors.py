@@ -1,6 +1,6 @@
-"""The exceptions of the package `worlds`, of which `WorldsError` is the base class, and a check of arguments."""
+"""The exceptions of the package `worlds`, of which `WorldsError` is the base class, and checks of arguments."""
 
-from numbers import Integral
+from numbers import Integral, Real
 
 
 class WorldsError(ValueError):
@@ -21,6 +21,12 @@ def reworded(error: WorldsError, message: str) -> WorldsError:
     for note in getattr(error, "__notes__", ()):
         other.add_note(note)
     return other
+
+
+def check_number(name: str, value: object, low: float, high: float, meaning: str) -> None:
+    """Raise `WorldsError`, which names the argument, unless it is a number from `low` to `high`; `meaning` explains both."""
+    if isinstance(value, bool) or not isinstance(value, Real) or not low <= float(value) <= high:
+        raise WorldsError(f"{name} is {value!r}; valid: {low:g} to {high:g} ({meaning})")
 
 
 def check_whole(**numbers: object) -> None:

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from worlds.errors import WorldsError, check_whole
+from worlds.errors import WorldsError, check_number, check_whole
 from worlds.floor_plans.building_kinds import BUILDING_KINDS, BuildingKind
 from worlds.floor_plans.floor_plan import SLAB_M, PlanStyle, lay_out
 from worlds.floor_plans.preset_names import MAX_ROOMS_ASKED, MAX_STOREYS_ASKED, MIN_ROOMS_ASKED
@@ -18,7 +18,7 @@ from worlds.floor_plans.room_lists import by_storey, draw_programmes, programmes
 from worlds.labels import CIRCULATION_LABELS, OUTDOOR_LABELS, ROOM_LABELS, STAIRS
 from worlds.openings.openness import with_openness
 from worlds.openings.placement import place_openings
-from worlds.spec import HouseSpec, StoreySpec
+from worlds.spec import CLUTTER_SCALE, HouseSpec, StoreySpec
 from worlds.valid_names import did_you_mean
 
 
@@ -153,8 +153,7 @@ def _finished(
     clutter: float,
 ) -> HouseSpec:
     """Lay out the rooms that the programmes list for each storey, place the openings, and return the spec of the house."""
-    if not 0.0 <= clutter <= 4.0:
-        raise WorldsError(f"clutter is {clutter}; valid: 0 (empty) to 4 (a hoarder's), 1 is usual")
+    check_number("clutter", clutter, 0.0, 4.0, CLUTTER_SCALE)
     layouts = lay_out(programmes, style, rngs[1])
     storeys = tuple(
         StoreySpec(height_m=layout.height_m, rooms=layout.rooms, openings=place_openings(layout, rngs[2]))

@@ -208,8 +208,13 @@ class AppearanceSpec(_Data):
     )
     light: LightName = "day"
     seed: Seed | None = Field(
-        default=None, description="seed of the materials and colours of floors, walls and ceilings; absent: the house's"
+        default=None,
+        description="further seed of materials and colours, and of the look of doors and windows; absent: the house's",
     )
+
+
+CLUTTER_SCALE = "0: none, 1: usual, 4: very cluttered"
+"""What values of `HouseSpec.clutter` mean."""
 
 
 class HouseSpec(_Data):
@@ -219,9 +224,7 @@ class HouseSpec(_Data):
     name: str = Field(default="house", max_length=200)
     seed: Seed = Field(default=0, description="seed of windows and furniture (when absent), textures and colours")
     slab_m: float = Field(default=0.3, ge=0.1, le=1.0, description="thickness of the slab between storeys [m]")
-    clutter: float = Field(
-        default=1.0, ge=0.0, le=4.0, description="how much furniture is filled in [1]; 0: none, 1: usual, 4: a hoarder's"
-    )
+    clutter: float = Field(default=1.0, ge=0.0, le=4.0, description=f"how much furniture is filled in [1]; {CLUTTER_SCALE}")
     appearance: AppearanceSpec = AppearanceSpec()
     storeys: tuple[StoreySpec, ...] = Field(min_length=1, max_length=MAX_STOREYS)
 

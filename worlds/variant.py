@@ -2,13 +2,13 @@
 
 from typing import Literal, get_args
 
-from worlds.errors import WorldsError, check_whole
+from worlds.errors import WorldsError, check_number, check_whole
 from worlds.floor_plans.symmetry import in_place
 from worlds.floor_plans.upper_storey import with_storey_on_top
 from worlds.house import House, build_house
 from worlds.labels import STAIRS
 from worlds.openings.openness import with_openness
-from worlds.spec import FurnitureSpec, HouseSpec, LightName, StoreySpec, TextureName, WindowSpec
+from worlds.spec import CLUTTER_SCALE, FurnitureSpec, HouseSpec, LightName, StoreySpec, TextureName, WindowSpec
 from worlds.stairs.cells import openings_of
 
 _DIGITS = 6
@@ -37,7 +37,8 @@ def variant(
         mirror: whether the house is mirrored, so that x changes its sign. Pieces of furniture change places, but their
             shapes are not mirrored.
         rotate: number of quarter turns, counter-clockwise.
-        repaint: new `appearance.seed`; all geometry stays.
+        repaint: new `appearance.seed`. Rooms, walls and furniture keep their shapes; windows keep their place and size, but
+            their panes and curtains are drawn anew.
         add_storey: whether the plan of the top storey is repeated on top, with new room ids and therefore new furniture.
         climb: what takes the place of all stairs: "lift" or "spiral". Each keeps its first opening on every storey.
             For a spiral, these openings have to be in one side, as those of U-shaped stairs are.
@@ -51,9 +52,8 @@ def variant(
     """
     check_whole(rotate=rotate, repaint=repaint)
     if clutter is not None:
-        if not 0.0 <= clutter <= 4.0:
-            raise WorldsError(f"clutter is {clutter}; valid: 0 (empty) to 4 (a hoarder's)")
-        spec = spec.model_copy(update={"clutter": clutter})
+        check_number("clutter", clutter, 0.0, 4.0, CLUTTER_SCALE)
+        spec = spec.model_copy(update={"clutter": float(clutter)})
     if add_storey:
         spec = with_storey_on_top(spec)
     if climb is not None:
@@ -68,7 +68,7 @@ def variant(
     if repaint is not None:
         if not 0 <= repaint < 2**63:
             raise WorldsError(f"repaint is {repaint}; valid: 0 ... 2**63 - 1")
-        spec = _looking(spec, seed=repaint)
+        spec = _looking(spec, seed=int(repaint))
     return spec
 
 

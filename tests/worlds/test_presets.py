@@ -1,5 +1,6 @@
 """Presets: every seed gives a house of the kind that the preset's name promises, and the same house each time."""
 
+import math
 from collections import Counter
 
 import pytest
@@ -142,3 +143,27 @@ def test_numbers_that_are_not_whole_are_refused(options):
 def test_an_unknown_preset_lists_the_known_ones():
     with pytest.raises(WorldsError, match="valid: home, ori"):
         sample_house("castle", 0)
+
+
+@pytest.mark.parametrize("seed", [22395, 73632])
+def test_a_garden_beside_a_balcony_is_wide_enough_to_walk_in(seed):
+    """These houses had a garden without width, and one of 5 cm: their south side is too short for both."""
+    built_and_checked(sample_house("random", seed, clutter=0.0))
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("room", ["toilet", "bathroom"])
+def test_one_small_room_can_have_a_garden_and_a_balcony(room, seed):
+    built_and_checked(sample_from_rooms([room, "garden", "balcony"], seed, clutter=0.0))
+
+
+@pytest.mark.parametrize(("seed", "options"), [(20274, {}), (410, {"storeys": 3})])
+def test_cars_are_parked_on_the_ground_storey_only(seed, options):
+    _, *upper = sample_house("random", seed, **options).storeys
+    assert upper and "garage" not in {room.label for storey in upper for room in storey.rooms}
+
+
+@pytest.mark.parametrize("value", [True, math.nan, 5.0])
+def test_clutter_that_is_no_number_is_refused(value):
+    with pytest.raises(WorldsError, match=rf"^clutter is {value!r}; valid: 0 to 4"):
+        untyped(sample_house)("home", 1, clutter=value)

@@ -237,3 +237,35 @@ def test_values_of_the_wrong_type_are_refused(change, message):
 def test_a_variant_without_changes_is_the_same_house():
     spec = sample_house("home", 1)
     assert variant(spec) is spec
+
+
+def test_a_copied_storey_with_a_pantry_behind_a_garage_can_be_walked():
+    """The only door of a pantry may lead to a garage, which becomes a storage room upstairs."""
+    data = json.loads(sample_house("home", 300, storeys=2, clutter=0.0).to_json())
+    top = data["storeys"][-1]
+    # The only door of this laundry room leads to the bedroom.
+    inner, outer = "laundry room 1.1", "bedroom 1.1"
+    for room in top["rooms"]:
+        room["label"] = {inner: "pantry", outer: "garage"}.get(room["id"], room["label"])
+    spec = HouseSpec.from_json(json.dumps(data))
+    taller = variant(spec, add_storey=True)
+    validate(build_house(taller))
+    upstairs = {room.label for room in taller.storeys[-1].rooms}
+    assert "garage" not in upstairs and {"storage room", "pantry"} <= upstairs
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"clutter": "2"}, "clutter is '2'; valid: 0 to 4"),
+        ({"openness": True}, "openness is True; valid: 0 to 1"),
+    ],
+)
+def test_a_property_of_another_type_is_refused(change, message):
+    with pytest.raises(WorldsError, match=message):
+        untyped(variant)(sample_house("home", 1, clutter=0.0), **change)
+
+
+def test_a_variant_of_numpy_s_numbers_can_be_saved():
+    spec = untyped(variant)(sample_house("home", 1, clutter=0.0), repaint=np.int64(5), clutter=np.float32(0.5))
+    assert HouseSpec.from_json(spec.to_json()) == spec and (spec.appearance.seed, spec.clutter) == (5, 0.5)

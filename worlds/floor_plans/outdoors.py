@@ -14,6 +14,8 @@ _LEADING_OUTSIDE = ("living room", "dining room", "kitchen", "bedroom", "lobby",
 """Labels of rooms that should lead outside, the most suitable first."""
 _WIDEST_BALCONY, _LEAST_BALCONY = 500, 150
 """Width of a balcony along a much longer outer wall, and least width of a balcony beside a garden [cm]."""
+_LEAST_GARDEN = 200
+"""Least width of a garden beside a balcony [cm]."""
 _MARGIN = 60
 """Least length of outer wall left on either side of a balcony that is narrower than the wall [cm]."""
 
@@ -36,7 +38,8 @@ def add_outdoors(
     2. The balcony adjoins the bay whose main room suits best (a living room first); if there is a garden, bays in the south
        are considered last. The balcony is as wide as a bay of less than 6.2 m; on a wider bay it is 5 m wide, in the middle.
     3. The garden takes the whole south side. If the balcony has to be there too, the balcony gets a part of the first bay's
-       width, and the garden starts where the balcony ends.
+       width, and the garden starts where the balcony ends. If this leaves too little for the garden, the balcony stands at
+       the west end of the spine, the strip between the bands.
     4. The garden is entered from a living room, dining room or kitchen in the south. If none of these is in the south, the
        garden is entered from any main room there.
     """
@@ -55,7 +58,11 @@ def add_outdoors(
             start, wide = 0, max(_LEAST_BALCONY, p.width // 3)
             first = wide
         out, away = shell.depths.of(p.band), int(rng.integers(140, 191))
-        balcony = draft.add("balcony", [shell.edge(p.band).rect(start, out, start + wide, out + away)])
+        place = shell.edge(p.band).rect(start, out, start + wide, out + away)
+        if first and max(q.start + q.width + q.wrap for q, _ in backs if q.band == "south") - first < _LEAST_GARDEN:
+            # The south is too short for both. The balcony moves to the west end of the spine, where nothing else stands.
+            first, place = 0, (-away, 0, 0, shell.depths.spine)
+        balcony = draft.add("balcony", [place])
         draft.link(_way_out(draft, balcony, host), balcony)
     if programme.garden:
         south = [(p, host) for p, host in backs if p.band == "south"]

@@ -147,14 +147,14 @@ def _repeating(
 
     The ground storey is equal to the upper storeys, too, apart from its `hall`, if the rooms divide evenly among the storeys
     and there is no garden. The result is None if the upper storeys would have no indoor room, if the ground storey would be
-    smaller than the upper storeys, which stand on it, or if a storey would have two balconies.
+    smaller than the upper storeys, which stand on it, if a storey would have two balconies, or an upper storey a garage.
     """
     share = len(labels) // storeys
     equal = len(labels) == share * storeys and "garden" not in labels
     inside = [label for label in labels if label != "garden"]
     above = inside[:share] if equal else inside[len(inside) - share :]
     ground = [*inside[: len(inside) - share * (storeys - 1)], *["garden"] * (len(labels) - len(inside))]
-    if max(above.count("balcony"), ground.count("balcony")) > 1:
+    if max(above.count("balcony"), ground.count("balcony")) > 1 or "garage" in above:
         return None
     if not 0.0 < _area(above) <= _area(above if equal else ground):
         return None

@@ -26,7 +26,7 @@ from worlds.spec_errors import explain, mistakes_error
 from worlds.stairs.cells import cell_on, opening_that_leads
 from worlds.walls import opening_span
 
-_GROUND_ONLY = frozenset({"garden", "garage"})
+_GARAGE, _STORAGE = "garage", "storage room"
 _NUMBERED = re.compile(r"(.*) \d{1,9}\.(\d{1,9})")
 _FRONT_M = 0.9
 """Least distance between a door leaf and the foot of a flight of stairs [m]."""
@@ -38,7 +38,7 @@ narrower."""
 def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
     """Return the house with another storey on top, to which the stairs continue.
 
-    The new storey is a copy of the top storey without gardens and garages.
+    The new storey is a copy of the top storey without gardens; garages become storage rooms.
 
     1. Each staircase of flights gets an opening on the old top storey to the new flight, straight above the opening at the
        foot of the flight below, so that the new flight has the shape of that flight.
@@ -118,11 +118,11 @@ def _copy(spec: HouseSpec, top: StoreySpec) -> StoreySpec:
     Windows and furniture are filled in when the house is built, or left out if the top storey has none.
     """
     level = len(spec.storeys)
-    rooms = [room for room in top.rooms if room.label not in _GROUND_ONLY]
+    rooms = [_upstairs(room) for room in top.rooms if room.label != "garden"]
     taken = {room.id for storey in spec.storeys for room in storey.rooms}
     names: dict[str, str] = {}
     for room in rooms:
-        names[room.id] = _new_name(room.id, level, taken)
+        names[room.id] = _new_name(_STORAGE if room.id.startswith(_GARAGE) else room.id, level, taken)
         taken.add(names[room.id])
     return StoreySpec(
         height_m=top.height_m,
@@ -131,6 +131,11 @@ def _copy(spec: HouseSpec, top: StoreySpec) -> StoreySpec:
         windows=() if top.windows == () else None,
         furniture=() if top.furniture == () else None,
     )
+
+
+def _upstairs(room: RoomSpec) -> RoomSpec:
+    """Return the room with the label that it has on an upper storey; a pantry may be reached through it, so it stays."""
+    return room.model_copy(update={"label": _STORAGE}) if room.label == _GARAGE else room
 
 
 def _new_name(name: str, level: int, taken: set[str]) -> str:

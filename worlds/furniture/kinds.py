@@ -161,7 +161,7 @@ class Kind:
     height: Range
     """Range of heights [m]."""
     rooms: Mapping[str, Count]
-    """Number of pieces in a room, by the room's label. Rooms with other labels have no such piece."""
+    """Number of pieces in a room, by the room's label. Rooms with other labels have no such piece, and stairs stay empty."""
     build: Build
     """Function (size, generator) -> parts of a piece; all parts must lie inside the box of the given size."""
     place: Place = AgainstWall()
@@ -192,8 +192,9 @@ class Kind:
                 raise self._error(f"the count in {label!r}", count, _COUNT)
 
     def is_required_in(self, label: str) -> bool:
-        """Return whether rooms with `label` require a piece: their number is declared as a range, such as (1, 2)."""
-        return isinstance(self.rooms.get(label), tuple)
+        """Return whether rooms with `label` require a piece: their number is declared as a range from 1, such as (1, 2)."""
+        count = self.rooms.get(label)
+        return isinstance(count, tuple) and count[0] >= 1
 
     def _check_fields(self, declared: "Kind | Place") -> None:
         for field in fields(declared):

@@ -102,7 +102,9 @@ def closed(task: Task) -> Gaps:
         if span is not None and span[2] - span[1] >= MIN_DOOR_M:
             return (_in_span("door", task, span, min(_DOOR_M, span[2] - span[1])),)
     widest = max(ways, key=lambda gap: gap.width)
-    return (replace(widest, kind="door", high=min(widest.high, widest.low + _DOOR_M), height=_height("door", task)),)
+    margin = min(_DOOR_CORNER_M, max(0.0, (widest.width - MIN_DOOR_M) / 2))
+    low, high = round(widest.low + margin, 6), round(widest.high - margin, 6)
+    return (replace(widest, kind="door", low=low, high=round(min(high, low + _DOOR_M), 6), height=_height("door", task)),)
 
 
 def _wall_removed(task: Task) -> Gaps:

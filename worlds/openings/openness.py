@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from worlds.errors import WorldsError
+from worlds.errors import WorldsError, check_number
 from worlds.furniture.catalogue import kind_of
 from worlds.openings.door_swings import FRONT_M, hang_leaf, is_in_front
 from worlds.openings.opening_draft import OpeningDraft
@@ -102,8 +102,7 @@ def with_openness(spec: HouseSpec, target: float, seed: int | None = None) -> Ho
     Raises `WorldsError` for a target outside of [0, 1], and for a target that cannot be reached because the inner walls are
     too short (less than 1.5 m in total).
     """
-    if not 0.0 <= target <= 1.0:
-        raise WorldsError(f"openness is {target}; valid: 0 (all rooms behind doors) to 1 (no inner walls)")
+    check_number("openness", target, 0.0, 1.0, "0: all rooms are behind doors, 1: no inner walls")
     before = _plans(spec, spec.seed if seed is None else seed)
     total = sum(plan.part.area for plan in before)
     after = list(before)

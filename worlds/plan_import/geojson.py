@@ -168,7 +168,7 @@ def _ring(where: str, geometry: dict[str, Any], scale: float) -> tuple[Point, ..
     if len(rings) > 1:
         raise SpecError(f"{where}: a room has a hole; valid: an outline without holes (split the room)")
     points = _points(where, rings[0], scale)
-    return points[:-1] if points[0] == points[-1] else points
+    return points[:-1] if len(points) > 1 and points[0] == points[-1] else points
 
 
 def _ends(where: str, geometry: dict[str, Any], scale: float) -> tuple[Point, ...]:

@@ -122,3 +122,8 @@ def test_a_place_that_no_piece_can_have_is_refused(field, bad):
 )
 def test_the_limits_are_valid(good):
     assert unchecked(Kind, **GOOD | good)
+
+
+def test_a_range_that_begins_at_none_requires_no_piece():
+    kind = Kind(**GOOD | {"rooms": {"kitchen": (0, 1), "office": (1, 1), "bedroom": 0.5}})
+    assert [kind.is_required_in(label) for label in ("kitchen", "office", "bedroom", "gym")] == [False, True, False, False]

@@ -1,6 +1,7 @@
 """Openness: measured in two ways, reached to within 0.05 for every target, and nothing but openings changes."""
 
 import itertools
+import json
 
 import pytest
 from hypothesis import given
@@ -132,3 +133,16 @@ def test_a_house_that_is_as_open_as_asked_for_stays_the_same():
 def test_impossible_targets_are_refused(target):
     with pytest.raises(WorldsError, match="valid: 0 "):
         with_openness(two_rooms(4.0), target)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_door_in_place_of_an_opening_between_corners_keeps_away_from_them(seed):
+    """The only wall between the rooms is 0.95 m long, so that the door takes the place of the opening."""
+    outlines = {
+        "a": [[0, 0], [4, 0], [4, 3], [0, 3]],
+        "b": [[4, 2.05], [8, 2.05], [8, 6], [3.5, 6], [3.5, 3], [4, 3]],
+    }
+    rooms = [{"id": name, "label": "office", "polygon_m": outline} for name, outline in outlines.items()]
+    way = {"rooms": ["a", "b"], "kind": "open", "start_m": [4, 2.05], "end_m": [4, 3]}
+    spec = HouseSpec.from_json(json.dumps({"storeys": [{"rooms": rooms, "openings": [way], "furniture": []}]}))
+    validate(build_house(with_openness(spec, 0.0, seed)))

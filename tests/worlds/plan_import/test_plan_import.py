@@ -855,3 +855,9 @@ def test_every_malformed_field_of_a_drawn_door_is_reported(tmp_path):
         import_plan(path)
     told = [str(caught.value), *caught.value.__notes__]
     assert len(told) == 2 and any("height_m" in line for line in told) and any("sill_m" in line for line in told)
+
+
+def test_an_outline_of_one_point_is_refused(tmp_path):
+    alone = room("office", LEFT)
+    alone["geometry"]["coordinates"] = [[[9, 9]]]
+    assert "too few corners" in refusal(written(tmp_path, room("kitchen", LEFT), alone))
