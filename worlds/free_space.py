@@ -49,8 +49,11 @@ class Obstacles:
 
     def at_height(self, surface_m: float) -> "Obstacles":
         """Return the boxes that can collide with a body standing on a surface at height `surface_m` in W [m]."""
-        meets = (self.span[:, 0] < surface_m + BODY_HIGH_M) & (self.span[:, 1] > surface_m + BODY_LOW_M)
-        return Obstacles(self.centre[meets], self.size[meets], self.yaw[meets], self.span[meets])
+        return self.chosen((self.span[:, 0] < surface_m + BODY_HIGH_M) & (self.span[:, 1] > surface_m + BODY_LOW_M))
+
+    def chosen(self, which: Bool[np.ndarray, "n"] | slice) -> "Obstacles":
+        """Return the boxes where a mask is True, or those of a slice."""
+        return Obstacles(self.centre[which], self.size[which], self.yaw[which], self.span[which])
 
     def and_also(self, others: "Obstacles") -> "Obstacles":
         """Return these boxes and others as one set."""
@@ -60,8 +63,7 @@ class Obstacles:
     def within(self, point: Float64[np.ndarray, "2"], distance_m: float) -> "Obstacles":
         """Return all boxes within `distance_m` [m] of a point of the plan, and possibly some boxes a little farther away."""
         reach = np.linalg.norm(self.size, axis=1) / 2 + distance_m
-        near = (np.abs(self.centre - point) <= reach[:, None]).all(axis=1)
-        return Obstacles(self.centre[near], self.size[near], self.yaw[near], self.span[near])
+        return self.chosen((np.abs(self.centre - point) <= reach[:, None]).all(axis=1))
 
     def clear(
         self, start: Float64[np.ndarray, "m 3"], end: Float64[np.ndarray, "m 3"], radius_m: float

@@ -34,13 +34,13 @@ def furniture_problems(house: House, grid: PlanGrid) -> Iterator[str]:
     for i, j in overlaps(boxes, walls, _TOLERANCE_M).tolist():
         if i not in outside:
             yield f"{piece_name(pieces[i])} in {pieces[i].room!r} stands in {_wall_name(house.walls[j])}"
-    standing = np.array([piece.size[2] > FLAT_M for piece in pieces], bool)
+    thick = np.array([piece.size[2] > FLAT_M for piece in pieces], bool)
     for i, j in _clashes(boxes):
-        if standing[i] and standing[j]:
+        if thick[i] and thick[j]:
             yield f"{piece_name(pieces[i])} and {piece_name(pieces[j])} in {pieces[i].room!r} run into each other"
     yield from _on_the_stairs(house, boxes)
     for i, j in overlaps(boxes, hung, _TOLERANCE_M).tolist():
-        if standing[i]:
+        if thick[i]:
             yield f"{piece_name(pieces[i])} in {pieces[i].room!r} runs into {_leaf_name(house, leaves[j])} as it stands"
     for i, j in overlaps(boxes, boxes_around(house.windows), _TOLERANCE_M).tolist():
         yield f"{piece_name(pieces[i])} in {pieces[i].room!r} runs into {house.windows[j].id}"
@@ -64,9 +64,7 @@ def _clashes(boxes: Obstacles) -> Iterator[tuple[int, int]]:
     Only a few boxes are tested at a time, because many boxes in one place form more pairs than fit in memory.
     """
     for first in range(0, len(boxes.yaw), _AT_ONCE):
-        some = slice(first, first + _AT_ONCE)
-        these = Obstacles(boxes.centre[some], boxes.size[some], boxes.yaw[some], boxes.span[some])
-        for i, j in overlaps(these, boxes, _TOLERANCE_M).tolist():
+        for i, j in overlaps(boxes.chosen(slice(first, first + _AT_ONCE)), boxes, _TOLERANCE_M).tolist():
             if first + i < j:
                 yield first + i, j
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
+from jaxtyping import Float64, Int
 
 from worlds.checks.plan_grid import NO_ROOM, PlanGrid
 from worlds.house import House
@@ -36,35 +37,39 @@ def overlap_problems(grid: PlanGrid) -> Iterator[str]:
 
 
 def _narrow_gaps(grid: PlanGrid) -> Iterator[str]:
-    """Yield a message for every pair of rooms with a gap between them that is narrower than `MIN_APART_M`.
-
-    For every empty cell, the nearest rooms on both sides are found in the cell's row, and then in its column. The distance
-    between these two rooms is the width of the gap.
-    """
+    """Yield a message for every pair of rooms with a gap between them that is narrower than `MIN_APART_M`."""
     for level, owner in enumerate(grid.owner):
         for axis, (cells, along, across) in enumerate(((owner.T, grid.x, grid.y), (owner, grid.y, grid.x))):
             # `cells` is transposed for x, so that its rows run along the axis in both cases.
-            number = np.arange(cells.shape[1])
-            before = np.maximum.accumulate(np.where(cells != NO_ROOM, number, -1), axis=1)
-            after = np.minimum.accumulate(np.where(cells != NO_ROOM, number, cells.shape[1])[:, ::-1], axis=1)[:, ::-1]
-            between = (cells == NO_ROOM) & (before >= 0) & (after < cells.shape[1])
-            width = along[np.minimum(after, cells.shape[1])] - along[before + 1]
-            rows, columns = np.nonzero(between & (width < MIN_APART_M - _TOLERANCE_M))
-            seen = set()
-            for row, column in zip(rows.tolist(), columns.tolist(), strict=True):
-                pair = cells[row, before[row, column]], cells[row, after[row, column]]
-                if pair not in seen:
-                    seen.add(pair)
-                    a, b = (grid.rooms[k].id for k in pair)
-                    place = (along[column], across[row]) if axis == 0 else (across[row], along[column])
-                    gap = f"{width[row, column]:.3g} m near ({place[0]:.2f}, {place[1]:.2f}) m"
-                    if a == b:
-                        yield f"storeys[{level}]: room {a!r} has a slot of {gap}; slots are at least {MIN_APART_M} m wide"
-                    else:
-                        yield (
-                            f"storeys[{level}]: rooms {a!r} and {b!r} leave a gap of {gap}; rooms touch or are at least "
-                            f"{MIN_APART_M} m apart"
-                        )
+            for row, column, pair, width_m in _gaps_along(cells, along):
+                a, b = (grid.rooms[k].id for k in pair)
+                place = (along[column], across[row]) if axis == 0 else (across[row], along[column])
+                gap = f"{width_m:.3g} m near ({place[0]:.2f}, {place[1]:.2f}) m"
+                if a == b:
+                    yield f"storeys[{level}]: room {a!r} has a slot of {gap}; slots are at least {MIN_APART_M} m wide"
+                else:
+                    apart = f"rooms touch or are at least {MIN_APART_M} m apart"
+                    yield f"storeys[{level}]: rooms {a!r} and {b!r} leave a gap of {gap}; {apart}"
+
+
+def _gaps_along(
+    cells: Int[np.ndarray, "rows columns"], along: Float64[np.ndarray, "_"]
+) -> Iterator[tuple[int, int, tuple[int, int], float]]:
+    """Yield the narrow gaps along the rows of a grid: row and column of an empty cell, the rooms on both sides, and width.
+
+    Each pair of rooms is yielded once. `along` holds the coordinates of the cells' ends [m], and the width is in metres.
+    """
+    number, count = np.arange(cells.shape[1]), cells.shape[1]
+    before = np.maximum.accumulate(np.where(cells != NO_ROOM, number, -1), axis=1)
+    after = np.minimum.accumulate(np.where(cells != NO_ROOM, number, count)[:, ::-1], axis=1)[:, ::-1]
+    between = (cells == NO_ROOM) & (before >= 0) & (after < count)
+    width_m = along[np.minimum(after, count)] - along[before + 1]
+    seen = set()
+    for row, column in np.argwhere(between & (width_m < MIN_APART_M - _TOLERANCE_M)).tolist():
+        pair = int(cells[row, before[row, column]]), int(cells[row, after[row, column]])
+        if pair not in seen:
+            seen.add(pair)
+            yield row, column, pair, float(width_m[row, column])
 
 
 def _unsupported(grid: PlanGrid) -> Iterator[str]:

@@ -108,6 +108,7 @@ class OnFloor:
     """Placement of a piece on the floor, independently of the walls."""
 
     spot: Spot = "anywhere"
+    """Where in the room the piece stands: near the centre, or anywhere."""
 
 
 @dataclass(frozen=True)
@@ -127,6 +128,7 @@ class OnTop:
 
     hosts: tuple[str, ...]
     at: TopPosition = "anywhere"
+    """Where on the host the piece stands; the front is the host's front."""
 
 
 @dataclass(frozen=True)

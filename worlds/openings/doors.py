@@ -46,7 +46,7 @@ class DoorLeaf(Placed):
     """Angle from the closed to the present position, positive counter-clockwise [rad]."""
     position: Vector
     size: Vector
-    style: int
+    seed: int
     """Seed of the leaf's appearance."""
 
     @property
@@ -68,7 +68,7 @@ class DoorLeaf(Placed):
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         """A panel with two decorative fields and with a handle on both sides."""
-        (width, thickness, height), rng = self.size, np.random.default_rng(self.style)
+        (width, thickness, height), rng = self.size, np.random.default_rng(self.seed)
         paint, material = _PAINTS[int(rng.integers(len(_PAINTS)))]
         shade: Colour = (0.88 * paint[0], 0.88 * paint[1], 0.88 * paint[2])
         grip = width / 2 - 0.07
@@ -89,7 +89,7 @@ def hang_leaves(
     pieces: Sequence[tuple[Boundary, OpeningSpec | None]],
     openings: Sequence[OpeningSpec],
     floor_m: float,
-    style: int,
+    seed: int,
 ) -> Iterator[DoorLeaf]:
     """Yield the leaves of a storey's `openings`.
 
@@ -99,17 +99,17 @@ def hang_leaves(
             it, or None for wall.
         openings: the storey's openings; an opening without a leaf, or in no boundary, is skipped.
         floor_m: height of the floor in W [m].
-        style: seed of the leaves' appearance, the same for all doors of the storey.
+        seed: seed of the leaves' appearance, the same for all doors of the storey.
     """
     wall_of = {id(opening): boundary for boundary, opening in pieces if opening is not None}
     for index, opening in enumerate(openings):
         wall = wall_of.get(id(opening))
         if opening.leaf is not None and wall is not None:
-            yield _hung(level, index, opening, opening.leaf, wall, floor_m, style)
+            yield _hung(level, index, opening, opening.leaf, wall, floor_m, seed)
 
 
 def _hung(
-    level: int, index: int, opening: OpeningSpec, leaf: LeafSpec, wall: Boundary, floor_m: float, style: int
+    level: int, index: int, opening: OpeningSpec, leaf: LeafSpec, wall: Boundary, floor_m: float, seed: int
 ) -> DoorLeaf:
     hinge, free = (opening.start_m, opening.end_m) if leaf.hinge == "start" else (opening.end_m, opening.start_m)
     width, along = opening.width_m, (free[0] - hinge[0], free[1] - hinge[1])
@@ -129,5 +129,5 @@ def _hung(
         turn=turn,
         position=(x, y, floor_m),
         size=(width, LEAF_THICKNESS_M, opening.height_m - _GAP_M),
-        style=style,
+        seed=seed,
     )

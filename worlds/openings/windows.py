@@ -78,13 +78,13 @@ class Window(Placed):
     position: Vector
     yaw: float
     size: Vector
-    style: int
+    seed: int
     """Seed of the window's appearance."""
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         """Frame, panes, sill, and in some windows curtains."""
-        return window_parts(Size(*self.size), np.random.default_rng(self.style))
+        return window_parts(Size(*self.size), np.random.default_rng(self.seed))
 
 
 def sample_windows(room: RoomSpec, outer: Sequence[Boundary], height_m: float, rng: Generator) -> tuple[WindowSpec, ...]:
@@ -161,11 +161,11 @@ def hang_windows(
             )
         if window.sill_m >= window.height_m:
             raise HouseError(f"{place}: its sill ({window.sill_m} m) is not below its upper edge ({window.height_m} m)")
-        style = _style(spec, rooms[window.room])
-        yield _hung(f"window/{level}/{index}", level, window, wall, floor_m, style)
+        seed = _seed(spec, rooms[window.room])
+        yield _hung(f"window/{level}/{index}", level, window, wall, floor_m, seed)
 
 
-def _style(spec: HouseSpec, room: RoomSpec) -> int:
+def _seed(spec: HouseSpec, room: RoomSpec) -> int:
     """Return the seed of the appearance of a room's windows, which look alike.
 
     The seed depends on the seed of the house's appearance, and on the room: on the room's own seed if it has one, and
@@ -188,7 +188,7 @@ def _wall_of(spec: WindowSpec, outer: Sequence[Boundary]) -> Boundary | None:
     return None
 
 
-def _hung(name: str, level: int, spec: WindowSpec, wall: Boundary, floor_m: float, style: int) -> Window:
+def _hung(name: str, level: int, spec: WindowSpec, wall: Boundary, floor_m: float, seed: int) -> Window:
     inward = 1.0 if wall.rooms[1] == spec.room else -1.0
     off = inward * (WALL_THICKNESS_M + WINDOW_DEPTH_M) / 2
     x, y = (spec.start_m[0] + spec.end_m[0]) / 2, (spec.start_m[1] + spec.end_m[1]) / 2
@@ -207,5 +207,5 @@ def _hung(name: str, level: int, spec: WindowSpec, wall: Boundary, floor_m: floa
         position=position,
         yaw=yaw,
         size=(width, WINDOW_DEPTH_M, spec.height_m - spec.sill_m),
-        style=style,
+        seed=seed,
     )

@@ -76,7 +76,7 @@ def _objects(house: House) -> Iterator[_Object]:
     for leaf in house.leaves:
         yield _Object(leaf.id, leaf.id, Solid(leaf.parts, leaf.position, leaf.yaw), zlib.crc32(leaf.id.encode()))
     for window in house.windows:
-        yield _Object(window.id, window.id, Solid(window.parts, window.position, window.yaw), window.style)
+        yield _Object(window.id, window.id, Solid(window.parts, window.position, window.yaw), window.seed)
 
 
 def _object_visuals(house: House, objects: Sequence[_Object]) -> tuple[UInt8[np.ndarray, "h w 3"], Iterator[Visual]]:

@@ -42,7 +42,7 @@ def test_windows_are_in_outer_walls_and_apart(house):
 
 def test_the_windows_of_a_room_look_alike(house):
     for _, windows in itertools.groupby(house.windows, lambda window: (window.storey, window.room)):
-        assert len({(window.style, window.size[2]) for window in windows}) == 1
+        assert len({(window.seed, window.size[2]) for window in windows}) == 1
 
 
 @pytest.mark.parametrize("label", OUTDOOR_LABELS)

@@ -148,14 +148,15 @@ class _Furnisher:
         piece = self._place(kind, number, host, since)
         if piece is None:
             return
-        for since, number in rest:
-            self._queue(max(since, piece.since), kind, number, host, rest)
-            break
+        self._queue_next(kind, host, rest, piece.since)
         for guest in self._kinds.guests.get(kind.name, ()):
-            each = self._appearances(guest, piece)
-            for since, number in each:
-                self._queue(max(since, piece.since), guest, number, piece, each)
-                break
+            self._queue_next(guest, piece, self._appearances(guest, piece), piece.since)
+
+    def _queue_next(self, kind: Kind, host: Piece | None, rest: Iterator[tuple[float, int]], least: float) -> None:
+        """Queue the next piece of `rest`, if there is one; it needs at least the clutter `least`."""
+        if (following := next(rest, None)) is not None:
+            since, number = following
+            self._queue(max(since, least), kind, number, host, rest)
 
     def _place(self, kind: Kind, number: int, host: Piece | None, since: float) -> Piece | None:
         """Place a piece with a random size, or else with the smallest size of its kind; return None if neither fits.
