@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel
 
+from lexis.files.models import STRICT
 from lexis.types import Camera, Intrinsics
 
 Row = tuple[float, float, float, float]
@@ -16,7 +17,7 @@ class CameraData(BaseModel):
     The data are of one camera; the further cameras of a rig are stored beside it.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = STRICT
 
     width: int
     height: int

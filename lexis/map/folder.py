@@ -8,15 +8,16 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from lexis.errors import MapError
 from lexis.files.arrays import Arrays, read_arrays
 from lexis.files.camera import CameraData
+from lexis.files.models import STRICT, EncoderData, RoomName, RoomNames
 from lexis.files.reading import FileKind, open_file, read_model
 from lexis.files.replace import replaced_folder
 from lexis.files.temporary_folder import recover
-from lexis.inputs import MAX_CAMERAS, MAX_NAME_LENGTH, MAX_ROOM_NAMES, check_camera, check_room_names
+from lexis.inputs import MAX_CAMERAS, check_camera, check_room_names
 from lexis.map.arrays import LAYOUT, check, pack, unpack_candidates, unpack_decisions, unpack_keyframes, unpack_loops
 from lexis.map.other_views import LAYOUT as OF_OTHERS
 from lexis.types import EncoderId, LexisMap, RoomInstance
@@ -27,28 +28,16 @@ _WRITTEN = "a folder written by 'lexis run'"
 _HEADER_FILE = FileKind(_WRITTEN, 16_000_000, MapError, missing="no map there", unusable="no map")
 _ARRAYS_FILE = FileKind(_WRITTEN, 8_000_000_000, MapError, missing="no arrays of a map there", unusable="no arrays of a map")
 
-_STRICT = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
-_Name = Annotated[str, Field(min_length=1, max_length=MAX_NAME_LENGTH)]
-_EncoderName = Annotated[str, Field(max_length=10_000)]
-"""The name of an encoder. The limit on its length is high, because the name may contain the path of a checkpoint."""
-
 
 class _Room(BaseModel):
-    model_config = _STRICT
+    model_config = STRICT
 
-    label: _Name
+    label: RoomName
     floor: Annotated[int, Field(ge=0, lt=1_000_000)] | None
 
 
-class _Encoder(BaseModel):
-    model_config = _STRICT
-
-    name: _EncoderName
-    fingerprint: _EncoderName
-
-
 class _Map(BaseModel):
-    model_config = _STRICT
+    model_config = STRICT
 
     schema_version: Literal[7] = Field(alias="schema")
     arrays_sha256: Annotated[str, Field(max_length=64)]
@@ -56,8 +45,8 @@ class _Map(BaseModel):
     camera: CameraData
     other_cameras: tuple[CameraData, ...] = Field((), max_length=MAX_CAMERAS - 1)
     """The further cameras of a rig. Files of a single camera do not state them."""
-    encoder: _Encoder
-    room_names: tuple[_Name, ...] = Field(min_length=1, max_length=MAX_ROOM_NAMES)
+    encoder: EncoderData
+    room_names: RoomNames
     rooms: tuple[_Room, ...] = Field(max_length=100_000)
     stage_seconds: dict[str, float] = Field(max_length=100)
 
@@ -82,7 +71,7 @@ def _header(map: LexisMap, arrays_sha256: str) -> _Map:
         arrays_sha256=arrays_sha256,
         camera=CameraData.of(map.camera),
         other_cameras=tuple(CameraData.of(other) for other in map.camera.others),
-        encoder=_Encoder(name=map.encoder.name, fingerprint=map.encoder.fingerprint),
+        encoder=EncoderData(name=map.encoder.name, fingerprint=map.encoder.fingerprint),
         room_names=map.room_names,
         rooms=tuple(_Room(label=room.label, floor=room.floor) for room in map.rooms),
         stage_seconds=map.stage_seconds,

@@ -10,17 +10,17 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float, Float32
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 from scipy.special import expit
 
 from lexis.errors import LexisError
+from lexis.files.models import STRICT, RoomNames
 from lexis.files.reading import FileKind, read_model
 from lexis.files.replace import replaced_file
-from lexis.inputs import MAX_NAME_LENGTH, MAX_ROOM_NAMES
 from lexis.perception import TextEncoder
 
 MINI_CALIBRATION = Path(__file__).parents[1] / "models" / "lexis-mini.calibration.json"
@@ -64,13 +64,11 @@ def familiarity(
 
 
 class _Calibration(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
+    model_config = STRICT
 
     schema_version: Literal[1] = Field(alias="schema")
     fingerprint: str
-    room_names: tuple[Annotated[str, Field(min_length=1, max_length=MAX_NAME_LENGTH)], ...] = Field(
-        min_length=1, max_length=MAX_ROOM_NAMES
-    )
+    room_names: RoomNames
     base: float
     slope: float
     temperature: float = Field(gt=0)

@@ -17,7 +17,8 @@ from typing import Annotated, Generic, Literal, TypeVar
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
 from lexis.files.camera import CameraData, Row
-from lexis.inputs import MAX_CAMERAS, MAX_NAME_LENGTH, MAX_ROOM_NAMES
+from lexis.files.models import STRICT, EncoderData, RoomNames
+from lexis.inputs import MAX_CAMERAS, MAX_ROOM_NAMES
 from lexis.types import LoopOutcome
 
 KEY = "lexis"
@@ -59,7 +60,6 @@ ROOMS = Layer("ROOMS", 4, 0, "R")
 FLOORS = Layer("FLOORS", 5, 1, "F")
 LAYERS = (AGENTS, PLACES, ROOMS, FLOORS)
 
-_STRICT = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
 _OPEN = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 """Configuration of models for data that Spark-DSG defines. Unknown fields are ignored, because later versions may add
 fields."""
@@ -67,25 +67,15 @@ Vector = tuple[float, float, float]
 Matrix4 = tuple[Row, Row, Row, Row]
 Row6 = tuple[float, float, float, float, float, float]
 Matrix6 = tuple[Row6, Row6, Row6, Row6, Row6, Row6]
-Name = Annotated[str, Field(min_length=1, max_length=MAX_NAME_LENGTH)]
 Id = Annotated[int, Field(ge=0, lt=_MANY)]
 Count = Annotated[int, Field(ge=0, lt=2**62)]
 NodeId = Annotated[int, Field(ge=0, lt=2**64)]
 
 
-class EncoderData(BaseModel):
-    """Name and fingerprint of the encoder that made the embeddings."""
-
-    model_config = _STRICT
-
-    name: Annotated[str, Field(max_length=10_000)]
-    fingerprint: Annotated[str, Field(max_length=10_000)]
-
-
 class DecisionData(BaseModel):
     """A decision on a loop candidate; see `lexis.types.LoopDecision`."""
 
-    model_config = _STRICT
+    model_config = STRICT
 
     query: Id
     match: Id
@@ -100,14 +90,14 @@ class DecisionData(BaseModel):
 class GraphData(BaseModel):
     """Data of a map besides its keyframes, rooms and edges."""
 
-    model_config = _STRICT
+    model_config = STRICT
 
     schema_version: Literal[2] = Field(alias="schema")
     camera: CameraData
     other_cameras: tuple[CameraData, ...] = Field((), max_length=MAX_CAMERAS - 1)
     """The further cameras of a rig. Files of a single camera do not state them."""
     encoder: EncoderData
-    room_names: tuple[Name, ...] = Field(min_length=1, max_length=MAX_ROOM_NAMES)
+    room_names: RoomNames
     candidates: tuple[tuple[Id, tuple[Id, ...]], ...] = Field(max_length=_MANY)
     decisions: tuple[DecisionData, ...] = Field(max_length=100 * _MANY)
     stage_seconds: dict[str, float] = Field(max_length=100)
@@ -116,7 +106,7 @@ class GraphData(BaseModel):
 class AgentData(BaseModel):
     """Data of a keyframe besides its optimised pose: its session, the odometry, and the exact time of its image [s]."""
 
-    model_config = _STRICT
+    model_config = STRICT
 
     session: Id = 0
     """Number of the recording session, from 0; in a file that states none, all keyframes are of one session."""
@@ -131,7 +121,7 @@ class AgentData(BaseModel):
 class PlaceData(BaseModel):
     """Data from which a keyframe's label was derived, and the number of the keyframe's floor; None on stairs."""
 
-    model_config = _STRICT
+    model_config = STRICT
 
     floor: Id | None
     baseline_label: Id
@@ -144,7 +134,7 @@ class PlaceData(BaseModel):
 class RoomData(BaseModel):
     """Number of a room's floor; None for stairs."""
 
-    model_config = _STRICT
+    model_config = STRICT
 
     floor: Id | None
 
@@ -152,7 +142,7 @@ class RoomData(BaseModel):
 class LoopData(BaseModel):
     """A loop edge. Two keyframes may have several loop edges."""
 
-    model_config = _STRICT
+    model_config = STRICT
 
     order: Id
     """Position of the edge among the loop edges of the map, from 0."""
@@ -167,7 +157,7 @@ class LoopData(BaseModel):
 class EdgeData(BaseModel):
     """The loop edges between two keyframes."""
 
-    model_config = _STRICT
+    model_config = STRICT
 
     loops: tuple[LoopData, ...] = Field(max_length=_FEW)
 
