@@ -1,4 +1,4 @@
-"""Words for messages: lists in sentences (`joined`), counts (`counted`), shares (`percent`), names and classes of values."""
+"""Words for messages: lists in sentences (`joined`), counts (`counted`), shares (`percent`), errors, and names of values."""
 
 from collections.abc import Sequence
 
@@ -22,6 +22,14 @@ def qualified_name(value: object) -> str:
     """Return module and class of an object, or of a class itself, as options name them: "my_slam:MySlam"."""
     kind = value if isinstance(value, type) else type(value)
     return f"{kind.__module__}:{kind.__qualname__}"
+
+
+def error_text(error: BaseException) -> str:
+    """Return the class and the text of an exception, "RuntimeError: lost", even if the exception fails to make its text."""
+    try:
+        return f"{type(error).__name__}: {error}"
+    except Exception as problem:  # whatever a user's class raises
+        return f"{type(error).__name__}, whose text cannot be made: {type(problem).__name__}"
 
 
 def class_of(value: object) -> str:

@@ -12,6 +12,7 @@ from lexis.errors import one_line
 from sim.commands.arguments import IMAGE_FORMATS, number
 from sim.commands.record import FORMATS
 from sim.errors import USER_ERRORS, SimError
+from sim.wording import error_text
 
 if TYPE_CHECKING:
     from sim.harness.claims import Claim
@@ -176,7 +177,7 @@ def _imported(text: str, option: str = "--slam") -> "Callable[[], SlamUnderTest]
     try:
         found = getattr(importlib.import_module(module_name), class_name, None)
     except USER_ERRORS as error:
-        reason = one_line(f"{type(error).__name__}: {error}", 160)
+        reason = one_line(error_text(error), 160)
         raise SimError(f"{place}: cannot be imported: {reason}; valid: a module here or on the path") from None
     if not callable(found):
         raise SimError(f"{place}: the module has no class {class_name}; valid: the name of a class in it")

@@ -21,6 +21,7 @@ from sim.harness.runner import Progress
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import full_name_of
 from sim.harness.trial import Trial
+from sim.wording import error_text
 
 Runner = Callable[[Scenario, Progress | None], Run]
 """A function that runs the SLAM under test on a scenario. Every call has to create a new SLAM object, because a finished run
@@ -58,14 +59,14 @@ class Crash:
     @property
     def message(self) -> str:
         """The exception in one line, such as "RuntimeError: lost"."""
-        return one_line(f"{type(self.error).__name__}: {self.error}", _MESSAGE)
+        return one_line(error_text(self.error), _MESSAGE)
 
     @property
     def sentence(self) -> str:
         """What went wrong: "the SLAM raises RuntimeError: lost", or what the error says about a program."""
         if isinstance(self.error, ProgramError):
             return encodable(str(self.error))
-        return encodable(f"the SLAM {self.what}: {self.error}")
+        return encodable(f"the SLAM raises {error_text(self.error)}")
 
     @property
     def place(self) -> str:

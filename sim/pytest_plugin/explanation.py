@@ -13,6 +13,7 @@ from sim.harness.world_tests import SCENARIO, TEST_REPLAY, StoredWorld
 from sim.pytest_plugin.collection import family_of, name_of, parameters_of, replayed_name
 from sim.pytest_plugin.execution import Execution, Reason
 from sim.pytest_plugin.options import loading_options, out_folder, replayed_file
+from sim.wording import error_text
 
 if TYPE_CHECKING:
     from sim.harness.crash import Crash
@@ -41,7 +42,7 @@ def add_text(
     assert failure is not None and scenario is not None
     lines = [failure.message, f"    {failure.where}: {failure.statement}"]
     rest = [f"house: {further}, a further one within --lexis-budget"] if further else []
-    rest += [] if problem is None else [f"not shrunk: {one_line(f'{type(problem).__name__}: {problem}', 160)}"]
+    rest += [] if problem is None else [f"not shrunk: {one_line(error_text(problem), 160)}"]
     rest += _lines(item, execution, failure, scenario, search)
     before = search.found if search is not None and search.found != failure.text else ""
     if family_of(item) is not None and item.config.option.tbstyle == "auto":
@@ -88,7 +89,7 @@ def _lines(
         lines += _about_reference(execution) + _about_search(search)
         folder = _folder(item, execution, failure, _outcome(execution, error, scenario), search)
     except Exception as problem:  # whatever it is, the failure of the test must not be lost
-        return [*lines, f"folder: cannot be written: {one_line(f'{type(problem).__name__}: {problem}', 160)}"]
+        return [*lines, f"folder: cannot be written: {one_line(error_text(problem), 160)}"]
     return [*lines, *replay_lines(item, replayed_name(item), shown_folder(item, folder))]
 
 

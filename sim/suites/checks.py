@@ -276,7 +276,7 @@ def evaluated_run(scenario: Scenario, new_slam: NewSlam) -> EvaluatedRun | Check
 def _described(crash: Crash) -> str:
     """Return in one line what the SLAM did and where."""
     text = f"the SLAM {crash.what}" if isinstance(crash.error, ProgramError) else one_line(crash.sentence, 160)
-    expects_images = crash.scenario.fidelity == "features" and Percept.__name__ in str(crash.error)
+    expects_images = crash.scenario.fidelity == "features" and Percept.__name__ in crash.sentence
     hint = " (observations hold percepts here; --images or Suite.with_images() renders images)" if expects_images else ""
     return f"{text}{hint}{crash.place}"
 

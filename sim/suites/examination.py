@@ -28,6 +28,7 @@ from sim.harness.walk import walk
 from sim.processes import process_pool
 from sim.suites.checks import Check, CheckFinding, NewSlam, evaluated_run
 from sim.suites.suite import Suite, SuitePart
+from sim.wording import error_text
 from worlds.errors import WorldsError
 
 DIED = "the SLAM ends its process, as a fatal error of compiled code does"
@@ -224,7 +225,7 @@ def _check_picklable(what: str, thing: object) -> None:
     try:
         pickle.dumps(thing)
     except Exception as error:  # whatever a user's object raises
-        reason = one_line(f"{type(error).__name__}: {error}", 160)
+        reason = one_line(error_text(error), 160)
         raise SimError(
             f"the {what} cannot be sent to other processes: {reason}; valid: classes and functions at the top of a module, "
             "or one process (workers=1)"

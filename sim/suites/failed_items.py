@@ -12,7 +12,7 @@ from sim.harness.world_tests import TEST_REPLAY
 from sim.suites.checks import ClaimCheck, NewSlam
 from sim.suites.replay_folder import write_replay_folder
 from sim.suites.report import CheckVerdict
-from sim.wording import qualified_name
+from sim.wording import error_text, qualified_name
 
 if TYPE_CHECKING:
     import pytest
@@ -42,7 +42,7 @@ def about_failure(item: "pytest.Item", verdict: CheckVerdict, new_slam: NewSlam)
     try:
         _write(folder, verdict, FailedPytest(item.nodeid, item.nodeid, tuple(loading_options(item.config))))
     except USER_ERRORS as problem:
-        return f"\nfolder: cannot be written: {one_line(f'{type(problem).__name__}: {problem}', 160)}"
+        return f"\nfolder: cannot be written: {one_line(error_text(problem), 160)}"
     shown = shown_folder(item, folder)
     lines = replay_lines(item, item.nodeid, shown)
     condition = _condition(verdict)

@@ -11,6 +11,7 @@ from sim.harness.finished_run import Run
 from sim.harness.planning import ask_plan, planned_pairs
 from sim.harness.slam_under_test import PlansPaths
 from sim.suites.checks import CheckFinding
+from sim.wording import error_text
 
 _MOST_PLANS = 12
 """Largest number of plans that are asked for in one run."""
@@ -40,7 +41,7 @@ def plans_can_be_walked(run: Run) -> CheckFinding:
         except EstimateError as error:
             return CheckFinding(False, one_line(str(error), 160))
         except USER_ERRORS as error:
-            said = one_line(f"plan() of the SLAM raises {type(error).__name__}: {error}", 160)
+            said = one_line(f"plan() of the SLAM raises {error_text(error)}", 160)
             return CheckFinding(False, said, is_crash=True)
         if plan is None:
             return CheckFinding(False, f"there is no plan from {start} to {goal}")

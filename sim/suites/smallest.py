@@ -25,6 +25,7 @@ from sim.suites.checks import Check, CheckFinding, ClaimCheck, NewSlam
 from sim.suites.examination import DIED, finding, replayed_finding
 from sim.suites.replay_folder import write_replay_folder
 from sim.suites.report import CheckVerdict
+from sim.wording import error_text
 
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
 _REPLAY = '''"""Replays a failure. It fails as long as the check {name!r} fails in the scenario beside it."""
@@ -109,7 +110,7 @@ def write_smallest(verdict: CheckVerdict, slam: SlamUnderSearch, out: Path) -> t
     except (SimError, LexisError) as error:
         return f"{verdict.name}: no smallest scenario: {error}", False
     except USER_ERRORS as error:  # such as an exception in the SLAM's method `save`
-        return f"{verdict.name}: no smallest scenario: {one_line(f'{type(error).__name__}: {error}', 160)}", False
+        return f"{verdict.name}: no smallest scenario: {one_line(error_text(error), 160)}", False
 
 
 def _written(verdict: CheckVerdict, slam: SlamUnderSearch, out: Path) -> tuple[str, bool]:

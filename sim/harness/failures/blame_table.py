@@ -20,7 +20,7 @@ from sim.harness.shrinking.house_edits import by_storey, keep_furniture
 from sim.harness.shrinking.reducer import Fails
 from sim.harness.shrinking.reduction import Reduction
 from sim.harness.shrinking.reductions import with_features
-from sim.wording import joined
+from sim.wording import error_text, joined
 from worlds.errors import WorldsError
 from worlds.spec import HouseSpec
 from worlds.validation import built_and_checked
@@ -188,7 +188,7 @@ def _row(scenario: Scenario, signature: Signature, substitution: Substitution, f
     except SimError as error:
         return BlameRow(substitution.name, "cannot be told", detail=f"the SLAM cannot run there: {error}")
     except USER_ERRORS as error:  # raised by the scenario or by any SLAM
-        return BlameRow(substitution.name, "cannot be told", detail=f"{type(error).__name__}: {error}")
+        return BlameRow(substitution.name, "cannot be told", detail=error_text(error))
 
 
 def _compared(substitution: Substitution, fails: Fails, signature: Signature) -> BlameRow:

@@ -86,9 +86,25 @@ class Invalid(OdometryOnly):
         return replace(claims, labels=np.full(len(claims.frames), 999))
 
 
+class Unspeakable(OdometryOnly):
+    """Raises an exception that fails to make its own text."""
+
+    class Error(Exception):
+        def __str__(self):
+            return self.missing
+
+    def finish(self):
+        raise self.Error
+
+
 @pytest.mark.parametrize(
     ("slam", "said"),
-    [(BrokenNow, "RuntimeError: not today"), (Quits, "SystemExit"), (Invalid, "labels has 999")],
+    [
+        (Unspeakable, "Error, whose text cannot be made: AttributeError"),
+        (BrokenNow, "RuntimeError: not today"),
+        (Quits, "SystemExit"),
+        (Invalid, "labels has 999"),
+    ],
     ids=lambda value: getattr(value, "__name__", ""),
 )
 def test_whatever_the_slam_does_wrong_fails_the_suite(slam, said):
