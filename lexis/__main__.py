@@ -12,17 +12,19 @@ INTERRUPTED = 130
 
 
 def run_program(module: str) -> int:
-    """Import a module, call its function `main`, and return the exit status. Ctrl-C prints one line and gives status 130.
-
-    If compiled code crashes, such as that of a SLAM under test, the traceback of the Python code that called it is printed.
-    """
-    if sys.__stderr__ is not None:  # it is None for a process that was started without one
-        faulthandler.enable(sys.__stderr__)
+    """Import a module, call its function `main`, and return the exit status. Ctrl-C prints one line and gives status 130."""
+    locate_crashes()
     try:
         return int(import_module(module).main())
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
+
+
+def locate_crashes() -> None:
+    """If compiled code crashes in this process, such as that of a SLAM under test, print the Python code that called it."""
+    if sys.__stderr__ is not None:  # it is None for a process that was started without one
+        faulthandler.enable(sys.__stderr__)
 
 
 def main() -> int:

@@ -148,6 +148,10 @@ def _terminated_as_interrupted() -> Iterator[None]:
         return
 
     def interrupt(number: int, frame: object) -> None:
+        import multiprocessing
+
+        for child in multiprocessing.active_children():  # which get Ctrl-C from the terminal, but SIGTERM from nobody
+            os.kill(child.pid or 0, signal.SIGINT)
         if not callable(signal.getsignal(signal.SIGINT)):  # Ctrl-C is ignored, as in the background of a shell
             raise KeyboardInterrupt
         signal.raise_signal(signal.SIGINT)

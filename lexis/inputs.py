@@ -131,9 +131,8 @@ def check_observation(
 def with_copied_geometry(observation: Observation) -> Observation:
     """Return the observation with copies of its pose, covariance and points, in double precision.
 
-    The rotation of the pose is made orthonormal to the last digits.
-
-    Its index and its stamp become numbers of Python, because JSON knows no numbers of numpy.
+    The rotation of the pose is made orthonormal to the last digits. The index and the stamp of the observation become
+    numbers of Python, because JSON knows no numbers of numpy.
 
     The copies are needed because the caller may reuse the original arrays. Images are not copied: LEXIS reads no pixel after
     the observation is processed. It keeps the observations of a few recent frames with their images, which the caller may

@@ -12,7 +12,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from lexis.__main__ import INTERRUPTED
+from lexis.__main__ import INTERRUPTED, locate_crashes
 
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "OMP_WAIT_POLICY": "PASSIVE", "GOMP_SPINCOUNT": "0"}
 
@@ -70,6 +70,7 @@ class _Pool(ProcessPoolExecutor):
 
 
 def _begin(start: Callable[..., Any] | None, arguments: tuple[Any, ...]) -> None:
+    locate_crashes()
     Thread(target=_end_with_parent, daemon=True).start()
     os.environ.update(ONE_THREAD)  # for libraries that are not loaded yet
     threadpool_limits(1)  # for libraries that are loaded already

@@ -24,7 +24,10 @@ def reworded(error: WorldsError, message: str) -> WorldsError:
 
 
 def check_number(name: str, value: object, low: float, high: float, meaning: str) -> None:
-    """Raise `WorldsError`, which names the argument, unless it is a number from `low` to `high`; `meaning` explains both."""
+    """Raise `WorldsError`, which names the argument, unless it is a number from `low` to `high`.
+
+    `meaning` explains the scale in the message.
+    """
     if isinstance(value, bool) or not isinstance(value, Real) or not low <= float(value) <= high:
         raise WorldsError(f"{name} is {value!r}; valid: {low:g} to {high:g} ({meaning})")
 

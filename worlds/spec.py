@@ -209,7 +209,7 @@ class AppearanceSpec(_Data):
     light: LightName = "day"
     seed: Seed | None = Field(
         default=None,
-        description="further seed of materials and colours, and of the look of doors and windows; absent: the house's",
+        description="seed of materials and colours, and of the look of doors and windows; absent: the house's",
     )
 
 

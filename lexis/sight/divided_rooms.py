@@ -1,8 +1,8 @@
 """Splits a room if its parts hardly see each other, for example two offices with a wall between them.
 
-A keyframe counts as seen as far as the visible space of another keyframe lies within `near_m` of it, even if a wall is
-between them. Keyframes close to a wall therefore connect two rooms of one label. Inside a room, each part has sight of the
-next one.
+How well a keyframe sees another one is the share of its visible space that lies within `near_m` of the other one, even if a
+wall is between them. Keyframes close to a wall therefore connect two rooms of one label. Inside a room, each part has sight
+of the next one.
 
 1. Find the bipartition of the room with the smallest normalised cut: the sight between the two parts, relative to all sight
    of either part (Shi and Malik, "Normalized Cuts and Image Segmentation", 2000).

@@ -123,8 +123,10 @@ def _try(
     run: Run, robot: Robot, belief: _Belief, start: str, goal: str, keyframes: Int[np.ndarray, "k"], rng: np.random.Generator
 ) -> Trial:
     planned = run.true_poses[keyframes][:, :3, 3] - [0.0, 0.0, run.session.tour.eye_height_m]
-    if start not in (begins := _labels_of(run, int(keyframes[0]))):
-        refusal = f"the plan was not driven: it begins in a {begins[0]} labelled {begins[1]}, and not in a {start}"
+    true, estimated = _labels_of(run, int(keyframes[0]))
+    if start not in (true, estimated):
+        named = "without a label" if estimated is None else f"labelled {estimated}"
+        refusal = f"the plan was not driven: it begins in a {true} {named}, and not in a {start}"
         return _failed(start, goal, refusal, planned)
     T_W_B = run.true_poses[keyframes[0]]
     pose = DeadReckoning(*_seen_from_above(belief.T_believed_true @ T_W_B), belief.drift, rng)
@@ -143,8 +145,8 @@ def _try(
 
 def _labels_of(run: Run, row: int) -> tuple[str, str | None]:
     """Return the true label of a frame's room, and the label that the SLAM gives to the room in which it puts the frame."""
-    rooms, named = run.estimate.rooms, run.estimate.named_rooms(run.room_names)
-    estimated = None if rooms is None or named is None else named.get(int(rooms[row]))
+    rooms, named = run.estimate.rooms, run.estimate.named_rooms(run.room_names) or {}
+    estimated = None if rooms is None else named.get(int(rooms[row]))
     return run.room_names[run.true_labels[row]], estimated
 
 

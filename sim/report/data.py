@@ -236,7 +236,7 @@ class ReportData:
 
     @property
     def failed(self) -> tuple[PlanPath, ...]:
-        """The driven plans whose goal was not reached. The report numbers them from 1 in this order."""
+        """The plans that did not reach their goal, driven or not. The report numbers them from 1 in this order."""
         return tuple(path for path in self.paths if not path.success)
 
     def __post_init__(self) -> None:

@@ -145,7 +145,8 @@ SECTIONS: dict[str, dict[str, Definition]] = {
         "success": Definition(
             "success",
             _SHARE,
-            "share of queries for which the robot ended in a room with the goal's label and touched nothing",
+            "share of queries whose plan begins in a room with the start's label, and after which the robot stood in a room "
+            "with the goal's label and had touched nothing",
         ),
         "spl": Definition(
             "SPL",

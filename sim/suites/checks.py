@@ -282,7 +282,7 @@ def _described(crash: Crash) -> str:
 
 
 def _withholds(estimate: Estimate, figure: str) -> bool:
-    """Return whether a SLAM does not estimate what a figure needs, or for too few frames."""
+    """Return whether a SLAM does not estimate what a figure needs, or estimates too few frames for it."""
     group = group_of(figure)
     field = "baseline_labels" if figure == "labels.accuracy_baseline" else _NEEDED_BY.get(group)
     if field is None:

@@ -49,7 +49,7 @@ class FalseLoops(NoChange):
 
 @dataclass(frozen=True, eq=False)
 class _Mistaken:
-    """A loop verifier that adds false loops to the loops of another verifier."""
+    """A loop verifier that adds false loops to those of another one; they replace true loops between the same frames."""
 
     verifier: Verifier
     mistakes: FalseLoops

@@ -93,6 +93,51 @@ def test_workers_that_are_still_starting_end_without_a_traceback_on_ctrl_c(tmp_p
     assert (done.stdout, done.stderr) == ("interrupted\n", "")
 
 
+TERMINATED = """
+import os, signal, sys, time
+from pathlib import Path
+
+from lexis.command_line import Parser, run_command
+from sim.processes import process_pool
+
+folder = Path(sys.argv[1])
+
+
+def work(number):
+    (folder / f"began-{number}").touch()
+    try:
+        time.sleep(60.0)
+    except KeyboardInterrupt:
+        (folder / f"interrupted-{number}").touch()
+        raise
+
+
+def begin(arguments):
+    with process_pool(2) as pool:
+        for number in range(2):
+            pool.submit(work, number)
+        while len(list(folder.glob("began-*"))) < 2:
+            time.sleep(0.01)
+        os.kill(os.getpid(), signal.SIGTERM)  # to this process alone, as CI systems do
+        time.sleep(60.0)
+
+
+if __name__ == "__main__":
+    parser = Parser()
+    parser.set_defaults(command=begin)
+    sys.exit(run_command(parser, [], ()))
+"""
+
+
+def test_sigterm_interrupts_the_work_of_all_processes(tmp_path):
+    """Ctrl-C comes to all processes of a terminal, and SIGTERM to one: the others have to be told."""
+    script = tmp_path / "terminated.py"
+    script.write_text(TERMINATED)
+    command = [sys.executable, script, tmp_path]
+    done = subprocess.run(command, capture_output=True, text=True, start_new_session=True, timeout=50)
+    assert done.returncode == 130 and len(list(tmp_path.glob("interrupted-*"))) == 2
+
+
 KILLED = """
 import os, time
 from sim.processes import process_pool

@@ -118,11 +118,12 @@ def _copy(spec: HouseSpec, top: StoreySpec) -> StoreySpec:
     Windows and furniture are filled in when the house is built, or left out if the top storey has none.
     """
     level = len(spec.storeys)
+    garages = {room.id for room in top.rooms if room.label == _GARAGE and room.id.startswith(_GARAGE)}
     rooms = [_upstairs(room) for room in top.rooms if room.label != "garden"]
     taken = {room.id for storey in spec.storeys for room in storey.rooms}
     names: dict[str, str] = {}
     for room in rooms:
-        names[room.id] = _new_name(_STORAGE if room.id.startswith(_GARAGE) else room.id, level, taken)
+        names[room.id] = _new_name(_STORAGE if room.id in garages else room.id, level, taken)
         taken.add(names[room.id])
     return StoreySpec(
         height_m=top.height_m,

@@ -86,17 +86,18 @@ def tables(arguments: argparse.Namespace) -> Iterator[Table]:
     references = References(ceiling_of(work) if work and (work / "frames").is_dir() else None, word_tree(ORB_LEVELS))
     seeds = TEST_SEEDS[arguments.seed : arguments.seed + arguments.houses]
     accuracy: dict[str, dict[str, Accuracy]] = {model: {} for model in models}
+    details: list[Table] = []
     for preset in arguments.presets:
         runs = list(measure(encoders, encoder_runs(preset, seeds, work and work / "test-frames"), references))
         for model, houses in zip(models, zip(*runs, strict=True), strict=True):
             accuracy[model][preset] = Accuracy(tuple(house.row.accuracy for house in houses))
-            yield from _of_preset(f"{preset}, encoder {model}", houses, arguments.worst)
+            details += _of_preset(f"{preset}, encoder {model}", houses, arguments.worst)
     rows = list(_timed_rows(accuracy, arguments))
     if arguments.csv:
         write_csv(rows, arguments.csv)
     if arguments.plot:
         draw_plot(rows, arguments.plot)
-    yield _table_one(rows)
+    yield from (*details, _table_one(rows))
 
 
 def _check(arguments: argparse.Namespace) -> None:

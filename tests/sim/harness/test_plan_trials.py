@@ -136,9 +136,10 @@ def test_a_plan_that_does_not_begin_in_its_start_fails(labels, left):
 
 
 def test_a_plan_may_begin_in_a_room_that_only_the_slam_or_only_the_truth_calls_its_start(labels):
-    """A SLAM with wrong labels is not blamed for plans as well, and one that knows better than its labels is not either."""
+    """A plan does not fail for wrong labels alone, which lower the figures of labels."""
     wrong = np.where(labels == labels[0], labels.max(), labels)
-    assert not [trial for trial in try_plans(run(SCENARIO, Planner(np.eye(4), wrong))) if "it begins in" in trial.refusal]
+    trials = try_plans(run(SCENARIO, Planner(np.eye(4), wrong)))
+    assert trials and not [trial for trial in trials if "it begins in" in trial.refusal]
 
 
 def test_a_map_that_has_diverged_gives_plans_that_nobody_drives_and_says_so(labels):

@@ -336,9 +336,14 @@ def test_tests_in_folders_of_failures_are_collected_only_by_name(pytester, inner
     inner("--lexis-out", out, "kept/failure").assert_outcomes(passed=1)
 
 
-@pytest.mark.parametrize(("body", "outcome"), [("pytest.skip('no GPU')", pytest.skip.Exception), ("pass", None)])
+@pytest.mark.parametrize(
+    ("body", "outcome"),
+    [("pytest.skip('no GPU')", pytest.skip.Exception), ("pass", None), ("if number: pytest.skip('no GPU')", None)],
+)
 def test_a_replay_in_which_the_test_is_skipped_does_not_count_as_passed(pytester, body, outcome):
-    pytester.makepyfile(test_own=f"import pytest\n\ndef test_own():\n    {body}\n")
+    pytester.makepyfile(
+        test_own=f"import pytest\n\n@pytest.mark.parametrize('number', [0, 1])\ndef test_own(number):\n    {body}\n"
+    )
     failure = pytester.mkdir("failure")
     Scenario().save(failure / "scenario.json")
     with nullcontext() if outcome is None else pytest.raises(outcome, match=r"nothing was replayed: .*no GPU"):
