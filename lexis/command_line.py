@@ -150,8 +150,9 @@ def _terminated_as_interrupted() -> Iterator[None]:
     def interrupt(number: int, frame: object) -> None:
         import multiprocessing
 
-        for child in multiprocessing.active_children():  # which get Ctrl-C from the terminal, but SIGTERM from nobody
-            os.kill(child.pid or 0, signal.SIGINT)
+        for child in multiprocessing.active_children():
+            if child.pid is not None:  # the terminal sends Ctrl-C to all processes, and nobody sends SIGTERM to these
+                os.kill(child.pid, signal.SIGINT)
         if not callable(signal.getsignal(signal.SIGINT)):  # Ctrl-C is ignored, as in the background of a shell
             raise KeyboardInterrupt
         signal.raise_signal(signal.SIGINT)
