@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Float64, Shaped
 
 from lexis.errors import LexisError, ObservationError, one_line
-from lexis.maths.se3 import is_rigid, orthonormal
+from lexis.maths.se3 import is_rigid
 from lexis.types import DESCRIPTOR_BYTES, Camera, Image, Observation, Percept
 
 MAX_ROOM_NAMES = 1000
@@ -131,15 +131,13 @@ def check_observation(
 def with_copied_geometry(observation: Observation) -> Observation:
     """Return the observation with copies of its pose, covariance and points, in double precision.
 
-    The rotation of the pose is made orthonormal to the last digits. The index and the stamp of the observation become
-    numbers of Python, because JSON knows no numbers of numpy.
+    Its index and its stamp become numbers of Python, because JSON knows no numbers of numpy.
 
     The copies are needed because the caller may reuse the original arrays. Images are not copied: LEXIS reads no pixel after
     the observation is processed. It keeps the observations of a few recent frames with their images, which the caller may
     overwrite (`lexis.keyframe_window`).
     """
-    T_O_B = orthonormal(observation.T_O_B.astype(np.float64))
-    covariance = observation.increment_covariance.astype(np.float64)
+    T_O_B, covariance = observation.T_O_B.astype(np.float64), observation.increment_covariance.astype(np.float64)
     index, stamp = int(observation.index), float(observation.stamp)
     return replace(observation, index=index, stamp=stamp, T_O_B=T_O_B, increment_covariance=covariance).with_images(
         replace(image, points=image.points.copy()) if isinstance(image, Percept) else image for image in observation.images

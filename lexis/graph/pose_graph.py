@@ -152,7 +152,7 @@ class PoseGraph:
         the keyframe `place.beside`, at the given relative pose. The caller must then add the loop edges that connect it,
         because the optimiser knows no other relation.
         """
-        T_W_B, covariance = keyframe.T_O_B, keyframe.step_covariance
+        T_W_B, covariance = orthonormal(keyframe.T_O_B), keyframe.step_covariance
         if self._optimiser is None or keyframe.session != self.keyframes[-1].session:
             component = keyframe.session
             if place is not None:
