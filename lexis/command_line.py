@@ -120,32 +120,35 @@ def interrupted_later() -> Iterator[threading.Event]:
     A second Ctrl-C interrupts at once. Where Ctrl-C is not handled as usual, as in a thread or under nohup, nothing changes.
     """
     pressed = threading.Event()
-    usual = signal.getsignal(signal.SIGINT)
-    if usual is not signal.default_int_handler or threading.current_thread() is not threading.main_thread():
-        yield pressed
-        return
 
     def note(number: int, frame: object) -> None:
-        signal.signal(signal.SIGINT, usual)
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         pressed.set()
 
-    signal.signal(signal.SIGINT, note)
-    try:
+    with _handled(signal.SIGINT, signal.default_int_handler, note):
         yield pressed
+
+
+@contextmanager
+def _handled(number: int, usual: object, handler: Callable[[int, Any], None]) -> Iterator[None]:
+    """Handle a signal by `handler` while the block runs.
+
+    Nothing changes outside of the main thread, and where the signal is not handled as `usual`.
+    """
+    before = signal.getsignal(number)
+    if before is not usual or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    signal.signal(number, handler)
+    try:
+        yield
     finally:
-        signal.signal(signal.SIGINT, usual)
+        signal.signal(number, before)
 
 
 @contextmanager
 def _terminated_as_interrupted() -> Iterator[None]:
-    """While the block runs, let SIGTERM act as Ctrl-C: a CI system sends it to a job that takes too long.
-
-    Nothing changes outside of the main thread, and where SIGTERM is not handled as usual.
-    """
-    usual = signal.getsignal(signal.SIGTERM)
-    if usual is not signal.SIG_DFL or threading.current_thread() is not threading.main_thread():
-        yield
-        return
+    """While the block runs, let SIGTERM act as Ctrl-C: a CI system sends it to a job that takes too long."""
 
     def interrupt(number: int, frame: object) -> None:
         import multiprocessing
@@ -157,11 +160,8 @@ def _terminated_as_interrupted() -> Iterator[None]:
             raise KeyboardInterrupt
         signal.raise_signal(signal.SIGINT)
 
-    signal.signal(signal.SIGTERM, interrupt)
-    try:
+    with _handled(signal.SIGTERM, signal.SIG_DFL, interrupt):
         yield
-    finally:
-        signal.signal(signal.SIGTERM, usual)
 
 
 def _run_and_flush(parser: Parser, argv: Sequence[str] | None) -> int:

@@ -500,15 +500,20 @@ def test_a_run_that_ends_early_leaves_an_earlier_map_and_saves_its_part_beside_i
         assert told in capsys.readouterr().err.splitlines()
 
 
-def test_ctrl_c_ends_a_run_after_the_present_image_and_leaves_the_map_until_then(dataset, tmp_path, capsys, monkeypatch):
+def signal_at_image_59(monkeypatch, number):
+    """Let LEXIS get a signal while it processes the image 59."""
     process = Slam.process
 
-    def interrupted(slam, observation):
+    def signalled(slam, observation):
         if observation.index == 59:
-            os.kill(os.getpid(), signal.SIGINT)
+            os.kill(os.getpid(), number)
         process(slam, observation)
 
-    monkeypatch.setattr(Slam, "process", interrupted)
+    monkeypatch.setattr(Slam, "process", signalled)
+
+
+def test_ctrl_c_ends_a_run_after_the_present_image_and_leaves_the_map_until_then(dataset, tmp_path, capsys, monkeypatch):
+    signal_at_image_59(monkeypatch, signal.SIGINT)
     out = tmp_path / "map"
     assert cli.main(["run", str(dataset), "--rooms", "kitchen, office", "-o", str(out)]) == 130
     told = f"lexis: the run ended early; {out} holds the map until then, 12 keyframes\ninterrupted\n"
@@ -519,14 +524,7 @@ def test_ctrl_c_ends_a_run_after_the_present_image_and_leaves_the_map_until_then
 
 @pytest.mark.parametrize("handler", [signal.default_int_handler, signal.SIG_IGN], ids=["usual", "ignored"])
 def test_sigterm_ends_a_run_as_ctrl_c_does_even_where_ctrl_c_is_ignored(dataset, tmp_path, capsys, monkeypatch, handler):
-    process = Slam.process
-
-    def terminated(slam, observation):
-        if observation.index == 59:
-            os.kill(os.getpid(), signal.SIGTERM)
-        process(slam, observation)
-
-    monkeypatch.setattr(Slam, "process", terminated)
+    signal_at_image_59(monkeypatch, signal.SIGTERM)
     out, before = tmp_path / "map", signal.signal(signal.SIGINT, handler)
     try:
         command = ["run", str(dataset), "--rooms", "kitchen, office", "--save-every", "3", "-o", str(out)]
