@@ -2,7 +2,8 @@
 
 import argparse
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -225,7 +226,8 @@ def scenario_of_arguments(arguments: argparse.Namespace) -> "Scenario":
             raise SimError(f"{option} is given beside --scenario; valid: one of the two, since the file says all of a run")
         scenario = Scenario.load(arguments.scenario)
         if scenario.house is not None:
-            _check_house(scenario.house, arguments.scenario)
+            with naming(arguments.scenario):
+                built_and_checked(scenario.house)
         return scenario
     fidelity: Fidelity = arguments.fidelity or "render"
     if arguments.feature_model is not None and fidelity != "features":
@@ -251,17 +253,19 @@ def add_tour(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--start-manoeuvre", action="store_true", help=START_HELP)
 
 
-def _house(file: Path) -> HouseSpec:
-    """Read a house, and check it before the run, so that messages about its geometry begin with the name of the file."""
+def checked_house(file: Path) -> HouseSpec:
+    """Read a house. Raises `WorldsError`, which names the file, if it cannot be built, or if it breaks a rule of houses."""
     spec = HouseSpec.load(file)
-    _check_house(spec, file)
+    with naming(file):
+        built_and_checked(spec)
     return spec
 
 
-def _check_house(spec: HouseSpec, file: Path) -> None:
-    """Raise `WorldsError` that begins with the name of the file if the house cannot be built, or breaks a rule of houses."""
+@contextmanager
+def naming(file: Path) -> Iterator[None]:
+    """Let the message of a `WorldsError` in the block begin with the name of the file that holds the house."""
     try:
-        built_and_checked(spec)
+        yield
     except WorldsError as error:
         raise reworded(error, f"{file}: {error}") from None
 
@@ -271,7 +275,7 @@ def walk_options(arguments: argparse.Namespace) -> dict[str, Any]:
     return {
         "preset": arguments.preset,
         "seed": arguments.seed,
-        "house": _house(arguments.house) if arguments.house else None,
+        "house": checked_house(arguments.house) if arguments.house else None,
         "tour_kind": _TOURS[arguments.tour],
         "length_m": arguments.length,
         "reverse": arguments.reverse,

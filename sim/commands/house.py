@@ -10,7 +10,7 @@ from lexis.command_line import MAX_LINE, Commands, positive
 from lexis.errors import one_line
 from lexis.files.replace import replaced_file
 from sim.commands.action import Action, add_actions
-from sim.commands.arguments import SEED, argument, out_file
+from sim.commands.arguments import SEED, argument, naming, out_file
 from sim.commands.house_action import FILE, describe
 from sim.commands.house_check import CHECK, PROVE
 from sim.commands.house_make import GENERATE, IMPORT, VARIANT
@@ -18,7 +18,6 @@ from sim.errors import SimError
 from sim.house_files import MODELS, PLANS, Writer, writer_for
 from sim.output_files import check_ending, check_not_input
 from sim.wording import counted
-from worlds.errors import WorldsError
 from worlds.house import House, build_house
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec, json_schema
@@ -56,10 +55,8 @@ def _write(arguments: argparse.Namespace, writers: Mapping[str, Writer], checked
 def _built(file: Path, checked: bool = False) -> House:
     """Build the house of a file. A note names the first rule that it breaks; with `checked`, `WorldsError` is raised."""
     spec = HouseSpec.load(file)
-    try:
+    with naming(file):
         house = built_and_checked(spec) if checked else build_house(spec)
-    except WorldsError as error:
-        raise WorldsError(f"{file}: {error}") from None
     if not checked and (problem := next(problems(house), None)) is not None:
         print(one_line(f"note: the house is not valid: {problem}", MAX_LINE), file=sys.stderr)
     return house

@@ -6,13 +6,12 @@ from typing import get_args
 
 from lexis.command_line import seed
 from sim.commands.action import Action
-from sim.commands.arguments import PRESET_HELP, SEED, argument, number, out_file
+from sim.commands.arguments import PRESET_HELP, SEED, argument, checked_house, number, out_file
 from sim.commands.house_action import FILE, write_checked
 from sim.errors import SimError
 from sim.output_files import check_not_input
 from worlds.presets import sample_from_rooms, sample_house
 from worlds.spec import AppearanceSpec, HouseSpec
-from worlds.validation import built_and_checked
 
 _DEFAULT_PRESET = "home"
 _OUT = out_file("FILE.json")
@@ -50,7 +49,7 @@ def _variant(arguments: argparse.Namespace) -> int:
     from worlds.variant import explicit, variant
 
     check_not_input(arguments.out, arguments.file)
-    spec = built_and_checked(HouseSpec.load(arguments.file)).spec
+    spec = checked_house(arguments.file)
     changed = variant(
         spec,
         openness=arguments.openness,
