@@ -257,11 +257,10 @@ def _check_loops(loops: object) -> None:
         row = wrong[0]
         pair = f"query {loops.query[row]} and match {loops.match[row]} in row {row}"
         raise EstimateError(f"estimate: loops has {pair}; valid: a query that is later than its match")
-    rows_of: dict[tuple[int, int], int] = {}
-    for row, (query, match) in enumerate(zip(loops.query.tolist(), loops.match.tolist(), strict=True)):
-        if (first := rows_of.setdefault((query, match), row)) != row:
-            pair = f"the pair of query {query} and match {match} in rows {first} and {row}"
-            raise EstimateError(f"estimate: loops has {pair}; valid: each pair once")
+    if (repeated := repeated_pair(loops.query, loops.match)) is not None:
+        first, row = repeated
+        pair = f"the pair of query {loops.query[row]} and match {loops.match[row]} in rows {first} and {row}"
+        raise EstimateError(f"estimate: loops has {pair}; valid: each pair once")
     _check_rows("loops.T_match_query", loops.T_match_query, n, "fiu", (4, 4))
     _check_rigid("loops.T_match_query", loops.T_match_query)
     if loops.weights is not None:
@@ -269,6 +268,15 @@ def _check_loops(loops: object) -> None:
         if n and not 0.0 <= loops.weights.min() <= loops.weights.max() <= 1.0:
             found = f"{loops.weights.min():g} to {loops.weights.max():g}"
             raise EstimateError(f"estimate: loops.weights are {found}; valid: numbers in [0, 1]")
+
+
+def repeated_pair(query: Integer[np.ndarray, "m"], match: Integer[np.ndarray, "m"]) -> tuple[int, int] | None:
+    """Return the rows of the first two loops between the same frames; None without any."""
+    rows: dict[tuple[int, int], int] = {}
+    for row, pair in enumerate(zip(query.tolist(), match.tolist(), strict=True)):
+        if (first := rows.setdefault(pair, row)) != row:
+            return first, row
+    return None
 
 
 def _check_rigid(name: str, motions: Float64[np.ndarray, "n 4 4"]) -> None:

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from lexis.files.reading import FileKind, read_model
 from lexis.maths.quaternions import poses_of
 from sim.errors import SimError
-from sim.harness.estimate import EstimatedLoops
+from sim.harness.estimate import EstimatedLoops, repeated_pair
 
 LOOPS = "loops.json"
 """File with loop closures and candidates; see `LoopFile`."""
@@ -75,7 +75,9 @@ def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
     rows = np.array([loop.T_match_query for loop in file.loops], float).reshape(-1, 7)
     _check(file.loops, (query <= match) & (query >= 0), np.linalg.norm(rows[:, 3:], axis=1))
     walked, weights = (query >= 0) & (match >= 0), _weights(file.loops)
-    _check_once(file.loops, np.where(walked, query, -1), match)
+    if (repeated := repeated_pair(query[walked], match[walked])) is not None:
+        again = file.loops[np.flatnonzero(walked)[repeated[1]]]
+        raise SimError(f"{_place(again)} is a second entry for one pair of frames; valid: each pair once")
     chosen = None if weights is None else weights[walked]
     fields: dict[str, Any] = {"loops": EstimatedLoops(query[walked], match[walked], poses_of(rows[walked]), chosen)}
     if file.candidates is not None:
@@ -110,15 +112,6 @@ def _weights(loops: Sequence[LoopEntry]) -> Float64[np.ndarray, "m"] | None:
 
 def _place(loop: LoopEntry) -> str:
     return f"{LOOPS}: the loop from {loop.query:.6f} to {loop.match:.6f} s"
-
-
-def _check_once(loops: Sequence[LoopEntry], query: Int[np.ndarray, "m"], match: Int[np.ndarray, "m"]) -> None:
-    """Raise `SimError` for a second loop between the same two frames. Loops whose query is -1 are left out."""
-    pairs: set[tuple[int, int]] = set()
-    for loop, pair in zip(loops, zip(query.tolist(), match.tolist(), strict=True), strict=True):
-        if pair in pairs and pair[0] >= 0:
-            raise SimError(f"{_place(loop)} is a second entry for one pair of frames; valid: each pair once")
-        pairs.add(pair)
 
 
 def _check(loops: Sequence[LoopEntry], not_earlier: Bool[np.ndarray, "m"], norms: Float64[np.ndarray, "m"]) -> None:

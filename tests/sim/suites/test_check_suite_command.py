@@ -119,14 +119,20 @@ def test_results_are_written_even_if_the_reader_of_the_output_goes_away(tmp_path
     assert len(load_results(tmp_path / "all.json")) == 2
 
 
-def test_results_before_ctrl_c_are_written_and_told(tmp_path, capsys, monkeypatch):
-    def interrupted(job, new_slam):
+def end_at_second_scenario(monkeypatch, error):
+    """Let a suite of two scenarios end by an exception in the second one."""
+
+    def ending(job, new_slam):
         if job.number == 1:
-            raise KeyboardInterrupt
+            raise error
         return examine(job, new_slam)
 
     monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": FLAT})
-    monkeypatch.setattr("sim.suites.examination.examine", interrupted)
+    monkeypatch.setattr("sim.suites.examination.examine", ending)
+
+
+def test_results_before_ctrl_c_are_written_and_told(tmp_path, capsys, monkeypatch):
+    end_at_second_scenario(monkeypatch, KeyboardInterrupt())
     assert main(["check", "--suite", "flat", "--workers", "1", *ODOMETRY, "--json", str(tmp_path / "all.json")]) == 130
     printed = capsys.readouterr()
     assert "1 of 2 scenarios were examined" in printed.out
@@ -137,13 +143,7 @@ def test_results_before_ctrl_c_are_written_and_told(tmp_path, capsys, monkeypatc
 
 
 def test_results_before_an_error_are_written_and_told(tmp_path, capsys, monkeypatch):
-    def full(job, new_slam):
-        if job.number == 1:
-            raise SimError("recording: cannot be written: No space left on device")
-        return examine(job, new_slam)
-
-    monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": FLAT})
-    monkeypatch.setattr("sim.suites.examination.examine", full)
+    end_at_second_scenario(monkeypatch, SimError("recording: cannot be written: No space left on device"))
     assert main(["check", "--suite", "flat", "--workers", "1", *ODOMETRY, "--json", str(tmp_path / "all.json")]) == 2
     printed = capsys.readouterr()
     assert "1 of 2 scenarios were examined" in printed.out
