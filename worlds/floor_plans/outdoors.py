@@ -46,6 +46,7 @@ def add_outdoors(
     depth, edge, first = shell.depths.south, shell.edge("south"), 0
     open_bands = ("south", "west", "east") if shell.depths.cross else ("south", "north 0", "north 1", "north 2")
     backs = [(p, host) for p, host in zip(placed, hosts, strict=True) if p.band in open_bands]
+    end = max((p.start + p.width + p.wrap for p, _ in backs if p.band == "south"), default=0)
     if programme.balcony:
         backs.sort(key=lambda pair: _balcony_rank(pair, programme.garden))
         p, host = backs[0]
@@ -59,14 +60,13 @@ def add_outdoors(
             first = wide
         out, away = shell.depths.of(p.band), int(rng.integers(140, 191))
         place = shell.edge(p.band).rect(start, out, start + wide, out + away)
-        if first and max(q.start + q.width + q.wrap for q, _ in backs if q.band == "south") - first < _LEAST_GARDEN:
+        if first and end - first < _LEAST_GARDEN:
             # The south is too short for both. The balcony moves to the west end of the spine, where nothing else stands.
             first, place = 0, (-away, 0, 0, shell.depths.spine)
         balcony = draft.add("balcony", [place])
         draft.link(_way_out(draft, balcony, host), balcony)
     if programme.garden:
         south = [(p, host) for p, host in backs if p.band == "south"]
-        end = max(p.start + p.width + p.wrap for p, _ in south)
         garden = draft.add("garden", [edge.rect(first, depth, end, depth + int(rng.integers(360, 461)))])
         ranked = sorted(south, key=lambda pair: _balcony_rank(pair, False))
         best = [host for p, host in ranked if p.bay.labels[0] in _LEADING_OUTSIDE[:3]] or [host for _, host in ranked]

@@ -118,25 +118,26 @@ def _copy(spec: HouseSpec, top: StoreySpec) -> StoreySpec:
     Windows and furniture are filled in when the house is built, or left out if the top storey has none.
     """
     level = len(spec.storeys)
-    garages = {room.id for room in top.rooms if room.label == _GARAGE and room.id.startswith(_GARAGE)}
-    rooms = [_upstairs(room) for room in top.rooms if room.label != "garden"]
+    rooms = [room for room in top.rooms if room.label != "garden"]
     taken = {room.id for storey in spec.storeys for room in storey.rooms}
     names: dict[str, str] = {}
     for room in rooms:
-        names[room.id] = _new_name(_STORAGE if room.id in garages else room.id, level, taken)
+        is_named_so = room.label == _GARAGE and room.id.startswith(_GARAGE)
+        names[room.id] = _new_name(_STORAGE if is_named_so else room.id, level, taken)
         taken.add(names[room.id])
     return StoreySpec(
         height_m=top.height_m,
-        rooms=tuple(r.model_copy(update={"id": names[r.id], "seed": _new_seed(r.seed, level)}) for r in rooms),
+        rooms=tuple(_copied(room, names[room.id], level) for room in rooms),
         openings=tuple(_renamed(opening, names) for opening in top.openings if set(opening.rooms) <= set(names)),
         windows=() if top.windows == () else None,
         furniture=() if top.furniture == () else None,
     )
 
 
-def _upstairs(room: RoomSpec) -> RoomSpec:
-    """Return the room with the label that it has on an upper storey; a pantry may be reached through it, so it stays."""
-    return room.model_copy(update={"label": _STORAGE}) if room.label == _GARAGE else room
+def _copied(room: RoomSpec, name: str, level: int) -> RoomSpec:
+    """Return the copy of a room on a storey. A garage becomes a storage room, because a pantry may be reached through it."""
+    label = _STORAGE if room.label == _GARAGE else room.label
+    return room.model_copy(update={"id": name, "label": label, "seed": _new_seed(room.seed, level)})
 
 
 def _new_name(name: str, level: int, taken: set[str]) -> str:

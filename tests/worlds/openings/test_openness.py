@@ -50,7 +50,7 @@ def test_openness_is_the_share_of_the_wall_that_is_gap(gap, share):
 
 @pytest.mark.parametrize(("preset", "seed"), [("home", 2), ("apartment", 10), ("random", 2)])
 def test_no_house_and_no_boundary_is_more_than_open(preset, seed):
-    """By rounding alone, these houses had an openness of 1 + 2e-16."""
+    """Rounding errors must not lift the openness above 1, as they did in these houses."""
     spec = sample_house(preset, seed, openness=1.0)
     assert max(openness_of(spec), openness(build_house(spec)), *boundary_openness(build_house(spec)).values()) <= 1.0
 
