@@ -148,6 +148,10 @@ class SightConfig(Settings, place="sight", error=ConfigError):
     merge_log_odds: Annotated[float, Ge(0)] = 2.5
     """Two rooms merge only if in both of them, the mean log odds of the room's own label over the label of the other room
     are below this."""
+    alcove_log_odds: Annotated[float, Ge(0)] = 4.5
+    """The limit in place of `merge_log_odds` for a room that has an alcove, when the two merge. An alcove is a room that the
+    path leaves into one other room only, except through doorways; its own limit is `merge_log_odds`. If `alcove_log_odds` is
+    not larger than `merge_log_odds`, alcoves are like all rooms."""
 
 
 @dataclass(frozen=True)

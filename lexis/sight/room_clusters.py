@@ -71,8 +71,10 @@ def cluster_by_sight(
     rooms = split_divided(rooms, floors != NO_FLOOR, positions, tied, past_passages, config)
     if not correct:
         return rooms, labels
+    steps = consecutive_pairs(sessions)
+    open_steps = steps[~crossed(passages, floors, positions, steps)]
     rooms, labels = _absorbed(rooms, labels, floors, seen_by, config.min_keyframes)
-    return merge_alike(rooms, labels, floors, probabilities, tied, config)
+    return merge_alike(rooms, labels, floors, probabilities, tied, open_steps, config)
 
 
 def _weakened(tied: csr_array, passages: Passages, floors: PerKeyframe, positions: Positions, weight: float) -> csr_array:

@@ -43,9 +43,9 @@ ROOM_MUTANTS = (
         "the keyframes of absorbed and merged rooms keep their labels",
         "sight/room_clusters.py",
         "    rooms, labels = _absorbed(rooms, labels, floors, seen_by, config.min_keyframes)\n"
-        "    return merge_alike(rooms, labels, floors, probabilities, tied, config)",
+        "    return merge_alike(rooms, labels, floors, probabilities, tied, open_steps, config)",
         "    rooms, absorbed = _absorbed(rooms, labels, floors, seen_by, config.min_keyframes)\n"
-        "    return merge_alike(rooms, absorbed, floors, probabilities, tied, config)[0], labels",
+        "    return merge_alike(rooms, absorbed, floors, probabilities, tied, open_steps, config)[0], labels",
     ),
     Mutant(
         "a cut through a room is not multiplied by the length of the room",
@@ -74,8 +74,8 @@ ROOM_MUTANTS = (
     Mutant(
         "rooms merge if the images of one of them are hard to tell apart",
         "sight/alike_rooms.py",
-        "np.maximum(odds, odds.T)",
-        "np.minimum(odds, odds.T)",
+        "(unclear & unclear.T)",
+        "(unclear | unclear.T)",
     ),
     Mutant(
         "a merged room gets the less likely label",
@@ -86,7 +86,7 @@ ROOM_MUTANTS = (
     Mutant(
         "the sight of a merged room is that of one of its parts",
         "sight/alike_rooms.py",
-        "        sight[kept] += sight[merged]\n        sight[:, kept] += sight[:, merged]\n",
+        "            between[kept] += between[merged]\n            between[:, kept] += between[:, merged]\n",
         "",
     ),
     Mutant(
