@@ -5,10 +5,10 @@ images from both sides show both of its sides.
 
 1. Divide each floor into cells. A cell is occupied if many of the views that reach it see a landmark in it, at about the
    height of the camera (`lexis.sight.cells`). Lower furniture narrows a path, but is no wall.
-2. At places on the steps from one keyframe to the next, measure how wide the free space is, in several directions: from the
-   occupied cell on one side to the one on the other side.
-3. The narrowest place of a step is a passage if it is at most `passage_m` wide and lies across the step. The passage is a
-   line on the plan: what is on one side of it sees the other side only through the passage.
+2. At places on the steps from one keyframe to the next, measure how wide the free space is, in several directions across the
+   step: from the occupied cell on one side to the one on the other side.
+3. Where the path goes through space that is at most `passage_m` wide, the middle of the narrowest places is a passage. The
+   passage is a line on the plan: what is on one side of it sees the other side only through the passage.
 
 The result does not depend on the frame W: the cells are aligned with the path.
 """
@@ -36,6 +36,8 @@ _ACROSS = 0.6
 """A passage lies across the step: the cosine of the angle between them is at most this, which is an angle of 53 degrees."""
 _STRIDE_M = CELL_M / 2
 """Distance between the positions at which one looks for an occupied cell [m]."""
+_GAP_M = 0.3
+"""Places on the path that are farther apart than this belong to two passages [m]."""
 _WALKED_M = 0.2
 """Space within this distance of a step is free [m], because the robot itself has passed there."""
 _OCCUPIED_SHARE = 0.5
@@ -165,14 +167,37 @@ def _on_floor(
     ahead /= np.linalg.norm(ahead, axis=1, keepdims=True)
     widths[np.abs(ahead @ left.T)[step] > _ACROSS] = np.inf
     direction, width = rounded(widths).argmin(axis=1), rounded(widths.min(axis=1))
-    narrowest = np.lexsort((width, step))[np.searchsorted(step, np.arange(len(steps)))]
-    narrowest = narrowest[width[narrowest] <= widest_m]
-    direction = direction[narrowest]
+    narrow = np.flatnonzero(width <= widest_m)
+    if not len(narrow):
+        return np.zeros((0, 2, 2))
+    middle = narrow[_middles(places[narrow], steps[step[narrow], 0], width[narrow])]
+    direction = direction[middle]
     ends = [
-        places[narrowest] + left[direction] * free[narrowest, direction, None],
-        places[narrowest] - left[direction] * free[narrowest, direction + _DIRECTIONS, None],
+        places[middle] + left[direction] * free[middle, direction, None],
+        places[middle] - left[direction] * free[middle, direction + _DIRECTIONS, None],
     ]
     return np.asarray(np.stack(ends, axis=1) @ axes + origin)
+
+
+def _middles(
+    places: PlanPositions, step: Int[np.ndarray, "m"], widths: Float64[np.ndarray, "m"]
+) -> Int[np.ndarray, "passages"]:
+    """Return the index of one place for each passage: the one closest to the middle of the narrowest places.
+
+    Args:
+        places: the narrow places, in the order of the path.
+        step: the first keyframe of the step that each place is on.
+        widths: width of the free space at each place [m].
+    """
+    apart = (rounded(np.linalg.norm(np.diff(places, axis=0), axis=1)) > _GAP_M) | (np.diff(step) > 1)
+    passage = np.append(0, np.cumsum(apart))
+    starts = np.flatnonzero(np.diff(passage, prepend=-1))
+    narrowest = np.flatnonzero(widths == np.minimum.reduceat(widths, starts)[passage])
+    passage = passage[narrowest]
+    sums = np.stack([np.bincount(passage, places[narrowest, axis]) for axis in (0, 1)], axis=1)
+    middles = sums / np.bincount(passage)[:, None]
+    distances = rounded(np.linalg.norm(places[narrowest] - middles[passage], axis=1))
+    return np.asarray(narrowest[np.lexsort((distances, passage))[np.searchsorted(passage, np.arange(len(starts)))]])
 
 
 def _own_frame(path: PlanPositions) -> tuple[Float64[np.ndarray, "2"], Float64[np.ndarray, "2 2"]]:
