@@ -27,8 +27,8 @@ WIDEST_M = SightConfig().passage_m
 def corridor(half_door_m=HALF_DOOR_M, seed=0, first_m=0.5):
     """Two corridors in a row with a door between them, from x = 0 to `LENGTH_M`, walked to and fro.
 
-    The first keyframe is at x = `first_m`. Returns the poses of the keyframes, whose z axis points upwards, and what the camera, which looks along the x axis of the
-    body, sees of the walls.
+    The first keyframe is at x = `first_m`. Returns the poses of the keyframes, whose z axis points upwards, and what the
+    camera, which looks along the x axis of the body, sees of the walls.
     """
     walls = shapely.union_all(
         [

@@ -2,12 +2,14 @@
 
 import gc
 import threading
+import time
 
 import numpy as np
 import pytest
 from helpers.viewpoints import viewpoints
 
 from sim.render.camera import CameraRenderer, fovy_deg, wide_camera
+from sim.render.gl_context import GlContext
 from sim.render.scene import build_scene
 from worlds.house import build_house
 from worlds.presets import sample_house
@@ -92,3 +94,22 @@ def test_a_renderer_may_end_in_another_thread_than_the_one_that_renders(thread, 
         box[0].close()
     box.clear()
     gc.collect()
+
+
+def test_only_one_thread_draws_at_a_time(scene):
+    events = []
+    first, second = GlContext(scene.model), GlContext(scene.model)
+
+    def draw_in_second():
+        with second.as_current():
+            events.append("second begins")
+
+    with first.as_current():
+        other = threading.Thread(target=draw_in_second)
+        other.start()
+        time.sleep(0.05)  # without a lock, the other thread begins in this time
+        events.append("first ends")
+    other.join()
+    assert events == ["first ends", "second begins"]
+    for context in (first, second):
+        context.close()
