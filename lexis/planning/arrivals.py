@@ -9,6 +9,11 @@ keyframe is therefore surely inside its room if three conditions hold:
 2. The images are sure of the label: its probability (`LexisMap.probabilities`) is at least `SURE`.
 3. The evidence at the keyframe (`lexis.planning.evidence`) is at least the share `CLEAR` of the evidence at the innermost
    keyframe of any room with the label.
+
+At a doorway, the boundary is known exactly. A robot is therefore also surely inside behind a doorway: all keyframes with
+other labels within `INSIDE_M` are on the other side of narrow passages (`lexis.sight.passages`), from which the keyframe is
+at least `BEHIND_DOORWAY_M` away. The probability of the label then has to be `SURE_BEHIND_DOORWAY` only, and the evidence
+does not count, because half of the images still show the other room.
 """
 
 import numpy as np
@@ -17,6 +22,7 @@ from scipy.spatial import cKDTree
 
 from lexis.maths.ties import rounded
 from lexis.planning.evidence import evidence_at
+from lexis.sight.passages import Passages, distances_from_crossed
 from lexis.types import LexisMap, RoomInstance
 
 INSIDE_M = 0.9
@@ -27,23 +33,41 @@ end first, in front of an open boundary, some images are wrong and still quite s
 paths end at the innermost keyframe."""
 CLEAR = 0.45
 """Least evidence at a keyframe that is surely inside its room, as a share of the largest evidence of rooms of its label.
-Just behind a door or an open boundary, about half of the images still show the other room, and the share is lower."""
+Just behind an open boundary, about half of the images still show the other room, and the share is lower."""
+BEHIND_DOORWAY_M = 0.5
+"""Least distance from a doorway of a keyframe that is surely inside its room behind this doorway [m]."""
+SURE_BEHIND_DOORWAY = 0.95
+"""The probability in place of `SURE` behind a doorway."""
 
 
-def surely_inside(map: LexisMap, room: RoomInstance, most_evidence: float) -> Int[np.ndarray, "k"]:
+def surely_inside(map: LexisMap, room: RoomInstance, most_evidence: float, doorways: Passages) -> Int[np.ndarray, "k"]:
     """Return the ids of the keyframes of a room at which a robot is surely inside the room, ascending; there may be none.
 
     Args:
         map: the map.
         room: the room.
         most_evidence: the largest evidence at the innermost keyframe of any room with the label.
+        doorways: the narrow passages of the map.
     """
     own, label = np.array(room.keyframes), map.room_names.index(room.label)
-    own = own[_is_deep(map, own, label) & (rounded(map.probabilities[own, label]) >= SURE)]
-    return np.asarray(own[evidence_at(map, room.label, own) >= CLEAR * most_evidence]) if len(own) else own
+    deep, behind = _depth(map, own, label, doorways)
+    probability = rounded(map.probabilities[own, label])
+    likely = (deep & (probability >= SURE)) | (behind & (probability >= SURE_BEHIND_DOORWAY))
+    own, behind = own[likely], behind[likely]
+    return np.asarray(own[behind | (evidence_at(map, room.label, own) >= CLEAR * most_evidence)]) if len(own) else own
 
 
-def _is_deep(map: LexisMap, keyframes: Int[np.ndarray, "k"], label: int) -> Bool[np.ndarray, "k"]:
-    positions = map.T_W_B[:, :3, 3]
-    distances = cKDTree(positions[map.labels != label]).query(positions[keyframes], distance_upper_bound=2.0 * INSIDE_M)[0]
-    return np.asarray(rounded(np.minimum(distances, 2.0 * INSIDE_M)) >= INSIDE_M)
+def _depth(
+    map: LexisMap, keyframes: Int[np.ndarray, "k"], label: int, doorways: Passages
+) -> tuple[Bool[np.ndarray, "k"], Bool[np.ndarray, "k"]]:
+    """Return which keyframes are far from all keyframes with other labels, and which others are well behind a doorway."""
+    positions, others = map.T_W_B[:, :3, 3], np.flatnonzero(map.labels != label)
+    near = cKDTree(positions[others]).query_ball_point(positions[keyframes], INSIDE_M)
+    index = np.repeat(np.arange(len(keyframes)), [len(each) for each in near])
+    pairs = np.stack([keyframes[index], others[np.concatenate([np.zeros(0, int), *near]).astype(int)]], axis=1)
+    closer = rounded(np.linalg.norm(positions[pairs[:, 0]] - positions[pairs[:, 1]], axis=1)) < INSIDE_M
+    index, pairs = index[closer], pairs[closer]
+    beyond = rounded(distances_from_crossed(doorways, map.floors, positions, pairs))
+    divided = np.isfinite(beyond) & (beyond >= BEHIND_DOORWAY_M)
+    shallow = np.isin(np.arange(len(keyframes)), index)
+    return ~shallow, shallow & ~np.isin(np.arange(len(keyframes)), index[~divided])

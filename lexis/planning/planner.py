@@ -16,7 +16,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
-from lexis.config import PlannerConfig
+from lexis.config import PlannerConfig, SightConfig
 from lexis.errors import PlanError
 from lexis.graph.walked_steps import walked_steps
 from lexis.planning.arrivals import surely_inside
@@ -24,6 +24,7 @@ from lexis.planning.connections import as_graph, lengths_of, unwalked_steps
 from lexis.planning.path_ends import PathEnd, clear_ends, path_end
 from lexis.planning.shortcuts import chunks, points_between
 from lexis.room_names import find_rooms, instance_names, no_such_room
+from lexis.sight.passages import Passages, passages_in
 from lexis.types import LexisMap, Pairs, RoomInstance
 
 
@@ -123,8 +124,12 @@ class PathPlanner:
     def _surely_inside(self, room: RoomInstance) -> Int[np.ndarray, "k"]:
         if room.id not in self._inside:
             most = max(self._end(other).evidence for other in self._map.rooms if other.label == room.label)
-            self._inside[room.id] = surely_inside(self._map, room, most)
+            self._inside[room.id] = surely_inside(self._map, room, most, self._doorways)
         return self._inside[room.id]
+
+    @cached_property
+    def _doorways(self) -> Passages:
+        return passages_in(self._map, SightConfig())
 
     @cached_property
     def graph(self) -> csr_array:

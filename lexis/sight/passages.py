@@ -21,14 +21,16 @@ from jaxtyping import Bool, Float64, Int
 from scipy.ndimage import distance_transform_edt
 from scipy.spatial import cKDTree
 
+from lexis.config import SightConfig
 from lexis.floors import NO_FLOOR
+from lexis.graph.components import sessions_of
 from lexis.keyframes import MAX_STEP_M
 from lexis.maths.se3 import transform
 from lexis.maths.stretches import consecutive_pairs
 from lexis.maths.ties import rounded
 from lexis.sight.cells import CELL_M, cells_at, count_view, grid_around, occupied, on_lines_of_sight
-from lexis.sight.visible_space import OBSTACLE_RANGE_M, VisibleSpace
-from lexis.types import Camera, Pairs, PerKeyframe, Poses, Positions
+from lexis.sight.visible_space import OBSTACLE_RANGE_M, VisibleSpace, spaces_in_view
+from lexis.types import Camera, LexisMap, Pairs, PerKeyframe, Poses, Positions
 
 _DIRECTIONS = 12
 """Number of directions in which the width of the free space is measured. With 12, they are 15 degrees apart."""
@@ -95,6 +97,13 @@ def lines_of_sight(spaces: Sequence[tuple[VisibleSpace, ...]], T_W_B: Poses, cam
     )
 
 
+def passages_in(map: LexisMap, config: SightConfig) -> Passages:
+    """Find the narrow passages of a saved map."""
+    spaces = [spaces_in_view(keyframe, map.camera, config) for keyframe in map.keyframes]
+    lines, sessions = lines_of_sight(spaces, map.T_W_B, map.camera), sessions_of(map.keyframes)
+    return narrow_passages(lines, map.floors, map.T_W_B[:, :3, 3], sessions, config.passage_m)
+
+
 def narrow_passages(
     lines: LinesOfSight, floors: PerKeyframe, positions: Positions, sessions: PerKeyframe, widest_m: float
 ) -> Passages:
@@ -129,10 +138,35 @@ def crossed(found: Passages, floors: PerKeyframe, positions: Positions, pairs: P
     Longer lines than `MAX_STEP_M` cross none: they are gaps in the recording, in which the robot may have gone anywhere.
     """
     result = np.zeros(len(pairs), bool)
+    result[_crossings(found, floors, positions, pairs)[0]] = True
+    return result
+
+
+def distances_from_crossed(
+    found: Passages, floors: PerKeyframe, positions: Positions, pairs: Pairs
+) -> Float64[np.ndarray, "p"]:
+    """Return how far the first keyframe of each pair is from the passages on the straight line to the second one [m].
+
+    It is the distance from the nearest of these passages, seen from above, and infinite if the line crosses none; see
+    `crossed`.
+    """
+    pair, passage = _crossings(found, floors, positions, pairs)
+    (start, end), point = found.ends[passage].transpose(1, 0, 2), positions[pairs[pair, 0], :2]
+    along = ((point - start) * (end - start)).sum(axis=1) / ((end - start) ** 2).sum(axis=1)
+    nearest = start + np.clip(along, 0.0, 1.0)[:, None] * (end - start)
+    result = np.full(len(pairs), np.inf)
+    np.minimum.at(result, pair, np.linalg.norm(point - nearest, axis=1))
+    return result
+
+
+def _crossings(
+    found: Passages, floors: PerKeyframe, positions: Positions, pairs: Pairs
+) -> tuple[Int[np.ndarray, "c"], Int[np.ndarray, "c"]]:
+    """Return all crossings, as the index of a pair and the index of the passage that its line crosses."""
     first, second = positions[pairs[:, 0], :2], positions[pairs[:, 1], :2]
     short = rounded(np.linalg.norm(second - first, axis=1)) <= MAX_STEP_M
     if not short.any() or not len(found.ends):
-        return result
+        return np.zeros(0, int), np.zeros(0, int)
     # Two lines cross only if their middles are not farther apart than half of their lengths together.
     reach = (MAX_STEP_M + np.linalg.norm(np.diff(found.ends, axis=1), axis=2).max()) / 2
     near = cKDTree((first + second)[short] / 2).query_ball_point(found.ends.mean(axis=1), reach + CELL_M)
@@ -141,8 +175,8 @@ def crossed(found: Passages, floors: PerKeyframe, positions: Positions, pairs: P
     a, b = found.ends[passage].transpose(1, 0, 2)
     cross = _beside(first[pair], second[pair], a) * _beside(first[pair], second[pair], b) < 0
     cross &= _beside(a, b, first[pair]) * _beside(a, b, second[pair]) < 0
-    result[pair[cross & (found.floor[passage] == floors[pairs[pair, 0]])]] = True
-    return result
+    cross &= found.floor[passage] == floors[pairs[pair, 0]]
+    return pair[cross], passage[cross]
 
 
 def _beside(start: PlanPositions, end: PlanPositions, point: PlanPositions) -> Float64[np.ndarray, "m"]:

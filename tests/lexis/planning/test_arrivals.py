@@ -8,14 +8,17 @@ from helpers.map_builder import build_map, corridor_with_offices, random_pose
 from scipy.special import softmax
 
 from lexis.planning import arrivals, path_end
-from lexis.planning.arrivals import INSIDE_M, surely_inside
+from lexis.planning.arrivals import BEHIND_DOORWAY_M, INSIDE_M, surely_inside
+from lexis.sight.passages import Passages
 from lexis.types import NO_LANDMARKS
 
+NO_DOORWAYS = Passages(np.zeros(0, int), np.zeros((0, 2, 2)))
 
-def inside(lexis_map, room, clear=None):
+
+def inside(lexis_map, room, clear=None, doorways=NO_DOORWAYS):
     """The keyframes that are surely inside; without `clear`, the evidence of the room itself is the clearest."""
     evidence = path_end(lexis_map, room).evidence if clear is None else clear
-    return surely_inside(lexis_map, room, evidence).tolist()
+    return surely_inside(lexis_map, room, evidence, doorways).tolist()
 
 
 def along_x(rng, x, labels, similarities=None):
@@ -34,6 +37,26 @@ def test_a_robot_is_surely_inside_as_far_from_other_rooms_as_needed(rng):
     lexis_map = along_x(rng, x, (x > -0.01).astype(int))
     found = x[inside(lexis_map, lexis_map.rooms[1])]
     assert INSIDE_M - 0.11 <= found.min() <= INSIDE_M + 0.5 and found.max() == x.max()
+
+
+def doorway(x):
+    """A narrow passage across the x axis."""
+    return Passages(np.zeros(1, int), np.array([[[x, -0.5], [x, 0.5]]]))
+
+
+def test_behind_a_doorway_a_robot_is_surely_inside_sooner(rng):
+    x = np.arange(-3.0, 3.1, 0.1)
+    lexis_map = along_x(rng, x, (x > 0.0).astype(int))
+    found = x[inside(lexis_map, lexis_map.rooms[1], doorways=doorway(0.05))]
+    assert BEHIND_DOORWAY_M <= found.min() - 0.05 <= BEHIND_DOORWAY_M + 0.1 and found.max() == x.max()
+
+
+@pytest.mark.parametrize("door_x", [-0.95, 0.95, 5.0])
+def test_a_doorway_that_does_not_divide_the_rooms_makes_no_difference(rng, door_x):
+    x = np.arange(-3.0, 3.1, 0.1)
+    lexis_map = along_x(rng, x, (x > 0.0).astype(int))
+    office = lexis_map.rooms[1]
+    assert inside(lexis_map, office, doorways=doorway(door_x)) == inside(lexis_map, office)
 
 
 def test_the_nearest_other_label_counts_and_not_the_nearest_other_room(rng):

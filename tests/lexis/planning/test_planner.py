@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.sparse.csgraph import connected_components
 
+from lexis.config import SightConfig
 from lexis.errors import PlanError
 from lexis.planning import PathPlanner, path_end, plan
 from lexis.planning import planner as module
@@ -19,6 +20,7 @@ from lexis.planning import shortcuts as shortcuts_module
 from lexis.planning.arrivals import surely_inside
 from lexis.planning.planner import shortest_path
 from lexis.room_names import instance_names, numbered
+from lexis.sight.passages import passages_in
 
 
 def test_a_plan_goes_from_room_to_room_along_edges_of_the_graph(rng):
@@ -58,7 +60,7 @@ def test_a_path_ends_at_the_first_keyframe_that_is_surely_inside_the_goal(rng, s
     lexis_map = corridor_with_offices(rng)
     result = plan(lexis_map, start, goal)
     clear = max(path_end(lexis_map, room).evidence for room in lexis_map.rooms if room.label == result.goal.label)
-    inside = surely_inside(lexis_map, result.goal, clear)
+    inside = surely_inside(lexis_map, result.goal, clear, passages_in(lexis_map, SightConfig()))
     ends = {path_end(lexis_map, result.goal).keyframe, *inside.tolist()}
     assert result.keyframes[0] == path_end(lexis_map, result.start).keyframe
     assert [keyframe in ends for keyframe in result.keyframes] == [False] * (len(result.keyframes) - 1) + [True]
