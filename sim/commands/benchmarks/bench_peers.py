@@ -37,7 +37,9 @@ _AT_N = ("N = 1", "N = 3", "N = 5")
 def _openness(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.peers.difficulty_sweep import DIFFICULTIES
 
-    return _sweep(arguments, "openness", replace(DIFFICULTIES["openness"], fidelity=arguments.fidelity))
+    openness = DIFFICULTIES["openness"]
+    values = tuple(arguments.values) or openness.values
+    return _sweep(arguments, "openness", replace(openness, fidelity=arguments.fidelity, values=values))
 
 
 def _sweep_over(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -257,7 +259,22 @@ BENCHMARKS = (
         printing(_openness),
         "rooms by LEXIS and by segmentations of the true map, in houses with more and more open inner walls",
         "lexis-sim bench openness --houses 5 --seed 500 --out openness.csv openness.png",
-        (PRESET, HOUSES, FIDELITY, FILES, SEED),
+        (
+            PRESET,
+            HOUSES,
+            FIDELITY,
+            argument(
+                "--values",
+                nargs="+",
+                type=number(0.0, 1.0),
+                action=EachOnce,
+                default=[],
+                metavar="SHARE",
+                help="shares of the inner walls that are open (default: 0 0.3 0.6 0.9)",
+            ),
+            FILES,
+            SEED,
+        ),
     ),
     Action(
         "sweep",

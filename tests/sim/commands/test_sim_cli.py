@@ -170,16 +170,22 @@ def test_a_benchmark_shows_a_figure_that_a_house_does_not_have(monkeypatch, caps
 
 
 @pytest.mark.parametrize(
-    ("options", "fidelity", "rate_hz"), [([], "features", 2.0), (["--fidelity", "render"], "render", 10.0)]
+    ("options", "fidelity", "rate_hz", "values"),
+    [
+        ([], "features", 2.0, 4),
+        (["--fidelity", "render"], "render", 10.0, 4),
+        (["--values", "0", "0.5"], "features", 2.0, 2),
+    ],
 )
 def test_rooms_against_openness_are_measured_at_the_fidelity_that_is_asked_for(
-    options, fidelity, rate_hz, monkeypatch, capsys
+    options, fidelity, rate_hz, values, monkeypatch, capsys
 ):
     walked = []
     run_nothing = "sim.bench.peers.difficulty_sweep.run_side_by_side"
     monkeypatch.setattr(run_nothing, lambda scenario, slams: walked.append(scenario) or {})
     assert status_of(["bench", "openness", "--houses", "1", *options]) == 0
     assert {(scenario.fidelity, scenario.frame_rate_hz) for scenario in walked} == {(fidelity, rate_hz)}
+    assert len(walked) == values
     assert fidelity in capsys.readouterr().out
 
 
