@@ -81,7 +81,7 @@ def small_errors(run: Run) -> Estimate:
 
 def open_plan(run: Run) -> Estimate:
     """Return the truth, but swap the labels of two rooms if more than half of the boundary between them is open."""
-    labels, rooms = run.true_labels, run.true_rooms
+    labels, rooms = run.true_labels.copy(), run.true_rooms
     for pair, share in boundary_openness(run.house).items():
         if share > _OPEN_SHARE:
             a, b = map(_indices(run).__getitem__, pair)
@@ -91,7 +91,7 @@ def open_plan(run: Run) -> Estimate:
 
 def small_rooms(run: Run) -> Estimate:
     """Return the truth, but give every room of less than 6 m² the label of a room from which a passage leads into it."""
-    labels, rooms, place = run.true_labels, run.true_rooms, _indices(run)
+    labels, rooms, place = run.true_labels.copy(), run.true_rooms, _indices(run)
     for passage in room_graph(run.house).passages:
         for small, other in (passage.rooms, passage.rooms[::-1]):
             if _area_m2(run, place[small]) < _SMALL_M2:
@@ -124,7 +124,7 @@ def third_floor(run: Run) -> Estimate:
 
 def ring(run: Run) -> Estimate:
     """Return the truth, but merge all rooms on loops of connected rooms, and on paths between two loops, into one room."""
-    rooms, place = run.true_rooms, _indices(run)
+    rooms, place = run.true_rooms.copy(), _indices(run)
     beside = {
         room: {o for p in room_graph(run.house).passages if room in p.rooms for o in p.rooms} - {room} for room in place
     }
@@ -154,7 +154,7 @@ def drift(run: Run) -> Estimate:
 
 def wrong_side(run: Run) -> Estimate:
     """Return the truth, but add up the steps of the odometry in the frame of the world instead of that of the body."""
-    poses = run.odometry_poses
+    poses = run.odometry_poses.copy()
     for k, step in enumerate(between(poses[:-1], poses[1:])):
         poses[k + 1] = step @ poses[k]
     return replace(no_bug(run), T_W_B=poses)
