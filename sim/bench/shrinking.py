@@ -212,8 +212,8 @@ def summaries(proofs: Sequence[ReductionProof]) -> Iterator[ReductionSummary]:
 def _summary(name: str, least_rooms: int | None, proofs: Sequence[ReductionProof]) -> ReductionSummary:
     def spread(value: Callable[[ReductionProof], float]) -> tuple[float, float, float]:
         values = [float(value(proof)) for proof in proofs]
-        median, most, worst = np.quantile(values, [0.5, 0.9, 1.0], method="higher").tolist()
-        return median, most, worst
+        most, worst = np.quantile(values, [0.9, 1.0], method="higher").tolist()
+        return float(np.median(values)), most, worst
 
     return ReductionSummary(
         name,

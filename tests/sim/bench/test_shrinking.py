@@ -9,7 +9,7 @@ from helpers.open_flat import OPEN_FLAT
 from sim.bench import prove
 from sim.bench.failing_scenarios import FAMILIES, failing_scenario
 from sim.bench.planted_bugs import BUGS, MENDED, no_bug, planted
-from sim.bench.shrinking import ProofPlan, broken_laws, broken_replays, family_of, summaries
+from sim.bench.shrinking import ProofPlan, ReductionProof, broken_laws, broken_replays, family_of, summaries
 from sim.cli import main
 from sim.errors import SimError
 from sim.faults.poses import OdometryNaN
@@ -105,6 +105,13 @@ def test_a_search_that_was_cut_short_is_counted(tmp_path):
     family, everything = summaries(proofs)
     assert (family.family, family.scenarios, family.in_time, family.broken) == ("open plan", 1, 0, 0)
     assert family.rooms[0] == family.rooms_before and everything.least_rooms is None
+
+
+def test_the_summary_gives_the_median_also_of_an_even_number_of_reductions():
+    rooms = ((2, 1), (3, 1), (6, 2), (9, 4))
+    proofs = [ReductionProof(0, each, (10.0, 10.0 * each[1]), 5, 1.0, True, ()) for each in rooms]
+    family, _ = summaries(proofs)
+    assert (family.rooms_before, family.rooms, family.walk_m) == (4.5, (1.5, 4.0, 4.0), (15.0, 40.0, 40.0))
 
 
 def test_poses_that_are_not_finite_are_held_in_figures_and_report(tmp_path):
