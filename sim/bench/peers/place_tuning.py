@@ -106,4 +106,6 @@ def best_least(method: PlaceMethod, walks: Sequence[PlaceWalk]) -> tuple[float, 
         return np.inf, 0.0
     answered = np.arange(1, len(order) + 1)
     f1 = np.mean([2 * np.cumsum(hits[order] >= n) / (answered + (there >= n).sum()) for n in REQUIRED], axis=0)
+    distinct = np.append(best[order][:-1] != best[order][1:], True)  # equal scores are answered together
+    f1 = np.where(distinct, f1, 0.0)
     return float(best[order][f1.argmax()]), float(f1.max())

@@ -1,5 +1,7 @@
 """Tuning finds the least score and the settings with the largest F1 score, as an exhaustive search does."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers.two_laps import two_laps, walk_of
@@ -28,6 +30,16 @@ def test_no_other_least_score_has_a_larger_f1_score(walks):
     scores = np.concatenate([method.scores(walk.seen).max(axis=1) for walk in walks])
     assert mean_f1(walks, method, least) == pytest.approx(largest)
     assert largest == pytest.approx(max(mean_f1(walks, method, each) for each in scores[np.isfinite(scores)]))
+
+
+def test_queries_with_equal_scores_are_answered_together(walks):
+    class Rounded:
+        def scores(self, seen):
+            return EmbeddingSimilarity().scores(seen).round()
+
+    walks.append(replace(walks[0], right=np.zeros_like(walks[0].right)))  # its queries follow those with right matches
+    least, f1 = best_least(Rounded(), walks)
+    assert f1 == pytest.approx(mean_f1(walks, Rounded(), least))
 
 
 def test_settings_are_the_best_of_each_axis_and_every_tuned_method_takes_part(walks, monkeypatch):
