@@ -6,6 +6,7 @@ from jaxtyping import Bool, Float, Float64, Int
 from lexis.evaluation.loops import REVISIT_S, true_revisits
 from lexis.evaluation.place_recognition import PLACE_M, PLACE_RAD
 from lexis.evaluation.relative import separation
+from lexis.maths.ties import reaches
 from lexis.types import Poses
 
 
@@ -29,7 +30,7 @@ def found_at_1(
             keyframes of one label; a query without candidates counts as not found.
     """
     queries = true_revisits(T_W_B, stamps)
-    eligible = np.abs(stamps[queries, None] - stamps[None, :]) >= REVISIT_S
+    eligible = reaches(np.abs(stamps[queries, None] - stamps[None, :]), REVISIT_S)
     if groups is not None:
         eligible &= groups[queries, None] == groups[None, :]
     best = np.where(eligible, similarities[queries], -np.inf).argmax(axis=1)

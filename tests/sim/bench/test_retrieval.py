@@ -65,3 +65,10 @@ def test_place_embeddings_find_revisits_and_time_embeddings_do_not():
 def test_a_walk_that_never_comes_back_has_no_recall():
     x = np.arange(40) * 2.0
     assert share(found_at_1(np.ones((40, 40)), poses(x, 0 * x, 0 * x), STAMPS)) is None
+
+
+def test_keyframes_that_are_ten_seconds_apart_but_for_rounding_are_candidates():
+    x = np.array([0.0, 5.0, 0.0])
+    stamps = np.array([0.3, 5.3, 10.299999999999998])
+    assert stamps[2] - stamps[0] < 10.0
+    assert found_at_1(np.ones((3, 3)), poses(x, 0 * x, 0 * x), stamps).tolist() == [True]
