@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int
+from jaxtyping import Bool, Int
 
 from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.perception import TextEncoder
@@ -13,10 +13,10 @@ from lexis.questions.answers import ask
 from lexis.questions.calibration import Calibration, find_calibration
 from lexis.types import LexisMap
 from sim.bench.everyday_questions import HELD_OUT, TUNING, EverydayQuestion
-from sim.harness import Scenario, run
+from sim.harness import Run, Scenario, run
 from sim.harness.adapters import Lexis
 from worlds.house import House
-from worlds.truth import objects, room_at
+from worlds.truth import objects
 
 SETS = {"tuning": TUNING, "held out": HELD_OUT}
 
@@ -65,7 +65,7 @@ def ask_houses(config: Scenario, seeds: Sequence[int]) -> Iterator[tuple[int, st
     slam, calibration = Lexis(encoder), find_calibration(encoder)
     for seed in seeds:
         finished, lexis_map = run(replace(config, seed=seed), slam), slam.map
-        rooms = true_rooms(finished.house, lexis_map, finished.true_poses)
+        rooms = true_rooms(finished, lexis_map)
         for name, questions in SETS.items():
             yield seed, name, [ask_one(q, finished.house, lexis_map, rooms, encoder, calibration) for q in questions]
 
@@ -92,10 +92,12 @@ def answering_rooms(question: EverydayQuestion, house: House) -> Bool[np.ndarray
     return ~answers if question.negated else answers
 
 
-def true_rooms(house: House, lexis_map: LexisMap, T_W_B: Float64[np.ndarray, "n 4 4"]) -> Int[np.ndarray, "rooms"]:
-    """Return for every room of the map the true room that contains most of its keyframes, as an index into `house.rooms`."""
-    owner = room_at(house, T_W_B[:, :3, 3])
-    return np.array([np.bincount(owner[list(room.keyframes)] + 1)[1:].argmax() for room in lexis_map.rooms], int)
+def true_rooms(finished: Run, lexis_map: LexisMap) -> Int[np.ndarray, "rooms"]:
+    """Return for every room of the map the true room that contains most of its keyframes, as an index into `house.rooms`.
+
+    The map is that of the finished run.
+    """
+    return np.array([np.bincount(finished.true_rooms[list(room.keyframes)]).argmax() for room in lexis_map.rooms], int)
 
 
 def row_of(answered: Sequence[Answered]) -> QueriesRow:

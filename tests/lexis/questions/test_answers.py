@@ -122,7 +122,7 @@ def test_everyday_questions_to_a_rendered_home_are_answered():
     """Questions about books are left out: the shipped encoder does not recognise books, as its model card says."""
     finished = run(Scenario(preset="home", seed=601))
     encoder = load_encoder("mini")
-    rooms = true_rooms(finished.house, finished.slam.map, finished.true_poses)
+    rooms = true_rooms(finished, finished.slam.map)
     asked = [question for question in TUNING if question.text in EVERYDAY]
     assert len(asked) == len(EVERYDAY)
     for question in asked:
