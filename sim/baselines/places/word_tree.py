@@ -85,11 +85,11 @@ def _nearest_child(descriptors: Descriptors, children: UInt8[np.ndarray, "n k 32
 
 def _split(descriptors: Descriptors, count: int, rng: np.random.Generator) -> UInt8[np.ndarray, "k 32"]:
     """Return cluster centres of binary descriptors. All descriptors are centres if there are no more than `count`."""
+    if len(descriptors) > _MOST_DESCRIPTORS:
+        descriptors = descriptors[rng.permutation(len(descriptors))[:_MOST_DESCRIPTORS]]
     different = np.unique(descriptors, axis=0)
     if len(different) <= count:
         return np.concatenate([different, np.repeat(different[:1], count - len(different), axis=0)])
-    if len(descriptors) > _MOST_DESCRIPTORS:
-        descriptors = descriptors[rng.permutation(len(descriptors))[:_MOST_DESCRIPTORS]]
     centres = _seeds(descriptors, count, rng)
     bits = np.unpackbits(descriptors, axis=1)
     for _ in range(_PASSES):

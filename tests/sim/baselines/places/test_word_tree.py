@@ -37,6 +37,12 @@ def test_descriptors_of_one_cluster_share_a_word_and_find_it_through_noise(rng):
     assert (words == tree.words(centres)[:, None]).mean() > 0.98  # a few descriptors lie on the border of two branches
 
 
+def test_a_sample_of_descriptors_that_are_nearly_all_equal_has_words(rng):
+    common, rare = drawn(rng, 1), drawn(rng, 10)
+    descriptors = np.concatenate([np.repeat(common, 60_000, axis=0), rare])  # the sample leaves out most of the rare ones
+    assert (WordTree.learned([descriptors], rng, branching=10, depth=1).levels[0] == common).all(axis=1).any()
+
+
 def test_weights_are_inverse_document_frequencies_of_all_images(rng):
     images = [drawn(rng, 200) for _ in range(5)]
     tree = WordTree.learned(images, rng, branching=4, depth=2)
