@@ -7,7 +7,6 @@ the small size that LEXIS uses.
 """
 
 import collections
-import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -18,6 +17,7 @@ from scipy.stats import spearmanr
 
 from lexis.config import PAPER, Config, LandmarkConfig
 from lexis.perception import Encoder
+from sim.bench.row_files import mean_and_std
 from sim.feature_fitting.fit_samples import choices
 from sim.feature_sensor.model import MINI_FEATURES, load_features
 from sim.feature_sensor.sensor import FeatureSensor
@@ -49,30 +49,34 @@ key points, and loops are off; the usual methods would need the landmarks of bot
 
 @dataclass(frozen=True)
 class HousePair:
-    """Figures of one house in both fidelities, as pairs (rendered, features)."""
+    """Figures of one house in both fidelities, as pairs (rendered, features). A figure that a run cannot have is None."""
 
     group: str
     """Preset of the house, or the name of its look if the look is unusual."""
     name: str
-    accuracy: tuple[float, float]
-    baseline: tuple[float, float]
+    accuracy: tuple[float | None, float | None]
+    baseline: tuple[float | None, float | None]
     """Label accuracy before refinement."""
-    pq: tuple[float, float]
+    pq: tuple[float | None, float | None]
     """Panoptic quality of rooms."""
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """Agreement between runs with features and rendered runs in one figure, over several houses."""
+    """Agreement between runs with features and rendered runs in one figure, over several houses.
+
+    The means are None without a house.
+    """
 
     houses: int
+    """Number of houses with the figure in both fidelities; the others are left out."""
     rho: float | None
     """Spearman's rank correlation; None for fewer than three houses, or if one fidelity gives all houses the same value."""
-    rendered: float
+    rendered: float | None
     """Mean of the figure over rendered runs."""
-    features: float
+    features: float | None
     """Mean of the compared figure over the runs of fidelity "features" (without images)."""
-    mean_difference: float
+    mean_absolute_difference: float | None
     """Mean over the houses of the absolute difference between the rendered run and the run with features."""
 
 
@@ -113,8 +117,7 @@ def compare_fidelities(
         for fidelity in FIDELITIES:
             slam = Lexis(encoder, _NO_LANDMARKS, loops=False)
             result = evaluate(run(replace(config, fidelity=fidelity, feature_model=feature_model), slam))
-            found = (result.labels.accuracy, result.labels.accuracy_baseline, result.rooms.pq)
-            figures.append([math.nan if figure is None else figure for figure in found])
+            figures.append((result.labels.accuracy, result.labels.accuracy_baseline, result.rooms.pq))
         rendered, features = figures
         yield HousePair(group, house_spec(config).name, *zip(rendered, features, strict=True))
 
@@ -131,14 +134,13 @@ def percepts_per_second(first_seed: int, feature_model: Path | None = None) -> f
     return _SPEED_FRAMES / (time.process_time() - start)
 
 
-def agreement(pairs: Sequence[tuple[float, float]]) -> Agreement:
+def agreement(pairs: Sequence[tuple[float | None, float | None]]) -> Agreement:
     """Compute the agreement in one figure from a pair (rendered, features) for each house."""
-    rendered, features = np.array(pairs).T
-    ranked = len(pairs) > 2 and np.ptp(rendered) > 0.0 and np.ptp(features) > 0.0
+    rendered, features = np.array([pair for pair in pairs if None not in pair], float).reshape(-1, 2).T
+    ranked = len(rendered) > 2 and np.ptp(rendered) > 0.0 and np.ptp(features) > 0.0
     rho = float(spearmanr(rendered, features).statistic) if ranked else None
-    return Agreement(
-        len(pairs), rho, float(rendered.mean()), float(features.mean()), float(np.abs(rendered - features).mean())
-    )
+    means = (mean_and_std(values)[0] for values in (rendered, features, np.abs(rendered - features)))
+    return Agreement(len(rendered), rho, *means)
 
 
 def summarised(pairs: Sequence[HousePair]) -> Iterator[tuple[str, str, Agreement]]:

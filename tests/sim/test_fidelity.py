@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lexis.encoder.open_clip_encoder import load_encoder
-from sim.bench.fidelity import HOUSE_FIGURES, HousePair, agreement, compare_fidelities, mixed_houses, summarised
+from sim.bench.fidelity import HOUSE_FIGURES, Agreement, HousePair, agreement, compare_fidelities, mixed_houses, summarised
 from worlds.presets import PRESETS
 
 
@@ -13,6 +13,12 @@ def test_agreement_is_of_ranks():
     assert (same.rho, same.houses) == (1.0, 3) and same.rendered == pytest.approx(0.5)
     assert agreement([(0.1, 0.8), (0.5, 0.4), (0.9, 0.3)]).rho == -1.0
     assert agreement([(0.1, 0.8), (0.5, 0.4)]).rho is None and agreement([(0.1, 0.5)] * 3).rho is None
+
+
+def test_a_house_without_the_figure_is_left_out():
+    pairs = [(0.1, 0.3), (0.5, 0.4), (0.9, 0.8)]
+    assert agreement([*pairs, (None, 0.2), (0.2, None)]) == agreement(pairs)
+    assert agreement([(None, 0.2)]) == Agreement(0, None, None, None, None)
 
 
 def test_houses_are_mixed_and_unusual_looks_come_apart():

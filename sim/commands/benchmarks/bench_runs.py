@@ -209,15 +209,25 @@ def _fidelity(arguments: argparse.Namespace) -> Iterator[Table]:
         mixed_houses(arguments.houses, arguments.seed), load_encoder(arguments.encoder), arguments.feature_model
     ):
         pairs.append(pair)
-        table.add_row(pair.group, pair.name, *(f"{value:.2f}" for name in HOUSE_FIGURES for value in getattr(pair, name)))
+        figures = (value for name in HOUSE_FIGURES for value in getattr(pair, name))
+        table.add_row(pair.group, pair.name, *(shown(value, "{:.2f}") for value in figures))
     yield table
-    headers = ("houses", "how many", "figure", "mean, render", "mean, features", "mean difference", "Spearman's rho")
+    headers = (
+        "houses",
+        "how many",
+        "figure",
+        "mean, render",
+        "mean, features",
+        "mean absolute difference",
+        "Spearman's rho",
+    )
     rate = percepts_per_second(arguments.seed, arguments.feature_model)
     title = f"how well features predict renders, at {rate:,.0f} keyframes/s on one core"
     summary = Table(*headers, title=title, title_justify="left")
     for group, name, found in summarised(pairs):
-        means = (f"{value:.3f}" for value in (found.rendered, found.features, found.mean_difference))
-        summary.add_row(group, str(found.houses), name, *means, shown(found.rho, "{:.2f}"))
+        means = (found.rendered, found.features, found.mean_absolute_difference)
+        texts = (shown(mean, "{:.3f}") for mean in means)
+        summary.add_row(group, str(found.houses), name, *texts, shown(found.rho, "{:.2f}"))
     yield summary
 
 
