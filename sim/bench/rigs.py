@@ -10,6 +10,7 @@ import numpy as np
 
 from lexis.config import Config
 from lexis.evaluation.loops import opposite_edges, opposite_revisits
+from sim.bench.row_files import mean_and_std
 from sim.fidelity import Fidelity
 from sim.harness import Scenario, evaluate, run
 from sim.harness.adapters import Lexis
@@ -35,11 +36,11 @@ class RigRow:
     """Number of trusted loop edges."""
     false: int
     """Number of trusted loop edges that are false."""
-    labels: float
-    """Share of the keyframes with the right label."""
-    rooms: float
+    labels: float | None
+    """Share of the keyframes with the right label; None, as the next two figures, if the run cannot have it."""
+    rooms: float | None
     """Panoptic quality of the rooms."""
-    ate_m: float
+    ate_m: float | None
     """Absolute trajectory error [m]."""
     keyframe_ms: float
     """Time that LEXIS takes for each keyframe, in all stages [ms]."""
@@ -69,7 +70,6 @@ def _row(finished: Run, rig: str, slam: Lexis) -> RigRow:
     stamps = np.array([keyframe.stamp for keyframe in slam.map.keyframes])
     revisits = opposite_revisits(finished.true_poses, stamps)
     across = loops.query[is_true & opposite_edges(loops.query, loops.match, finished.true_poses)]
-    labels, rooms, ate_m = (result.known(name) for name in ("labels.accuracy", "rooms.pq", "trajectory.ate_m"))
     return RigRow(
         rig=rig,
         seed=finished.scenario.seed,
@@ -77,17 +77,21 @@ def _row(finished: Run, rig: str, slam: Lexis) -> RigRow:
         found=int(np.isin(revisits, across).sum()),
         trusted=int(trusted.sum()),
         false=int((trusted & ~is_true).sum()),
-        labels=labels,
-        rooms=rooms,
-        ate_m=ate_m,
+        labels=result.labels.accuracy,
+        rooms=result.rooms.pq,
+        ate_m=result.trajectory.ate_m,
         keyframe_ms=1e3 * sum(slam.map.stage_seconds.values()) / len(stamps),
     )
 
 
 def summary(rows: Sequence[RigRow]) -> Iterator[RigRow]:
-    """Yield one row for each rig, with the seed -1: sums of the counts, and means of the other figures."""
+    """Yield one row for each rig, with the seed -1: sums of the counts, and means of the other figures.
+
+    A figure that a house does not have is left out; its mean is None if no house has it.
+    """
     for rig in dict.fromkeys(row.rig for row in rows):
         mine = [row for row in rows if row.rig == rig]
         counts = np.sum([(row.revisits, row.found, row.trusted, row.false) for row in mine], axis=0)
-        means = np.mean([(row.labels, row.rooms, row.ate_m, row.keyframe_ms) for row in mine], axis=0)
-        yield RigRow(rig, -1, *counts.tolist(), *means.tolist())
+        averaged = ("labels", "rooms", "ate_m", "keyframe_ms")
+        figures = [*counts.tolist(), *(mean_and_std(getattr(row, name) for row in mine)[0] for name in averaged)]
+        yield RigRow(rig, -1, *figures)

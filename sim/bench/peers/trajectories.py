@@ -4,12 +4,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-import numpy as np
-
 from lexis.config import Config, PlaceRecognitionConfig
 from sim.bench.houses import configs
 from sim.bench.peers.side_by_side import run_side_by_side
-from sim.bench.row_files import grouped
+from sim.bench.row_files import grouped, mean_and_std
 from sim.fidelity import Fidelity
 from sim.harness import Scenario, SlamUnderTest, evaluate
 from sim.harness.adapters import Lexis, OdometryOnly
@@ -55,19 +53,21 @@ class TrajectoryRow:
     preset: str
     seed: int
     method: str
-    ate_m: float
-    """Absolute trajectory error [m]."""
-    odometry_m: float
-    """Absolute trajectory error of the odometry on the same walk [m]."""
+    ate_m: float | None
+    """Absolute trajectory error [m]; None if there are too few keyframes."""
+    odometry_m: float | None
+    """Absolute trajectory error of the odometry on the same walk [m]; None if there are too few keyframes."""
 
 
 @dataclass(frozen=True)
 class TrajectoryMean:
     """Absolute trajectory errors of one method, over the houses of one preset."""
 
-    ate_m: float
-    std_m: float
-    odometry: float
+    ate_m: float | None
+    """Mean of the errors [m]. All figures are None if no house has them."""
+    std_m: float | None
+    """Standard deviation of the errors [m]."""
+    odometry: float | None
     """Mean over the houses of the error, divided by that of the odometry on the same walk."""
 
 
@@ -77,17 +77,14 @@ def compare_trajectories(presets: Sequence[str], seeds: Sequence[int], fidelity:
         for scenario in configs(Scenario(preset=preset, fidelity=fidelity, frame_rate_hz=usual_rate_hz(fidelity)), seeds):
             slams = {name: slam(scenario) for name, slam in METHODS.items()}
             for name, finished in run_side_by_side(scenario, slams).items():
-                result = evaluate(finished)
-                errors = result.known("trajectory.ate_m"), result.known("trajectory.ate_odometry_m")
-                yield TrajectoryRow(preset, scenario.seed, name, *errors)
+                errors = evaluate(finished).trajectory
+                yield TrajectoryRow(preset, scenario.seed, name, errors.ate_m, errors.ate_odometry_m)
 
 
 def means(rows: Sequence[TrajectoryRow]) -> dict[str, dict[str, TrajectoryMean]]:
-    """Average over houses, by method and preset."""
+    """Average over the houses that have the figures, by method and preset."""
     found: dict[str, dict[str, TrajectoryMean]] = {}
     for (method, preset), mine in grouped(rows, "method", "preset").items():
-        ate_m = np.array([row.ate_m for row in mine])
-        shares = ate_m / [row.odometry_m for row in mine]
-        figures = ate_m.mean(), ate_m.std(), shares.mean()
-        found.setdefault(method, {})[preset] = TrajectoryMean(*map(float, figures))
+        share, _ = mean_and_std(row.ate_m / row.odometry_m for row in mine if row.ate_m is not None and row.odometry_m)
+        found.setdefault(method, {})[preset] = TrajectoryMean(*mean_and_std(row.ate_m for row in mine), share)
     return found

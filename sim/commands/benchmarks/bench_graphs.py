@@ -122,7 +122,8 @@ def _rigs(arguments: argparse.Namespace) -> Iterator[Table]:
         table.add_row(
             *(row.rig, "all" if row.seed < 0 else str(row.seed), str(row.revisits)),
             *(shown(known(row.recall), "{:.2f}"), str(row.trusted)),
-            *(str(row.false), f"{row.labels:.3f}", f"{row.rooms:.3f}", f"{row.ate_m:.3f}", f"{row.keyframe_ms:.1f}"),
+            *(str(row.false), *(shown(figure, "{:.3f}") for figure in (row.labels, row.rooms, row.ate_m))),
+            f"{row.keyframe_ms:.1f}",
         )
     if arguments.csv:
         write_rows(rows, arguments.csv)

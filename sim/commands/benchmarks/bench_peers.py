@@ -110,6 +110,7 @@ def _percent(mean: float | None, std: float | None) -> str:
 def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.peers.trajectories import PAPER_ATE_M, compare_trajectories, means
     from sim.bench.row_files import check_files, write_rows
+    from sim.report.figures import shown
 
     check_files(arguments.csv, valid=(".csv",))
     seeds, presets = seeds_of(arguments), arguments.presets
@@ -117,7 +118,9 @@ def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
     title = f"seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: ATE in m (share of the odometry's)"
     table = Table("method", *presets, title=title)
     for method, found in means(rows).items():
-        table.add_row(method, *(f"{each.ate_m:.3f} ± {each.std_m:.3f} ({each.odometry:.2f})" for each in found.values()))
+        errors = (mean_std_text(each.ate_m, each.std_m, "{:.3f}") for each in found.values())
+        shares = (shown(each.odometry, "{:.2f}") for each in found.values())
+        table.add_row(method, *(f"{error} ({share})" for error, share in zip(errors, shares, strict=True)))
     table.add_section()
     for method, paper in PAPER_ATE_M.items():
         table.add_row(f"paper: {method}", *(f"{paper[each]:.2f}" if each in paper else "" for each in presets))

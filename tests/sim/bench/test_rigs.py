@@ -20,3 +20,11 @@ def test_the_summary_adds_counts_and_averages_shares():
     (found,) = summary([row, other])
     assert (found.revisits, found.found, found.trusted, found.false) == (40, 20, 40, 2)
     assert found.recall == 0.5 and found.labels == pytest.approx(0.8) and found.keyframe_ms == pytest.approx(6.0)
+
+
+def test_a_figure_that_a_house_does_not_have_is_left_out():
+    row = RigRow("four", 1, 10, 8, 20, 1, 0.9, 0.8, 0.1, 5.0)
+    (found,) = summary([row, replace(row, seed=2, labels=0.7, rooms=None)])
+    assert found.labels == pytest.approx(0.8) and found.rooms == 0.8
+    (found,) = summary([replace(row, rooms=None)])
+    assert found.rooms is None

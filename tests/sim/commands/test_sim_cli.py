@@ -18,6 +18,7 @@ from sim.bench.kernels import KernelRow
 from sim.bench.peers.difficulty_sweep import SweepRow
 from sim.bench.peers.labels import LabelRow
 from sim.bench.peers.room_methods import MethodRow
+from sim.bench.peers.trajectories import TrajectoryRow
 from sim.bench.rigs import RigRow
 from sim.bench.segmentation import SegmentationRow
 from sim.bench.speed import Section, SpeedFigure
@@ -197,7 +198,7 @@ def test_rooms_against_openness_are_measured_at_the_fidelity_that_is_asked_for(
         ("table2", {"peers.labels.compare_labels": [[LabelRow("home", 1, "a", None, None)]]}),
         ("stages", {"stage_costs.measure_stages": [[StageRow("home", 0, "nothing", *[math.nan] * 4)]]}),
         ("settings", {"peers.responses.measure_responses": [[StageRow("home", 0, "nothing", *[math.nan] * 4)]]}),
-        ("rigs", {"rigs.measure_rigs": [RigRow("wide", 1, 0, 0, 3, 0, 0.9, 0.9, 0.1, 9.0)]}),
+        ("rigs", {"rigs.measure_rigs": [RigRow("wide", 1, 0, 0, 3, 0, None, None, None, 9.0)]}),
         ("kernels", {"kernels.mapped_houses": [], "kernels.summarised": [KernelRow("local", 0.0, "dcs", 1, *[None] * 7)]}),
     ],
 )
@@ -207,6 +208,13 @@ def test_a_benchmark_of_figures_that_no_house_has_shows_dashes_and_no_zeros(benc
     assert status_of(["bench", benchmark]) == 0
     shown = capsys.readouterr().out
     assert "–" in shown and not re.search(r"None|nan|0\.000|0\.0%|[│(±] ?0\.0", shown)
+
+
+def test_a_method_without_an_error_has_dashes_in_table_3(monkeypatch, capsys):
+    rows = [TrajectoryRow("home", 1, "LEXIS", None, None)]
+    monkeypatch.setattr("sim.bench.peers.trajectories.compare_trajectories", lambda *_: rows)
+    assert status_of(["bench", "table3"]) == 0
+    assert re.search(r"LEXIS +│ – \(–\)", capsys.readouterr().out)
 
 
 SECTION = Section("scene", "ms", (SpeedFigure("House to MjModel", 1.0, 2.0, 3, "<= 500"),))
