@@ -2,11 +2,13 @@
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from lexis.types import Poses
+from lexis.types import Camera, Poses
 from sim.bench.memory import measure_memory
 from sim.bench.overlap import measure_overlap
 from sim.bench.plain import PlainRenderer
@@ -23,11 +25,12 @@ from worlds.walkable import Walkable
 _VIEWS, _VIEWS_OF_DEFAULTS = 60, 12
 _MANY_ROOMS, _MANY_HOUSES = 40, 5
 _FRAME_ROOMS = 10
+_RGB, _ALL_THREE, _PLAIN, _DEFAULTS = "RGB", "RGB + depth + ids", "RGB, plain", "RGB, defaults"
+_RATE_BARS = {(320, 240): {_ALL_THREE: 60.0}, (480, 360): {_RGB: 90.0}}
 _RATIO_BARS = {(320, 240): 1.8, (480, 360): 1.25}
 _GREY_LEVELS = 2
 """Pixels of merged and plain rendering count as equal if they differ by at most this in every channel [grey levels]."""
 _RUN_FRAMES, _RUNS = 400, 5
-_ALL_THREE, _PLAIN, _DEFAULTS = "RGB + depth + ids", "RGB, plain", "RGB, defaults"
 
 
 @dataclass(frozen=True)
@@ -116,38 +119,64 @@ def _frames(house: House, walk: Poses, size: tuple[int, int]) -> Iterator[Sectio
     Merged rendering is the simulator's own. Plain rendering uses `mujoco.Renderer` on unmerged geoms. MuJoCo's defaults add
     shadows and multi-sampling. The renderers take turns at each pose, so that other load on the machine slows all alike.
     """
-    camera, name = wide_camera(*size), f"{size[0]} x {size[1]}"
-    plain, defaults = PlainRenderer(house, camera), PlainRenderer(house, camera, defaults=True)
-    with CameraRenderer(build_scene(house, size, fovy_deg(camera.intrinsics)), camera) as merged:
-        work: dict[str, Callable[[np.ndarray], object]] = {
-            "RGB": merged.rgb,
-            _ALL_THREE: merged.frame,
-            _PLAIN: plain.rgb,
-        }
-        times = _interleaved(work, walk)
-        few = walk[:: len(walk) // _VIEWS_OF_DEFAULTS]
-        slow = _interleaved({"RGB": merged.rgb, _DEFAULTS: defaults.rgb}, few)
-        equal = [_equal_share(merged.rgb(pose), plain.rgb(pose)) for pose in walk]
-    geoms = plain.model.ngeom
-    plain.close()
-    defaults.close()
-    bars = {"RGB": 90.0} if size == (480, 360) else {_ALL_THREE: 60.0}
-    per_second = {n: 1 / np.array(t) for n, t in (times | {n: t for n, t in slow.items() if n != "RGB"}).items()}
-    rates = tuple(
-        SpeedFigure(n, float(np.median(r)), float(r.min()), len(r), f">= {bars[n]:g}" if n in bars else "")
-        for n, r in per_second.items()
+    measured, name = _render_times(house, walk, wide_camera(*size)), f"{size[0]} x {size[1]}"
+    geoms = f"{len(house.rooms)} rooms, {measured.geoms} geoms unless merged"
+    rates = _rates({**measured.times, _DEFAULTS: measured.few[_DEFAULTS]}, _RATE_BARS[size])
+    yield Section(f"frames at {name}: {geoms}; defaults: shadows and MSAA", "1/s", rates)
+    yield Section(f"merged against plain at {name}", "1", _ratios(measured, _RATIO_BARS[size]))
+
+
+class _RenderTimes(NamedTuple):
+    """The times that renderers need for images along a walk [s], by the kind of image."""
+
+    times: dict[str, list[float]]
+    """Times of merged and of plain rendering at all poses."""
+    few: dict[str, list[float]]
+    """Times of merged rendering and of MuJoCo's defaults at a few poses."""
+    equal: list[float]
+    """Share of pixels in which merged and plain rendering agree, at all poses."""
+    geoms: int
+    """Number of geoms of plain rendering."""
+
+
+def _render_times(house: House, walk: Poses, camera: Camera) -> _RenderTimes:
+    size = camera.intrinsics.width, camera.intrinsics.height
+    scene, few = build_scene(house, size, fovy_deg(camera.intrinsics)), walk[:: len(walk) // _VIEWS_OF_DEFAULTS]
+    with (
+        closing(PlainRenderer(house, camera)) as plain,
+        closing(PlainRenderer(house, camera, defaults=True)) as defaults,
+        CameraRenderer(scene, camera) as merged,
+    ):
+        return _RenderTimes(
+            _interleaved({_RGB: merged.rgb, _ALL_THREE: merged.frame, _PLAIN: plain.rgb}, walk),
+            _interleaved({_RGB: merged.rgb, _DEFAULTS: defaults.rgb}, few),
+            [_equal_share(merged.rgb(pose), plain.rgb(pose)) for pose in walk],
+            plain.model.ngeom,
+        )
+
+
+def _rates(times: Mapping[str, Sequence[float]], bars: Mapping[str, float]) -> tuple[SpeedFigure, ...]:
+    """Return the frame rates for the times of frames; `bars` are the required rates."""
+    limits = {name: f">= {bar:g}" for name, bar in bars.items()}
+    rates = {name: 1 / np.array(seconds) for name, seconds in times.items()}
+    return tuple(
+        SpeedFigure(name, float(np.median(rate)), float(rate.min()), len(rate), limits.get(name, ""))
+        for name, rate in rates.items()
     )
-    title = f"frames at {name}: {len(house.rooms)} rooms, {geoms} geoms unless merged; defaults: shadows and MSAA"
-    yield Section(title, "1/s", rates)
-    (_, fast_few), (_, by_default) = slow.items()
-    ratios = (
-        _ratio("faster than plain", times[_PLAIN], times["RGB"], _RATIO_BARS[size]),
-        _ratio("faster than defaults", by_default, fast_few, 12.0),
-        SpeedFigure(
-            f"pixels within {_GREY_LEVELS} grey levels", float(np.median(equal)), min(equal), len(equal), ">= 0.999"
-        ),
+
+
+def _ratios(measured: _RenderTimes, bar: float) -> tuple[SpeedFigure, ...]:
+    """Return by how much merged rendering is faster, and whether its images are equal.
+
+    `bar` is the required ratio to plain rendering.
+    """
+    times, few, equal = measured.times, measured.few, measured.equal
+    agreement = f"pixels within {_GREY_LEVELS} grey levels"
+    return (
+        _ratio("faster than plain", times[_PLAIN], times[_RGB], bar),
+        _ratio("faster than defaults", few[_DEFAULTS], few[_RGB], 12.0),
+        SpeedFigure(agreement, float(np.median(equal)), min(equal), len(equal), ">= 0.999"),
     )
-    yield Section(f"merged against plain at {name}", "1", ratios)
 
 
 def _runs() -> Iterator[Section]:
