@@ -112,4 +112,4 @@ def _run(benchmark: Benchmark, out: Path) -> BenchmarkRun:
 
 def _content(stream: BinaryIO) -> str:
     stream.seek(0)
-    return stream.read().decode("utf-8")
+    return stream.read().decode("utf-8", errors="backslashreplace")

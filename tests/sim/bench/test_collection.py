@@ -91,6 +91,15 @@ def test_a_failed_benchmark_says_why_and_the_others_go_on(tmp_path, graph, capsy
     assert not (tmp_path / "scale.txt").exists() and Path(tmp_path, "pose-graph.txt").exists()
 
 
+def test_a_benchmark_may_print_bytes_that_are_no_text(tmp_path, graph, monkeypatch):
+    program = tmp_path / "python"
+    program.write_text("#!/bin/sh\nprintf 'caf\\351'\n")
+    program.chmod(0o755)
+    monkeypatch.setattr("sys.executable", str(program))
+    (ended,) = collect([pose_graph(graph)], tmp_path, workers=1)
+    assert ended.error == "" and (tmp_path / "pose-graph.txt").read_text().endswith("\n\ncaf\\xe9")
+
+
 def test_a_name_that_no_benchmark_has_is_bad_input(tmp_path, capsys):
     assert main(["bench", "all", "-o", str(tmp_path), "--only", "table9"]) == 2
     assert "table9: no benchmark; valid: part of " in capsys.readouterr().err
