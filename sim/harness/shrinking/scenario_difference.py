@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import fields
 
+from sim.faults import Fault, written
 from sim.harness.run_settings import listed_house
 from sim.harness.scenario import Scenario
 from sim.render.rig import RigConfig
@@ -15,7 +16,7 @@ def difference(before: Scenario, after: Scenario) -> str:
     for each in fields(Scenario):
         old, new = getattr(before, each.name), getattr(after, each.name)
         if each.name == "faults" and old != new:
-            said.append(f"faults: {_names(old)} -> {_names(new)}")
+            said.append(f"faults: {_listed(old)} -> {_listed(new)}")
         elif each.name == "rig" and old != new:
             said.append(f"rig: {_described(old)} -> {_described(new)}")
         elif each.name != "house" and old != new:
@@ -24,9 +25,10 @@ def difference(before: Scenario, after: Scenario) -> str:
 
 
 def relabelled_rooms(before: Scenario, after: Scenario) -> tuple[str, ...]:
-    """Return in words which rooms of the first scenario have another label in the second: "'hall 0.1' is a kitchen"."""
+    """Return in words which rooms have another label in the second scenario: "'hall 0.1' has the label 'kitchen'"."""
     old, new = (_rooms_by_id(listed_house(scenario)) for scenario in (before, after))
-    return tuple(f"{key!r} is a {room.label}" for key, room in new.items() if key in old and old[key].label != room.label)
+    changed = {key: room.label for key, room in new.items() if key in old and old[key].label != room.label}
+    return tuple(f"{key!r} has the label {label!r}" for key, label in changed.items())
 
 
 def _rooms_by_id(spec: HouseSpec) -> dict[str, RoomSpec]:
@@ -38,8 +40,8 @@ def _described(rig: RigConfig) -> str:
     return f"{rig.name} {rig.width}x{rig.height}{displaced}"
 
 
-def _names(faults: tuple[object, ...]) -> str:
-    return ", ".join(getattr(fault, "name", "") for fault in faults) or "none"
+def _listed(faults: tuple[Fault, ...]) -> str:
+    return ", ".join(map(written, faults)) or "none"
 
 
 def _house_differences(before: HouseSpec, after: HouseSpec) -> Iterator[str]:

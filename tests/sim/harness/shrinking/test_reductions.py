@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from sim.errors import SimError
 from sim.faults.delivery import Dropped
+from sim.faults.poses import Kidnap
 from sim.harness import Scenario
 from sim.harness.run_settings import with_listed_house
 from sim.harness.shrinking.house_edits import keep_furniture, keep_rooms
@@ -122,6 +123,12 @@ def test_differences_name_what_changed():
     assert said.startswith(f"without {room.id!r}")
 
 
+def test_faults_that_differ_in_a_setting_only_are_told_apart():
+    early, late = (replace(LISTED, faults=(Kidnap(at_s=at_s, skip_s=8.0),)) for at_s in (10.0, 20.0))
+    assert difference(early, late) == "faults: kidnap:at_s=10,skip_s=8 -> kidnap:at_s=20,skip_s=8"
+    assert difference(early, replace(LISTED, faults=())) == "faults: kidnap:at_s=10,skip_s=8 -> none"
+
+
 def test_a_rig_that_is_not_displaced_any_more_is_told():
     mounted = replace(LISTED, rig=replace(LISTED.rig, lever_arm_m=(0.0, 0.0, 0.0)))
     assert difference(LISTED, mounted) == "rig: stereo 480x360, displaced -> stereo 480x360"
@@ -134,7 +141,7 @@ def test_rooms_with_another_label_are_named_by_their_ids():
     before, after = (
         {room.id: room.label for storey in each.house.storeys for room in storey.rooms} for each in (LISTED, last)
     )
-    changed = [f"{key!r} is a {label}" for key, label in after.items() if before[key] != label]
+    changed = [f"{key!r} has the label {label!r}" for key, label in after.items() if before[key] != label]
     assert list(relabelled_rooms(LISTED, last)) == changed != []
 
 
