@@ -10,6 +10,7 @@ import numpy as np
 
 from lexis.config import Config
 from lexis.evaluation.loops import opposite_edges, opposite_revisits
+from lexis.graph.trusted_loops import is_trusted
 from sim.bench.row_files import mean_and_std
 from sim.fidelity import Fidelity
 from sim.harness import Scenario, evaluate, run
@@ -17,9 +18,6 @@ from sim.harness.adapters import Lexis
 from sim.harness.finished_run import Run
 from sim.harness.loops import edge_truth
 from sim.harness.world_tests import usual_rate_hz
-
-TRUSTED = 0.5
-"""A loop edge counts as trusted if its weight after the optimisation is at least this."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +31,7 @@ class RigRow:
     found: int
     """Number of these keyframes from which a true loop edge leads to a keyframe that looks more than 90 degrees away."""
     trusted: int
-    """Number of trusted loop edges."""
+    """Number of loop edges that are trusted after the optimisation; see `is_trusted`."""
     false: int
     """Number of trusted loop edges that are false."""
     labels: float | None
@@ -66,7 +64,7 @@ def measure_rigs(
 def _row(finished: Run, rig: str, slam: Lexis) -> RigRow:
     loops, result = finished.estimate.loops, evaluate(finished)
     assert loops is not None and loops.weights is not None
-    is_true, trusted = edge_truth(finished), loops.weights >= TRUSTED
+    is_true, trusted = edge_truth(finished), is_trusted(loops.weights)
     stamps = np.array([keyframe.stamp for keyframe in slam.map.keyframes])
     revisits = opposite_revisits(finished.true_poses, stamps)
     across = loops.query[is_true & opposite_edges(loops.query, loops.match, finished.true_poses)]
