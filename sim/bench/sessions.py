@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64
 
+from lexis.maths.paths import arc_length
 from lexis.maths.se3 import between
 from lexis.slam import Slam
 from lexis.types import Camera, LexisMap, Observation
@@ -126,8 +127,7 @@ def starts(day: Day, every_m: float, length_m: float) -> list[int]:
 
     The result is empty if the walk is shorter than `length_m`. Lengths are right up to the distance between observations.
     """
-    steps = np.linalg.norm(np.diff([seen.T_O_B[:3, 3] for seen in day.observations], axis=0), axis=1)
-    path_m = np.concatenate([[0.0], np.cumsum(steps)])
+    path_m = arc_length(np.array([seen.T_O_B[:3, 3] for seen in day.observations]))
     places = np.arange(0.0, path_m[-1] - length_m, every_m)
     return [int(row) for row in np.searchsorted(path_m, places)]
 

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float, Float64, Int, UInt8
+from jaxtyping import Bool, Float64, Int, UInt8
 
 from sim.errors import SimError
 from worlds.spec import OpeningKind
+from worlds.walkable import polyline_length
 
 UNKNOWN = -1
 """Label index of frames to which the SLAM gave no label."""
@@ -171,7 +172,7 @@ class PlanPath:
 
     start: str
     goal: str
-    points: Float[np.ndarray, "k 3"]
+    points: Float64[np.ndarray, "k 3"]
     """Positions of the robot on the floor, in W [m]; empty if no plan was found."""
     success: bool
     """Whether the robot reached the goal; False, too, if the plan was not driven."""
@@ -185,7 +186,7 @@ class PlanPath:
     @property
     def driven_m(self) -> float:
         """Length of the path that the robot drove [m]."""
-        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
+        return polyline_length(self.points)
 
 
 @dataclass(frozen=True)
