@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int
+from jaxtyping import Bool, Float64
 
 from sim.harness import Scenario, run
 from sim.harness.adapters import Lexis
@@ -42,14 +42,9 @@ def _predictions(scenario: Scenario) -> tuple[Predictions, Predictions]:
     level = np.flatnonzero(map.floors >= 0)
     keyframes = Predictions(map.probabilities[level, map.labels[level]], map.labels[level] == truth[level])
     rooms = [room for room in map.rooms if room.floor is not None]
-    majority = [_most_common(truth[list(room.keyframes)]) for room in rooms]
+    majority = [np.bincount(truth[list(room.keyframes)]).argmax() for room in rooms]
     right = [map.room_names.index(room.label) == label for room, label in zip(rooms, majority, strict=True)]
     return keyframes, Predictions(np.array([map.probability_of(room) for room in rooms], float), np.array(right, bool))
-
-
-def _most_common(labels: Int[np.ndarray, "n"]) -> int:
-    values, counts = np.unique(labels, return_counts=True)
-    return int(values[counts.argmax()])
 
 
 def _joined(predictions: Sequence[Predictions]) -> Predictions:
