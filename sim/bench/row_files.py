@@ -44,9 +44,17 @@ def write_rows(rows: Sequence[Any], path: Path) -> None:
     """
     if not rows:
         raise SimError(f"{path}: there are no rows to write; valid: a benchmark of one house or more")
-    records = [asdict(row) for row in rows]
+    write_records([asdict(row) for row in rows], path)
+
+
+def write_records(records: Sequence[Mapping[str, object]], path: Path) -> None:
+    """Write records to a CSV file: a line with all names, in the order of first occurrence, then a line for each record.
+
+    A record without one of the names has an empty cell.
+    """
+    names = dict.fromkeys(name for record in records for name in record)
     with replaced_file(path) as beside, beside.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(records[0]), lineterminator="\n")
+        writer = csv.DictWriter(file, list(names), lineterminator="\n")
         writer.writeheader()
         writer.writerows(records)
 

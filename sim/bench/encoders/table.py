@@ -1,6 +1,5 @@
 """Accuracy on each preset and inference time of every encoder, as in Table I of the LEXIS paper: rows, CSV file and plot."""
 
-import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -8,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from lexis.files.replace import replaced_file
 from sim.bench.encoders.times import Timing
-from sim.bench.row_files import picture
+from sim.bench.row_files import picture, write_records
 
 TRAINED, RANDOM = "trained", "random"
 _TICKS_MS = tuple(digit * 10.0**power for power in range(-1, 5) for digit in (1, 2, 5))
@@ -55,12 +53,7 @@ class TableRow:
 
 def write_csv(rows: Sequence[TableRow], path: Path) -> None:
     """Write one line for each encoder. Figures that an encoder does not have are left empty."""
-    records = [_record(row) for row in rows]
-    names = list(dict.fromkeys(name for record in records for name in record))
-    with replaced_file(path) as beside, beside.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, names, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(records)
+    write_records([_record(row) for row in rows], path)
 
 
 def draw_plot(rows: Sequence[TableRow], path: Path) -> None:
