@@ -4,7 +4,7 @@ The first day's walk gives a map. On the second day, with another tour, odometry
 places of its tour. In its own house, it has to recognise where it is; in a twin house, it must not recognise anything.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -57,6 +57,24 @@ class Start:
     error_m: float | None
     """Error of the position of the last keyframe, relative to the nearest keyframe of the first day [m]; None if the session
     was never joined to the map."""
+
+
+@dataclass(frozen=True)
+class SessionsRow:
+    """Figures of all sessions in one kind of house."""
+
+    starts: int
+    """Number of sessions."""
+    joined: int
+    """Number of sessions that were joined to the map."""
+    near: int
+    """Number of sessions that were joined to the map within `NEAR_M` of walk."""
+    wrong: int
+    """Number of sessions that were joined to the map at a wrong place; see `WRONG_M`."""
+    median_m: float | None
+    """Median length of the walk until a session was joined to the map [m]; None if none was."""
+    largest_error_m: float | None
+    """Largest error of the position in a session that was joined to the map [m]; None if none was."""
 
 
 class _Recorder(Lexis):
@@ -147,21 +165,22 @@ def measure_sessions(
             yield seed, twin, [return_to(first, second, at, length_m, twin)[1] for at in starts(second, every_m, length_m)]
 
 
-def summary(measured: Iterator[tuple[int, bool, list[Start]]]) -> dict[str, tuple[float | None, ...]]:
-    """Return six figures about the sessions in the same house and in twin houses, by the name of the house.
-
-    The figures: the numbers of sessions, of joined sessions, of sessions that were joined within `NEAR_M`, and of sessions
-    that were joined at a wrong place; the median length of walk until a session was joined [m], and the largest error of a
-    joined session [m].
-    """
+def summary(measured: Iterable[tuple[int, bool, Sequence[Start]]]) -> dict[str, SessionsRow]:
+    """Return the figures of the sessions in the same house and in twin houses, by the name of the house."""
     by_house: dict[bool, list[Start]] = {False: [], True: []}
     for _, twin, found in measured:
         by_house[twin] += found
-    return {name: _counted(by_house[twin]) for twin, name in ((False, "the same"), (True, "a twin"))}
+    return {name: _row(by_house[twin]) for twin, name in ((False, "the same"), (True, "a twin"))}
 
 
-def _counted(found: Sequence[Start]) -> tuple[float | None, ...]:
+def _row(found: Sequence[Start]) -> SessionsRow:
     walks = [start.joined_m for start in found if start.joined_m is not None]
     errors = [start.error_m for start in found if start.error_m is not None]
-    near, wrong = sum(walk <= NEAR_M for walk in walks), sum(error > WRONG_M for error in errors)
-    return len(found), len(walks), near, wrong, float(np.median(walks)) if walks else None, max(errors, default=None)
+    return SessionsRow(
+        starts=len(found),
+        joined=len(walks),
+        near=sum(walk <= NEAR_M for walk in walks),
+        wrong=sum(error > WRONG_M for error in errors),
+        median_m=float(np.median(walks)) if walks else None,
+        largest_error_m=max(errors, default=None),
+    )

@@ -2,7 +2,7 @@
 
 import argparse
 from collections.abc import Iterator
-from dataclasses import fields, replace
+from dataclasses import astuple, fields, replace
 from pathlib import Path
 
 from rich.markup import escape
@@ -98,7 +98,7 @@ def _sessions(arguments: argparse.Namespace) -> Iterator[Table]:
     table = Table("house", *map(escape, headers), title=title)
     seeds = seeds_of(arguments)
     for name, row in summary(measure_sessions(arguments.preset, seeds, arguments.every, arguments.length)).items():
-        table.add_row(name, *(shown(value, "{:.3g}") for value in row))
+        table.add_row(name, *(shown(value, "{:.3g}") for value in astuple(row)))
     yield table
 
 

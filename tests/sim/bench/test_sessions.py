@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lexis.types import Observation
-from sim.bench.sessions import NEAR_M, Day, Start, return_to, starts, summary, walked_day
+from sim.bench.sessions import NEAR_M, Day, SessionsRow, Start, return_to, starts, summary, walked_day
 from worlds.presets import sample_from_rooms
 
 STILL = Observation(0, 0.0, np.zeros((1, 1, 3), np.uint8), np.eye(4), np.eye(6))
@@ -39,5 +39,8 @@ def test_a_session_is_joined_to_its_own_house_where_the_robot_truly_is_and_to_no
 
 def test_the_summary_counts_same_houses_and_twins_apart():
     same = [Start(2.0, 0.1), Start(12.0, 1.4), Start(4.0, 0.2)]
-    found = summary(iter([(1, False, same[:2]), (1, True, [Start(None, None)]), (2, False, same[2:])]))
-    assert found == {"the same": (3, 3, 2, 1, 4.0, 1.4), "a twin": (1, 0, 0, 0, None, None)}
+    found = summary([(1, False, same[:2]), (1, True, [Start(None, None)]), (2, False, same[2:])])
+    assert found == {
+        "the same": SessionsRow(starts=3, joined=3, near=2, wrong=1, median_m=4.0, largest_error_m=1.4),
+        "a twin": SessionsRow(starts=1, joined=0, near=0, wrong=0, median_m=None, largest_error_m=None),
+    }
