@@ -56,15 +56,15 @@ class QueriesRow:
     """Share of the `vain` questions for which "unknown" is reported."""
 
 
-def ask_houses(config: Scenario, seeds: Sequence[int]) -> Iterator[tuple[int, str, list[Answered]]]:
-    """Make one run per seed, with all other settings from `config`, and ask all questions about its map.
+def ask_houses(scenario: Scenario, seeds: Sequence[int]) -> Iterator[tuple[int, str, list[Answered]]]:
+    """Make one run per seed, with all other settings from `scenario`, and ask all questions about its map.
 
     Yields (seed, name of the set of questions as in `SETS`, answers).
     """
-    encoder = load_encoder(config.encoder)
+    encoder = load_encoder(scenario.encoder)
     slam, calibration = Lexis(encoder), find_calibration(encoder)
     for seed in seeds:
-        finished, lexis_map = run(replace(config, seed=seed), slam), slam.map
+        finished, lexis_map = run(replace(scenario, seed=seed), slam), slam.map
         rooms = true_rooms(finished, lexis_map)
         for name, questions in SETS.items():
             yield seed, name, [ask_one(q, finished.house, lexis_map, rooms, encoder, calibration) for q in questions]

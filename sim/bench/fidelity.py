@@ -86,17 +86,17 @@ def mixed_houses(count: int, first_seed: int) -> list[tuple[str, Scenario]]:
     Returns pairs (group, scenario); for the group see `HousePair`.
     """
     usual = choices(count, first_seed)
-    mixed = [(choice.preset, _config(choice.spec())) for choice in usual]
+    mixed = [(choice.preset, _scenario(choice.spec())) for choice in usual]
     extra = choices(len(_LOOKS) * (count // _LOOKS_SHARE), first_seed + count)
     for i, choice in enumerate(extra):
         field, look = _LOOKS[i % len(_LOOKS)]
         spec = choice._replace(openness=None, clutter=1.0).spec()
         looks = spec.appearance.model_copy(update={field: look})
-        mixed.append((f"{look} {field}", _config(spec.model_copy(update={"appearance": looks}))))
+        mixed.append((f"{look} {field}", _scenario(spec.model_copy(update={"appearance": looks}))))
     return mixed
 
 
-def _config(spec: HouseSpec) -> Scenario:
+def _scenario(spec: HouseSpec) -> Scenario:
     return Scenario(
         house=spec,
         seed=spec.seed,
@@ -106,20 +106,20 @@ def _config(spec: HouseSpec) -> Scenario:
 
 
 def compare_fidelities(
-    configs: Sequence[tuple[str, Scenario]], encoder: Encoder, feature_model: Path | None = None
+    scenarios: Sequence[tuple[str, Scenario]], encoder: Encoder, feature_model: Path | None = None
 ) -> Iterator[HousePair]:
     """Run LEXIS on every scenario twice, on rendered images and on features, and yield the figures of both runs.
 
-    `configs` are pairs (name of a group of scenarios, scenario).
+    `scenarios` are pairs (name of a group of scenarios, scenario).
     """
-    for group, config in configs:
+    for group, scenario in scenarios:
         figures = []
         for fidelity in FIDELITIES:
             slam = Lexis(encoder, _NO_LANDMARKS, loops=False)
-            result = evaluate(run(replace(config, fidelity=fidelity, feature_model=feature_model), slam))
+            result = evaluate(run(replace(scenario, fidelity=fidelity, feature_model=feature_model), slam))
             figures.append((result.labels.accuracy, result.labels.accuracy_baseline, result.rooms.pq))
         rendered, features = figures
-        yield HousePair(group, house_spec(config).name, *zip(rendered, features, strict=True))
+        yield HousePair(group, house_spec(scenario).name, *zip(rendered, features, strict=True))
 
 
 def percepts_per_second(first_seed: int, feature_model: Path | None = None) -> float:

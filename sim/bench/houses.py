@@ -8,14 +8,14 @@ from sim.harness.run_settings import house_spec, in_house
 from worlds.variant import variant
 
 
-def configs(config: Scenario, seeds: Sequence[int], openness: float | None = None) -> Iterator[Scenario]:
-    """Yield one scenario for each seed; all other settings are those of `config`.
+def for_seeds(scenario: Scenario, seeds: Sequence[int], openness: float | None = None) -> Iterator[Scenario]:
+    """Yield one scenario for each seed; all other settings are those of `scenario`.
 
     If `openness` is given, inner walls of every house are opened or closed until the house has that openness; the length of
     the walk stays. Raises `WorldsError` if `openness` is outside [0, 1].
     """
     for seed in seeds:
-        own = replace(config, seed=seed)
+        own = replace(scenario, seed=seed)
         yield own if openness is None else varied(own, openness=openness)
 
 

@@ -17,7 +17,7 @@ from lexis.evaluation.trajectory import ate_rmse
 from lexis.graph.pose_graph import PoseGraph
 from lexis.graph.trusted_loops import is_trusted
 from lexis.types import Keyframe, LoopEdge, Poses
-from sim.bench.houses import configs
+from sim.bench.houses import for_seeds
 from sim.bench.injected_loops import KINDS, injected
 from sim.bench.row_files import Curve, draw_panels, grouped, mean_and_std
 from sim.harness import Scenario, run
@@ -90,7 +90,7 @@ def mapped_houses(preset: str, seeds: Sequence[int], settings: Config | None = N
     usual = Scenario(preset=preset, fidelity="features", frame_rate_hz=FEATURES_FRAME_RATE_HZ)
     settings = settings or Config()
     slam = Lexis(config=replace(settings, pose_graph=replace(settings.pose_graph, copies=None)))
-    for scenario in configs(usual, seeds):
+    for scenario in for_seeds(usual, seeds):
         finished = run(scenario, slam)
         yield MappedHouse(scenario.seed, slam.map.keyframes, slam.map.loops, edge_truth(finished), finished.true_poses)
 

@@ -49,13 +49,13 @@ class Overlap:
         return self.both.processor / (self.rendering.processor + self.lexis.processor)
 
 
-def measure_overlap(config: Scenario, frames: int, repetitions: int) -> list[Overlap]:
+def measure_overlap(scenario: Scenario, frames: int, repetitions: int) -> list[Overlap]:
     """Measure the first `frames` frames of a run, `repetitions` times. LEXIS alone gets images that are kept in memory."""
-    walked, encoder, camera = walk(config), load_encoder(config.encoder), build_rig(config.rig).front
+    walked, encoder, camera = walk(scenario), load_encoder(scenario.encoder), build_rig(scenario.rig).front
     tour, odometry = walked.tour, walked.odometry
     part = Tour(tour.stamps[:frames], tour.T_W_B[:frames], tour.motion, tour.eye_height_m)
     reported = Odometry(odometry.T_O_B[:frames], odometry.increment_covariance[:frames])
-    session = Session(walked.house, part, reported, camera, config.faults, config.seed)
+    session = Session(walked.house, part, reported, camera, scenario.faults, scenario.seed)
 
     def lexis(observations: Iterable[Observation]) -> float:
         """Run LEXIS; return the total time spent in its stages [s]."""

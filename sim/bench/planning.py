@@ -14,7 +14,7 @@ import numpy as np
 
 from lexis.evaluation.planning import spl, success_rate
 from lexis.files.replace import replaced_file
-from sim.bench.houses import configs
+from sim.bench.houses import for_seeds
 from sim.errors import SimError
 from sim.harness import Run, Scenario, run, try_plans
 from sim.harness.adapters import Lexis
@@ -51,15 +51,15 @@ class PlanningRow:
 
 
 def drive_houses(
-    config: Scenario,
+    scenario: Scenario,
     seeds: Sequence[int],
     pictures: Path | None = None,
     openness: float | None = None,
     drivers: Sequence[str] = tuple(DRIVERS),
 ) -> Iterator[PlanningRow]:
-    """Make one run per seed, with all other settings from `config`, and let every driver drive all plans of the run.
+    """Make one run per seed, with all other settings from `scenario`, and let every driver drive all plans of the run.
 
-    For `openness` see `sim.bench.houses.configs`. `drivers` are names in
+    For `openness` see `sim.bench.houses.for_seeds`. `drivers` are names in
     `DRIVERS`. `pictures` is a folder for PNGs of the failed drives of the driver LEXIS.
     Raises `SimError` if that folder cannot be made, or for an unknown driver.
     """
@@ -68,8 +68,8 @@ def drive_houses(
             raise SimError(f"no driver {driver!r}; valid: {', '.join(map(repr, DRIVERS))}")
     if pictures is not None:
         make_output_folder(pictures)
-    slam = Lexis(config.encoder)
-    for own in configs(config, seeds, openness):
+    slam = Lexis(scenario.encoder)
+    for own in for_seeds(scenario, seeds, openness):
         finished = run(own, slam)
         for driver in drivers:
             steering, blind = DRIVERS[driver]

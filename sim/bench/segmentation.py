@@ -6,7 +6,7 @@ from typing import Any
 
 from lexis.config import Config
 from lexis.graph.trusted_loops import is_trusted
-from sim.bench.houses import configs
+from sim.bench.houses import for_seeds
 from sim.bench.row_files import mean_and_std
 from sim.harness import Scenario, evaluate, run, try_plans
 from sim.harness.adapters import Lexis
@@ -39,14 +39,14 @@ class SegmentationRow:
 
 
 def run_houses(
-    config: Scenario, seeds: Sequence[int], openness: float | None = None, settings: Config | None = None
+    scenario: Scenario, seeds: Sequence[int], openness: float | None = None, settings: Config | None = None
 ) -> Iterator[tuple[int, SegmentationRow]]:
-    """Make one run for each scenario of `sim.bench.houses.configs`; yield the seed and the figures of each run.
+    """Make one run for each scenario of `sim.bench.houses.for_seeds`; yield the seed and the figures of each run.
 
-    The first three arguments are those of `configs`; `settings` are those of LEXIS.
+    The first three arguments are those of `for_seeds`; `settings` are those of LEXIS.
     """
-    slam = Lexis(config.encoder, settings)
-    for own in configs(config, seeds, openness):
+    slam = Lexis(scenario.encoder, settings)
+    for own in for_seeds(scenario, seeds, openness):
         finished = run(own, slam)
         result = evaluate(finished, try_plans(finished))
         loops, is_true = finished.estimate.loops, edge_truth(finished)

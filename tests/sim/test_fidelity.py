@@ -22,12 +22,14 @@ def test_a_house_without_the_figure_is_left_out():
 
 
 def test_houses_are_mixed_and_unusual_looks_come_apart():
-    configs = mixed_houses(10, 40)
-    usual = [config for group, config in configs if group in PRESETS]
-    assert len(usual) == 10 and {group for group, _ in configs[10:]} == {"poor texture", "dim light", "evening light"}
-    assert all(config.house.appearance.texture == "rich" and config.house.appearance.light == "day" for config in usual)
-    assert len({config.seed for _, config in configs}) == len(configs)
-    assert len({config.house.clutter for config in usual}) > 2
+    mixed = mixed_houses(10, 40)
+    usual = [scenario for group, scenario in mixed if group in PRESETS]
+    assert len(usual) == 10 and {group for group, _ in mixed[10:]} == {"poor texture", "dim light", "evening light"}
+    assert all(
+        scenario.house.appearance.texture == "rich" and scenario.house.appearance.light == "day" for scenario in usual
+    )
+    assert len({scenario.seed for _, scenario in mixed}) == len(mixed)
+    assert len({scenario.house.clutter for scenario in usual}) > 2
 
 
 def test_the_summary_is_of_usual_looks_first_then_by_group():

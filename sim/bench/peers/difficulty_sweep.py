@@ -23,7 +23,7 @@ from sim.baselines.rooms import (
     Voronoi,
     WordlessLexis,
 )
-from sim.bench.houses import configs, varied
+from sim.bench.houses import for_seeds, varied
 from sim.bench.peers.side_by_side import run_side_by_side
 from sim.bench.row_files import grouped, is_picture, mean_and_std, picture, write_rows
 from sim.fidelity import Fidelity
@@ -156,7 +156,7 @@ def sweep(
     rate_hz = rate_hz or difficulty.frame_rate_hz or usual_rate_hz(difficulty.fidelity)
     usual = Scenario(preset=preset, fidelity=difficulty.fidelity, frame_rate_hz=rate_hz)
     for value in difficulty.values:
-        for scenario in configs(usual, seeds):
+        for scenario in for_seeds(usual, seeds):
             if length_m is not None:
                 scenario = with_walk_m(scenario, length_m)
             changed = difficulty.changed(scenario, value)

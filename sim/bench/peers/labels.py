@@ -12,7 +12,7 @@ from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.perception import TextEncoder
 from sim.baselines.rooms import HydraPlaces, ObjectVotes
 from sim.baselines.rooms.object_scores import Counted, ObjectScores, RelativeSimilarity, Similarity, count_rooms
-from sim.bench.houses import configs
+from sim.bench.houses import for_seeds
 from sim.bench.peers.side_by_side import run_side_by_side
 from sim.bench.row_files import grouped, mean_and_std
 from sim.errors import SimError
@@ -99,7 +99,7 @@ def compare_labels(presets: Sequence[str], seeds: Sequence[int], fidelity: Fidel
         )
     encoder = load_encoder(Scenario.encoder)
     for preset in presets:
-        for scenario in configs(Scenario(preset=preset, fidelity=fidelity, frame_rate_hz=usual_rate_hz(fidelity)), seeds):
+        for scenario in for_seeds(Scenario(preset=preset, fidelity=fidelity, frame_rate_hz=usual_rate_hz(fidelity)), seeds):
             runs = run_side_by_side(scenario, methods(scenario, encoder))
             found = {
                 "LEXIS, baseline (paper)": (evaluate(runs[_REFINED]).labels.accuracy_baseline, None),

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from lexis.config import PAPER, Config
-from sim.bench.houses import configs
+from sim.bench.houses import for_seeds
 from sim.bench.row_files import mean_and_std
 from sim.harness import Scenario, evaluate, run
 from sim.harness.adapters import Lexis
@@ -49,7 +49,7 @@ def compare_methods(preset: str, seeds: Sequence[int], openness: float | None = 
     usual = Scenario(preset=preset, fidelity="features", frame_rate_hz=FEATURES_FRAME_RATE_HZ)
     slams = {name: Lexis(config=config) for name, config in METHODS.items()}
     found: dict[str, list[RunResult]] = {name: [] for name in METHODS}
-    for scenario in configs(usual, seeds, openness):
+    for scenario in for_seeds(usual, seeds, openness):
         for name, slam in slams.items():
             found[name].append(evaluate(run(scenario, slam), []))
     for name, results in found.items():

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from lexis.config import Config, PlaceRecognitionConfig
-from sim.bench.houses import configs
+from sim.bench.houses import for_seeds
 from sim.bench.peers.side_by_side import run_side_by_side
 from sim.bench.row_files import grouped, mean_and_std
 from sim.fidelity import Fidelity
@@ -74,7 +74,7 @@ class TrajectoryMean:
 def compare_trajectories(presets: Sequence[str], seeds: Sequence[int], fidelity: Fidelity) -> Iterator[TrajectoryRow]:
     """Let every method of `METHODS` follow the same walks, one for each preset and seed."""
     for preset in presets:
-        for scenario in configs(Scenario(preset=preset, fidelity=fidelity, frame_rate_hz=usual_rate_hz(fidelity)), seeds):
+        for scenario in for_seeds(Scenario(preset=preset, fidelity=fidelity, frame_rate_hz=usual_rate_hz(fidelity)), seeds):
             slams = {name: slam(scenario) for name, slam in METHODS.items()}
             for name, finished in run_side_by_side(scenario, slams).items():
                 errors = evaluate(finished).trajectory

@@ -79,14 +79,14 @@ def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
     table = Table("seed", *(field.name.replace("_", " ") for field in fields(SegmentationRow)), title=title)
     seeds = seeds_of(arguments)
     rows = []
-    config = Scenario(
+    scenario = Scenario(
         preset=arguments.preset,
         encoder=arguments.encoder,
         fidelity=arguments.fidelity,
         feature_model=arguments.feature_model,
     )
     settings = read_config(arguments.config) if arguments.config else None
-    for house, row in run_houses(config, seeds, arguments.openness, settings):
+    for house, row in run_houses(scenario, seeds, arguments.openness, settings):
         rows.append(row)
         table.add_row(str(house), *(shown(value, "{:.3g}") for value in astuple(row)), end_section=house == seeds[-1])
     for name, values in zip(("mean", "std"), means_and_stds(rows), strict=True):
@@ -108,7 +108,7 @@ def _rooms(arguments: argparse.Namespace) -> Iterator[Table]:
 
 def _certainty(arguments: argparse.Namespace) -> Iterator[Table]:
     from lexis.evaluation import calibration_error, reliability
-    from sim.bench.houses import configs
+    from sim.bench.houses import for_seeds
     from sim.bench.peers.certainty import measure_certainty
     from sim.harness import Scenario
     from sim.harness.world_tests import usual_rate_hz
@@ -116,7 +116,7 @@ def _certainty(arguments: argparse.Namespace) -> Iterator[Table]:
 
     seeds, presets, fidelity = seeds_of(arguments), arguments.presets, arguments.fidelity
     usual = (Scenario(preset=name, fidelity=fidelity, frame_rate_hz=usual_rate_hz(fidelity)) for name in presets)
-    scenarios = (own for scenario in usual for own in configs(scenario, seeds))
+    scenarios = (own for scenario in usual for own in for_seeds(scenario, seeds))
     found = measure_certainty(tracked(scenarios, len(presets) * len(seeds), "houses"))
     houses = f"{', '.join(presets)}, seeds {seeds[0]} to {seeds[-1]}, {fidelity}"
     for name, predictions in (("keyframes", found.keyframes), ("rooms", found.rooms)):
@@ -154,11 +154,11 @@ def _planning(arguments: argparse.Namespace) -> Iterator[Table]:
 
     seeds = seeds_of(arguments)
     drivers = arguments.drivers or list(DRIVERS)
-    config = Scenario(preset=arguments.preset, encoder=arguments.encoder, fidelity=arguments.fidelity)
+    scenario = Scenario(preset=arguments.preset, encoder=arguments.encoder, fidelity=arguments.fidelity)
     title = escape(f"{_houses(arguments)}, {arguments.fidelity}, encoder {arguments.encoder}")
     table = Table("seed", "driven by", "queries", "success", "spl", "touched", "seconds", title=title)
     rows = []
-    for row in drive_houses(config, seeds, arguments.pictures, arguments.openness, drivers):
+    for row in drive_houses(scenario, seeds, arguments.pictures, arguments.openness, drivers):
         rows.append(row)
         figures = (shown(row.success, "{:.3f}"), shown(row.spl, "{:.3f}"), str(row.touched), f"{row.seconds:.1f}")
         table.add_row(str(row.seed), row.driver, str(row.queries), *figures, end_section=row.driver == drivers[-1])
@@ -183,8 +183,8 @@ def _queries(arguments: argparse.Namespace) -> Iterator[Table]:
     failures = Table("seed", "list", "failed question", "best room", "said", title_justify="left")
     everything: dict[str, list[Answered]] = {name: [] for name in SETS}
     rate_hz = arguments.rate or RENDER_FRAME_RATE_HZ
-    config = Scenario(preset=arguments.preset, encoder=arguments.encoder, frame_rate_hz=rate_hz)
-    for house, name, answered in ask_houses(config, seeds_of(arguments)):
+    scenario = Scenario(preset=arguments.preset, encoder=arguments.encoder, frame_rate_hz=rate_hz)
+    for house, name, answered in ask_houses(scenario, seeds_of(arguments)):
         everything[name] += answered
         table.add_row(str(house), name, *(shown(value, "{:.3g}") for value in astuple(row_of(answered))))
         for one in answered:

@@ -82,7 +82,7 @@ def test_hardly_any_true_loop_is_rejected_on_a_walk_on_which_keyframes_could_ret
     house = sample_house("home", 302, rooms=3)
     fast = {"fidelity": "features", "encoder": "oracle", "frame_rate_hz": 2.0}
     walk = Scenario(house=house, seed=302, tour_kind="loop", length_m=200.0, **fast)
-    monkeypatch.setattr(module, "configs", lambda *_: [walk])
+    monkeypatch.setattr(module, "for_seeds", lambda *_: [walk])
     monkeypatch.setattr(module, "Lexis", HastyLexis)
     monkeypatch.setattr(module, "SHARES", (0.0,))
     (mapped,) = mapped_houses("home", [302])
@@ -93,7 +93,7 @@ def test_hardly_any_true_loop_is_rejected_on_a_walk_on_which_keyframes_could_ret
 def test_houses_are_mapped_with_the_given_settings_but_no_keyframe_retires(monkeypatch):
     made = []
     monkeypatch.setattr(module, "Lexis", lambda config: made.append(config))
-    monkeypatch.setattr(module, "configs", lambda *_: [])
+    monkeypatch.setattr(module, "for_seeds", lambda *_: [])
     settings = Config(verification=VerificationConfig(max_contradiction=16.8), pose_graph=PoseGraphConfig(every=7))
     assert not list(mapped_houses("home", [302], settings))
     assert made == [replace(settings, pose_graph=PoseGraphConfig(every=7, copies=None))]
