@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from lexis.errors import one_line
-from sim.bench.mutation.planting import Mutant, planted
+from sim.bench.mutation.planting import Mutant, mutated_copy
 from sim.errors import SimError
 from sim.harness.crash import COMPLETES
 from sim.processes import ONE_THREAD
@@ -124,7 +124,7 @@ def grade(
     begin = time.time()  # wall-clock time, because it is compared with the time of the file of verdicts
     start = "unchanged" if mutant is None else mutant.name, suite if laws else f"{suite} without laws", seed
     fingerprint = "" if mutant is None else mutant.fingerprint
-    with planted(mutant) as folder:
+    with mutated_copy(mutant) as folder:
         verdicts = folder / "verdicts.json"
         options = ["--suite", suite, "--seed", str(seed), "-x", "--json", str(verdicts)]
         options += ["--out", str(folder / "smallest")] if smallest else []

@@ -1,4 +1,4 @@
-"""The planted bugs: mistakes that a programmer of a SLAM makes easily. With most bugs, each run by itself looks plausible.
+"""The mutants: mistakes that a programmer of a SLAM makes easily. With most mutants, each run by itself looks plausible.
 
 The list follows the stages of `lexis/slam.py`. It has hardly any bugs that crash, because these are found easily.
 """

@@ -1,4 +1,4 @@
-"""Makes a copy of LEXIS in which the text of one module is changed (`planted`)."""
+"""Makes a copy of LEXIS in which the text of one module is changed (`mutated_copy`)."""
 
 import hashlib
 import shutil
@@ -38,7 +38,7 @@ class Mutant:
 
 
 @contextmanager
-def planted(mutant: Mutant | None) -> Iterator[Path]:
+def mutated_copy(mutant: Mutant | None) -> Iterator[Path]:
     """Yield a folder with a copy of the package `lexis` that contains a mutant; the copy is unchanged if `mutant` is None.
 
     Python imports this copy if the folder comes first on Python's path. Files other than modules, such as the weights of the

@@ -27,7 +27,7 @@ from sim.bench.mutation.grading import (
     usable_grades,
     write_grade,
 )
-from sim.bench.mutation.planting import planted
+from sim.bench.mutation.planting import mutated_copy
 from sim.cli import main
 from sim.errors import SimError
 from sim.harness.results import FaultFigures
@@ -63,7 +63,7 @@ def test_a_fingerprint_tells_mutants_apart_and_changes_with_lexis(monkeypatch):
 
 def test_planting_changes_one_module_of_a_copy_and_nothing_else():
     mutant = MUTANTS[0]
-    with planted(mutant) as folder:
+    with mutated_copy(mutant) as folder:
         copies = {path.relative_to(folder / "lexis"): path for path in (folder / "lexis").rglob("*") if path.is_file()}
         changed = [str(name) for name, path in copies.items() if path.read_bytes() != (SOURCE / name).read_bytes()]
         assert changed == [mutant.file]
@@ -72,7 +72,7 @@ def test_planting_changes_one_module_of_a_copy_and_nothing_else():
 
 def test_python_imports_the_copy_with_the_mutant():
     mutant = Mutant("three floors", "floors.py", "NO_FLOOR = -1\n", "NO_FLOOR = -3\n")
-    with planted(mutant) as folder:
+    with mutated_copy(mutant) as folder:
         code = "import sim.harness, lexis.floors; print(lexis.floors.NO_FLOOR, lexis.floors.__file__)"
         shown = subprocess.run(
             [sys.executable, "-P", "-c", code], capture_output=True, text=True, check=True, env={"PYTHONPATH": str(folder)}
