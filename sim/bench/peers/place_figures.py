@@ -95,7 +95,7 @@ class PlaceFigures:
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class PrecisionRecall:
     """Precision and recall of best matches while the least score falls from the highest score to the lowest."""
 
     precision: Float64[np.ndarray, "k"]
@@ -152,7 +152,7 @@ def whereabouts(walk: PlaceWalk, queries: Int[np.ndarray, "m"], matches: Int[np.
     return np.select(cases, range(len(cases)), default=len(cases))
 
 
-def curve(found: Sequence[PlaceFigures]) -> Curve:
+def precision_recall(found: Sequence[PlaceFigures]) -> PrecisionRecall:
     """Precision against recall of the best matches of all queries, pooled over walks.
 
     Recall is the share of the queries with a right match whose best match is right.
@@ -163,4 +163,4 @@ def curve(found: Sequence[PlaceFigures]) -> Curve:
     distinct = np.append(best[order][:-1] != best[order][1:], True)[: len(order)]  # equal scores are answered together
     precision = true / np.arange(1, len(order) + 1)
     recall = true / max(sum(each.row.possible_1 for each in found), 1)
-    return Curve(precision[distinct], recall[distinct])
+    return PrecisionRecall(precision[distinct], recall[distinct])

@@ -21,7 +21,7 @@ from sim.baselines.places.lexis_places import LabelledRoom, RevisitProbability
 from sim.baselines.places.place_method import PlaceMethod
 from sim.baselines.places.vlad import Kind, Vlad
 from sim.baselines.places.word_tree import WordTree
-from sim.bench.peers.place_figures import FALSE_FIELDS, REQUIRED, Curve, PlaceFigures, curve, figures
+from sim.bench.peers.place_figures import FALSE_FIELDS, REQUIRED, PlaceFigures, PrecisionRecall, figures, precision_recall
 from sim.bench.peers.place_walks import PlaceWalk
 from sim.bench.row_files import mean_and_std
 
@@ -97,7 +97,7 @@ class PlaceTotal:
     """Numbers of false positives at N = 1 by the place of the best match; see `PLACES`."""
     recalls: tuple[float | None, ...]
     """Recall among the first 1, 3 and 5 candidates, if all queries are answered; None without a revisit."""
-    curve: Curve
+    curve: PrecisionRecall
     """Precision against recall over the queries of all walks."""
 
 
@@ -135,4 +135,4 @@ def _total(found: Sequence[PlaceFigures]) -> PlaceTotal:
     counts = tuple(MatchCounts(*(sum(of(f"{name}_{n}")) for name in ("tp", "fp", "possible"))) for n in REQUIRED)
     false = tuple(sum(of(name)) for name in FALSE_FIELDS)
     recalls = tuple(mean_and_std(getattr(each.row, f"recall_at_{n}") for each in found)[0] for n in REQUIRED)
-    return PlaceTotal(counts, false, recalls, curve(found))
+    return PlaceTotal(counts, false, recalls, precision_recall(found))

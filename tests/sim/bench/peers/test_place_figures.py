@@ -7,7 +7,16 @@ import pytest
 from helpers.two_laps import two_laps, walk_of
 
 from sim.baselines.places import EmbeddingSimilarity
-from sim.bench.peers.place_figures import FALSE_FIELDS, PLACES, Curve, answers, curve, figures, ranked, whereabouts
+from sim.bench.peers.place_figures import (
+    FALSE_FIELDS,
+    PLACES,
+    PrecisionRecall,
+    answers,
+    figures,
+    precision_recall,
+    ranked,
+    whereabouts,
+)
 
 
 @pytest.fixture
@@ -27,7 +36,7 @@ def test_counts_and_recall_of_a_perfect_method(walk):
     found = figures(walk, "perfect", perfect, 0.5)
     assert (found.row.tp_1, found.row.fp_1) == (found.row.possible_1, 0) and found.row.recall_at_1 == 1.0
     assert found.row.possible_3 == 0 and found.row.fp_3 == found.row.tp_1
-    assert curve([found]).at_full_precision == 1.0 == curve([found]).average_precision
+    assert precision_recall([found]).at_full_precision == 1.0 == precision_recall([found]).average_precision
 
 
 def test_stricter_answers_are_fewer_and_false_ones_are_split_without_rest(walk):
@@ -54,7 +63,7 @@ def test_false_matches_are_assigned_to_the_first_place_that_fits(walk):
 def test_a_curve_counts_all_queries_with_at_least_the_score(walk):
     scores = EmbeddingSimilarity().scores(walk.seen)
     found = figures(walk, "embedding", scores, -1.0)
-    line = curve([found, found])
+    line = precision_recall([found, found])
     least = np.sort(found.best)[::-1][3]
     answered = found.best >= least
     position = int(np.flatnonzero(np.sort(np.unique(found.best))[::-1] == least)[0])
@@ -64,5 +73,5 @@ def test_a_curve_counts_all_queries_with_at_least_the_score(walk):
 
 
 def test_recall_at_full_precision_ends_at_the_first_false_match():
-    line = Curve(np.array([1.0, 1.0, 0.75, 0.8]), np.array([0.25, 0.5, 0.75, 1.0]))
+    line = PrecisionRecall(np.array([1.0, 1.0, 0.75, 0.8]), np.array([0.25, 0.5, 0.75, 1.0]))
     assert line.at_full_precision == 0.5 and line.average_precision == pytest.approx((1 + 1 + 0.75 + 0.8) / 4)
