@@ -30,7 +30,7 @@ class SegmentationRow:
     ate_m: float | None
     """Absolute trajectory error of the optimised trajectory [m]."""
     false_loops: int
-    heavy_false_loops: int
+    trusted_false_loops: int
     """Number of false loop edges that are trusted after the optimisation."""
     loop_recall: float | None
     """Share of revisits with a true loop edge; None if there were no revisits."""

@@ -67,7 +67,7 @@ class TrajectoryMean:
     """Mean of the errors [m]. All figures are None if no house has them."""
     std_m: float | None
     """Standard deviation of the errors [m]."""
-    odometry: float | None
+    ratio_to_odometry: float | None
     """Mean over the houses of the error, divided by that of the odometry on the same walk."""
 
 

@@ -119,7 +119,7 @@ def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
     table = Table("method", *presets, title=title)
     for method, found in means(rows).items():
         errors = (mean_std_text(each.ate_m, each.std_m, "{:.3f}") for each in found.values())
-        shares = (shown(each.odometry, "{:.2f}") for each in found.values())
+        shares = (shown(each.ratio_to_odometry, "{:.2f}") for each in found.values())
         table.add_row(method, *(f"{error} ({share})" for error, share in zip(errors, shares, strict=True)))
     table.add_section()
     for method, paper in PAPER_ATE_M.items():

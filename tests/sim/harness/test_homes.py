@@ -30,7 +30,7 @@ def test_the_trajectory_is_better_than_the_odometry_on_every_house(rows):
 
 
 def test_no_false_loop_edge_keeps_its_weight(rows):
-    assert sum(row.heavy_false_loops for row in rows) == 0
+    assert sum(row.trusted_false_loops for row in rows) == 0
 
 
 def test_every_plan_reaches_its_room(rows):
