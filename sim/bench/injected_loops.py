@@ -19,7 +19,7 @@ GROUP = 6
 """Largest number of false loops in a cluster. They connect consecutive keyframes of one place to consecutive keyframes of
 another place."""
 _GAP = 20
-"""Least number of keyframes between the two keyframes of a false loop."""
+"""Least difference between the numbers of the two keyframes of a false loop."""
 _OFFSET = np.repeat([0.1, 0.3], 3) * [0.1, 0.1, 1, 1, 1, 0.1]
 """Standard deviations of the relative pose that a false loop states: three rotations [rad], then three translations [m].
 Tilt deviates less than yaw, and height less than x and y, because the camera stays upright."""

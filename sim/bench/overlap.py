@@ -31,7 +31,7 @@ class Overlap:
     lexis: Seconds
     both: Seconds
     slower_s: float
-    """Time of the slower task while both ran in parallel: the larger of `render_s` (rendering) and `slam_s` (LEXIS) [s]."""
+    """Time of the slower task while both ran in parallel: the larger of the times of rendering and of LEXIS [s]."""
 
     @property
     def wall_over_slower_within(self) -> float:

@@ -2,7 +2,7 @@
 
 LEXIS maps every house as it is, and once more for each substitution of the blame table
 (`sim.harness.failures.blame_table`). A substitution puts the truth in the place of one stage, or leaves out one difficulty.
-What it gains is what the stage costs.
+The gain of a substitution is the cost of its stage.
 """
 
 from collections.abc import Iterator, Sequence

@@ -184,7 +184,7 @@ def read_grades(file: Path) -> list[Grade]:
 def usable_grades(
     grades: Iterable[Grade], mutants: Iterable[Mutant], suite: str, seed: int, smallest: bool, before: Path | None
 ) -> dict[str, Grade]:
-    """Return the grades that need not be made again, by mutant. The last grade of each mutant counts.
+    """Return the grades that need not be made again, by mutant. The last usable grade of each mutant counts.
 
     The other arguments are those of `grade`; grades of other mutants, suites or seeds are left out.
     """

@@ -66,7 +66,7 @@ class Difficulty:
     methods: tuple[str, ...]
     """Names of the methods that are compared."""
     fidelity: Fidelity = "features"
-    """Lighting and textures show in images only."""
+    """Fidelity of the runs: "render" for a property that shows in images only, as lighting and textures do."""
     frame_rate_hz: float | None = None
     """Frames per second [Hz]; None: the usual rate of the fidelity, with which keyframes on features are 0.7 m apart."""
     adjusted: Callable[[SlamUnderTest, Any], SlamUnderTest] = lambda slam, value: slam
