@@ -64,7 +64,7 @@ class BagOfWords:
         return np.where(neighbour >= _LEAST_NEIGHBOUR, raw / np.maximum(neighbour, _LEAST_NEIGHBOUR), -np.inf)
 
     def _best_island(self, row: Float64[np.ndarray, "n"]) -> tuple[int, int] | None:
-        """First and last keyframe of the island with the largest sum of scores; None without a match."""
+        """Return the first and the last keyframe of the island with the largest sum of scores; None without a match."""
         matches = np.flatnonzero(row >= self.least)
         if not matches.size:
             return None
@@ -76,7 +76,7 @@ class BagOfWords:
 
 @lru_cache(maxsize=16)
 def _word_scores(tree: WordTree, features: int, seen: SeenKeyframes) -> Float64[np.ndarray, "n n"]:
-    """Scores of all pairs of images. The last ones are remembered, since other settings are tuned on the same scores."""
+    """Return the scores of all pairs of images, and remember them, since other settings are tuned on the same scores."""
     return l1_scores(tree.histograms([descriptors[:features] for descriptors in seen.orb]))
 
 

@@ -72,7 +72,7 @@ class LabelMean:
 
 
 def methods(scenario: Scenario, encoder: TextEncoder) -> dict[str, SlamUnderTest]:
-    """The systems for a scenario, by the names of their methods."""
+    """Return the systems for a scenario, by the names of their methods."""
 
     def hydra(scores: ObjectScores) -> SlamUnderTest:
         return ObjectVotes.of(scenario, HydraPlaces(), scores)
@@ -110,27 +110,27 @@ def compare_labels(presets: Sequence[str], seeds: Sequence[int], fidelity: Fidel
 
 
 def _figures(run: Run) -> tuple[float | None, float | None]:
-    """Accuracy over keyframes and over found rooms."""
+    """Return the label accuracy over keyframes and over found rooms."""
     labels, rooms = run.estimate.labels, run.estimate.rooms
     over_rooms = None if labels is None or rooms is None else room_accuracy(labels, rooms, run.true_labels)
     return evaluate(run).labels.accuracy, over_rooms
 
 
 def with_best_labels(run: Run) -> Run:
-    """A run whose keyframes have the most frequent true label of the room in which the estimate puts them."""
+    """Return the run with labels that are the most frequent true label of each estimated room."""
     if run.estimate.rooms is None:
         return run
     return replace(run, estimate=replace(run.estimate, labels=_most_frequent(run.true_labels, run.estimate.rooms)))
 
 
 def room_accuracy(labels: Int[np.ndarray, "n"], rooms: Int[np.ndarray, "n"], truth: Int[np.ndarray, "n"]) -> float:
-    """Share of found rooms whose most frequent label is the most frequent true label of their keyframes."""
+    """Return the share of found rooms whose most frequent label is the most frequent true label of their keyframes."""
     _, first = np.unique(rooms, return_index=True)
     return float((_most_frequent(labels, rooms)[first] == _most_frequent(truth, rooms)[first]).mean())
 
 
 def _most_frequent(values: Int[np.ndarray, "n"], rooms: Int[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
-    """The most frequent of the values, which are -1 or more, in the room of every keyframe."""
+    """Return, for every keyframe, the most frequent value in its room; values are -1 or more."""
     _, room = np.unique(rooms, return_inverse=True)
     counts = np.zeros((room.max() + 1, values.max() + 2), int)
     np.add.at(counts, (room, values + 1), 1)

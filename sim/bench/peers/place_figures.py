@@ -141,7 +141,7 @@ def figures(walk: PlaceWalk, method: str, scores: Scores, least: float) -> Place
 
 
 def whereabouts(walk: PlaceWalk, queries: Int[np.ndarray, "m"], matches: Int[np.ndarray, "m"]) -> Int[np.ndarray, "m"]:
-    """Where each false match is, as an index into `PLACES`."""
+    """Return where each false match is, as an index into `PLACES`."""
     distances, angles = separation(walk.T_W_B[queries], walk.T_W_B[matches])
     cases = (
         (distances <= PLACE_M) & (angles >= np.pi - PLACE_RAD),
@@ -153,7 +153,7 @@ def whereabouts(walk: PlaceWalk, queries: Int[np.ndarray, "m"], matches: Int[np.
 
 
 def precision_recall(found: Sequence[PlaceFigures]) -> PrecisionRecall:
-    """Precision against recall of the best matches of all queries, pooled over walks.
+    """Return precision against recall of the best matches of all queries, pooled over walks.
 
     Recall is the share of the queries with a right match whose best match is right.
     """

@@ -43,18 +43,18 @@ class Contestant:
 
 @lru_cache(maxsize=8)
 def word_tree(depth: int) -> WordTree:
-    """The vocabulary tree of training images, with ten branches per node."""
+    """Return the vocabulary tree of training images, with ten branches per node."""
     return WordTree.learned(training_descriptors().orb, np.random.default_rng(_SEED), depth=depth)
 
 
 @lru_cache(maxsize=8)
 def vlad(words: int, dims: int, kind: Kind = "akaze") -> Vlad:
-    """VLAD with words and whitening of training images."""
+    """Return VLAD with words and whitening of training images."""
     return Vlad.learned(getattr(training_descriptors(), kind), np.random.default_rng(_SEED), words, dims, kind)
 
 
 def bag_of_words(depth: int, **settings: object) -> BagOfWords:
-    """DBoW2's scheme with a vocabulary tree of training images; see `BagOfWords` for the settings."""
+    """Return DBoW2's scheme with a vocabulary tree of training images; see `BagOfWords` for the settings."""
     return BagOfWords(word_tree(depth), **settings)  # type: ignore[arg-type]
 
 
