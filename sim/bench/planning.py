@@ -59,9 +59,8 @@ def drive_houses(
 ) -> Iterator[PlanningRow]:
     """Make one run per seed, with all other settings from `scenario`, and let every driver drive all plans of the run.
 
-    For `openness` see `sim.bench.houses.for_seeds`. `drivers` are names in
-    `DRIVERS`. `pictures` is a folder for PNGs of the failed drives of the driver LEXIS.
-    Raises `SimError` if that folder cannot be made, or for an unknown driver.
+    For `openness` see `sim.bench.houses.for_seeds`. `drivers` are names in `DRIVERS`. `pictures` is a folder for PNGs of the
+    failed drives of the driver LEXIS. Raises `SimError` if that folder cannot be made, or for an unknown driver.
     """
     for driver in drivers:
         if driver not in DRIVERS:

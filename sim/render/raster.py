@@ -43,8 +43,8 @@ class RenderedFrame:
 class Raster:
     """Renders a scene with any pinhole camera. Use it as a context manager, or call `close` at the end.
 
-    A raster may be used by several threads, but only by one at a time. Raises `GraphicsError` if
-    off-screen OpenGL is missing or fails, and for images that are larger than the scene was built for.
+    A raster may be used by several threads, but only by one at a time. Raises `GraphicsError` if off-screen OpenGL is
+    missing or fails, and for images that are larger than the scene was built for.
     """
 
     def __init__(self, scene: Scene) -> None:
