@@ -76,7 +76,7 @@ def with_noise(imu: Imu, config: ImuConfig, rng: np.random.Generator) -> Imu:
     """
     step = 1.0 / config.rate_hz
     if not np.allclose(np.diff(imu.stamps), step, rtol=0.0, atol=1e-9):
-        raise SimError(f"imu: measurements are not at the config's {config.rate_hz:g} Hz")
+        raise SimError(f"imu: measurements are not at {config.rate_hz:g} Hz; valid: measurements at the rate in the config")
     shape = (2, len(imu.stamps), 3)
     noise = rng.standard_normal(shape) * np.sqrt(config.rate_hz)
     walk = np.cumsum(rng.standard_normal(shape) * np.sqrt(step), axis=1)

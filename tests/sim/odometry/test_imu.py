@@ -113,7 +113,7 @@ def test_bad_values_name_what_is_valid(rng):
         ImuConfig(gyroscope_walk=-1.0)
     with pytest.raises(SimError, match=r"rate_hz is 0.*valid: > 0 Hz"):
         ImuConfig(rate_hz=0.0)
-    with pytest.raises(SimError, match="not at the config's 100 Hz"):
+    with pytest.raises(SimError, match="not at 100 Hz; valid: measurements at the rate in the config"):
         with_noise(silence(10, 200.0), ImuConfig(100.0), rng)
 
 
