@@ -2,14 +2,10 @@
 
 import cv2
 import numpy as np
+from helpers.textured import textured
 
 from sim.baselines.places import descriptors as module
 from sim.baselines.places.descriptors import described, strongest_orb
-
-
-def textured(seed):
-    soft = cv2.GaussianBlur(np.random.default_rng(seed).normal(size=(180, 240, 3)).astype(np.float32), None, 3.0)
-    return np.clip(128 + 900 * soft, 0, 255).astype(np.uint8)
 
 
 def test_the_strongest_corners_come_first():
@@ -23,6 +19,6 @@ def test_the_strongest_corners_come_first():
 
 
 def test_every_image_has_its_descriptors_and_a_blank_one_has_none():
-    found = described([textured(1), np.full((180, 240, 3), 127, np.uint8), textured(2)])
+    found = described([textured(1), np.full((240, 320, 3), 127, np.uint8), textured(2)])
     assert [len(each) > 50 for each in found.orb] == [len(each) > 50 for each in found.akaze] == [True, False, True]
     assert len(found.orb[1]) == len(found.akaze[1]) == 0

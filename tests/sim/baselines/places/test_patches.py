@@ -1,14 +1,9 @@
 """Patch features are unit vectors, and change where the image has changed."""
 
-import cv2
 import numpy as np
+from helpers.textured import textured
 
 from sim.baselines.places.patches import patch_features
-
-
-def textured(seed):
-    soft = cv2.GaussianBlur(np.random.default_rng(seed).normal(size=(240, 320, 3)).astype(np.float32), None, 5.0)
-    return np.clip(128 + 900 * soft, 0, 255).astype(np.uint8)
 
 
 def test_features_are_unit_vectors_that_differ_between_cells():
