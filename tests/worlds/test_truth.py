@@ -11,7 +11,7 @@ from worlds.labels import STAIRS
 from worlds.openings.openness import with_openness
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
-from worlds.truth import ambiguity_at, boundary_lines, objects, room_at, room_graph
+from worlds.truth import ambiguity_at, boundary_lines, objects, room_at, room_graph, storey_of
 from worlds.truth_json import truth_json
 from worlds.walkable import Walkable
 
@@ -91,3 +91,11 @@ def test_truth_json_is_json_and_complete(house):
     assert len(data["objects"]) == len(objects(house)) and len(data["stairs"]) == len(house.stairs)
     assert {pair["openness"] > 0 for pair in data["openness"]["pairs"]} == {True, False}
     assert any(line["ambiguous"] for line in data["boundaries"])
+
+
+def test_storey_is_the_highest_floor_below():
+    assert storey_of(np.array([-0.1, 0.0, 1.2, 2.99, 3.0, 9.0]), [0.0, 3.0]).tolist() == [0, 0, 0, 0, 1, 1]
+
+
+def test_a_foot_that_rounding_has_put_below_its_floor_is_on_it():
+    assert storey_of(np.array([2.8999999999999995]), [0.0, 2.9]).tolist() == [1]

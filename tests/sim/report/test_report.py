@@ -30,7 +30,6 @@ from sim.report.data import (
 from sim.report.findings import Finding, coverage_gap, findings, idle_faults, rooms_without_keyframe
 from sim.report.overlay import run_marks
 from sim.report.room_errors import RoomErrors, room_errors, surplus
-from worlds.truth import storey_of
 
 NAMES = ("kitchen", "office", "library")
 VOID = {"meta", "link", "img", "input", "br", "hr"}
@@ -458,11 +457,3 @@ def test_every_kind_of_room_error_is_named_once(true, predicted, kind, group):
 def test_data_that_does_not_fit_is_refused(rng, change, problem):
     with pytest.raises(SimError, match=problem):
         replace(example(rng), **change)
-
-
-def test_storey_is_the_highest_floor_below():
-    assert storey_of(np.array([-0.1, 0.0, 1.2, 2.99, 3.0, 9.0]), [0.0, 3.0]).tolist() == [0, 0, 0, 0, 1, 1]
-
-
-def test_a_foot_that_rounding_has_put_below_its_floor_is_on_it():
-    assert storey_of(np.array([2.8999999999999995]), [0.0, 2.9]).tolist() == [1]
