@@ -32,7 +32,7 @@ def reordered(run):
 
 
 def turned(run):
-    """A SLAM whose world has another heading, and whose rotations are wrong from the middle of the walk on."""
+    """A SLAM whose world has another heading, and whose rotations are wrong in the last two thirds of the walk."""
     estimate = no_bug(run)
     turn = np.eye(4)
     turn[:3, :3] = Rotation.from_euler("z", 2.0).as_matrix()
