@@ -44,8 +44,7 @@ from sim.harness.runner import run
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import SlamUnderTest, title_of
 from sim.harness.trial import Trial
-from sim.truth import camera_positions
-from worlds.truth import ambiguity_at, floor_area, openness
+from worlds.truth import floor_area, openness
 
 _ROUNDING_M = 1e-9
 """Least error of a trajectory that is reported [m]. Smaller errors come from rounding, and are reported as 0."""
@@ -131,15 +130,11 @@ def _labels(run: Run) -> LabelFigures:
     before = None if baseline is None else accuracy(baseline, run.true_labels)
     if labels is None:
         return LabelFigures(accuracy_baseline=before)
-    names = run.room_names
-    allowed_rooms = ambiguity_at(run.house, camera_positions(run.true_poses, run.session.camera))
-    label_of_room = np.array([names.index(room.label) for room in run.house.rooms])
-    allowed = np.stack([allowed_rooms[:, label_of_room == k].any(axis=1) for k in range(len(names))], axis=1)
     return LabelFigures(
         accuracy(labels, run.true_labels),
         before,
-        graded_accuracy(labels, allowed),
-        accuracy_per_room(labels, run.true_labels, names),
+        graded_accuracy(labels, run.allowed_labels),
+        accuracy_per_room(labels, run.true_labels, run.room_names),
     )
 
 

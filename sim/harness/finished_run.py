@@ -14,9 +14,10 @@ from lexis.types import Pose
 from sim.harness.estimate import Estimate
 from sim.harness.scenario import Scenario
 from sim.session import Session
-from sim.truth import Truth
+from sim.truth import Truth, camera_positions
 from worlds.house import House
 from worlds.labels import STAIRS
+from worlds.truth import ambiguity_at
 from worlds.walkable import Walkable
 
 
@@ -92,6 +93,13 @@ class Run:
         """True label of every frame, as an index into `room_names`."""
         names = self.room_names
         return np.array([names.index(self.session.truths[i].label) for i in self.estimate.frames.tolist()], int)
+
+    @cached_property
+    def allowed_labels(self) -> Bool[np.ndarray, "n names"]:
+        """For every frame, whether each of `room_names` counts as right in `labels.accuracy_graded`; see `ambiguity_at`."""
+        rooms = ambiguity_at(self.house, camera_positions(self.true_poses, self.session.camera))
+        label_of_room = np.array([self.room_names.index(room.label) for room in self.house.rooms])
+        return np.stack([rooms[:, label_of_room == k].any(axis=1) for k in range(len(self.room_names))], axis=1)
 
     @cached_property
     def on_stairs(self) -> Bool[np.ndarray, "n"]:

@@ -9,7 +9,7 @@ from jaxtyping import Int
 from lexis.evaluation.trajectory import aligned
 from lexis.maths.se3 import inverse
 from lexis.types import Poses
-from sim.harness.diagnosis.first_wrong import WITH_LABELS, WrongFrame, wrong_estimates
+from sim.harness.diagnosis.first_wrong import WITH_LABELS, WrongFrame, wrong_labels, wrong_numbers
 from sim.harness.finished_run import Run
 from sim.harness.results import group_of
 from sim.report.data import NO_LABEL
@@ -30,7 +30,7 @@ def estimated_frames(run: Run, figure: str | None, wrong: WrongFrame) -> FrameEs
         return _numbered(run, estimates, "rooms", run.estimate.rooms, "estimated room {}", "in no estimated room")
     if kind == "floors" and run.estimate.floors is not None:
         return _numbered(run, estimates, "floors", run.estimate.floors, "estimated floor {}", "estimated on no floor")
-    return _labelled(run, estimates) if kind in WITH_LABELS else estimates
+    return _labelled(run, estimates, figure) if kind in WITH_LABELS else estimates
 
 
 def _in_world(run: Run, wrong: WrongFrame) -> Poses | None:
@@ -43,9 +43,9 @@ def _in_world(run: Run, wrong: WrongFrame) -> Poses | None:
     return np.asarray(truth[row] @ inverse(estimated[row]) @ estimated)
 
 
-def _labelled(run: Run, estimates: FrameEstimates) -> FrameEstimates:
-    """Add the labels, unless none is wrong."""
-    wrong = wrong_estimates(run, "labels")
+def _labelled(run: Run, estimates: FrameEstimates, figure: str | None) -> FrameEstimates:
+    """Add the labels, unless none is wrong for the figure."""
+    wrong = wrong_labels(run, figure)
     if run.estimate.labels is None or not wrong.any():
         return estimates
     names = (*run.room_names, NO_LABEL)  # index -1, for no label, is the last entry
@@ -65,4 +65,4 @@ def _numbered(
     """Add estimates that are numbers from 0, or -1 for `none`. Other numbers `k` are put into words by `form.format(k)`."""
     words = {k: form.format(k) if k >= 0 else none for k in sorted(set(numbers.tolist()), key=lambda k: (k < 0, k))}
     said = tuple(words[k] for k in numbers.tolist())
-    return replace(estimates, groups=said, wrong=wrong_estimates(run, name), colours=instance_colours(words.values(), none))
+    return replace(estimates, groups=said, wrong=wrong_numbers(run, name), colours=instance_colours(words.values(), none))

@@ -5,11 +5,13 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from sim.errors import GraphicsError
 from sim.fidelity import Fidelity
 from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.diagnosis.error_kinds import most_frequent
-from sim.harness.diagnosis.first_wrong import WrongFrame, crash_frame, first_wrong
+from sim.harness.diagnosis.first_wrong import WrongFrame, crash_frame, first_wrong, wrong_labels
 from sim.harness.failures.blame_table import BlameTable
 from sim.harness.failures.estimated_frames import estimated_frames
 from sim.harness.failures.nearest_changes import nearest
@@ -196,8 +198,9 @@ def _frequent_label(run: Run, figure: str | None) -> list[str]:
     if run.estimate.labels is None or figure is None or not figure.startswith("labels."):
         return []
     names = [*run.room_names, "nothing"]  # the label -1 stands for none
-    pairs = zip(run.true_labels.tolist(), run.estimate.labels.tolist(), strict=True)
-    wrong = Counter(f"{names[truth]} is labelled {names[estimate]}" for truth, estimate in pairs if truth != estimate)
+    rows = np.flatnonzero(wrong_labels(run, figure))
+    pairs = zip(run.true_labels[rows].tolist(), run.estimate.labels[rows].tolist(), strict=True)
+    wrong = Counter(f"{names[truth]} is labelled {names[estimate]}" for truth, estimate in pairs)
     if not wrong:
         return []
     kind = most_frequent(wrong)

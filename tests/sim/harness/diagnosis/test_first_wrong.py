@@ -5,9 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.open_flat import OPEN_FLAT
 
-from sim.harness import Estimate, EstimatedLoops, Scenario, run
-from sim.harness.diagnosis.first_wrong import _position, first_wrong
+from sim.harness import Estimate, EstimatedLoops, Scenario, evaluate, run
+from sim.harness.diagnosis.first_wrong import _position, first_wrong, wrong_labels
+from sim.harness.failures.estimated_frames import estimated_frames
+from sim.harness.failures.why_page import wrong_frame_page
 from worlds.presets import sample_from_rooms
 
 SCENARIO = Scenario(
@@ -124,6 +127,21 @@ def test_a_frame_without_a_label_is_said_to_have_none(true):
     labels[WRONG] = -1
     found = first_wrong(replace(true, estimate=replace(true.estimate, labels=labels)))
     assert found.what == f"no label, is {true.room_names[true.true_labels[WRONG]]}"
+
+
+@pytest.mark.parametrize("figure", ["labels.accuracy", "labels.accuracy_graded"])
+def test_a_figure_of_labels_and_the_wrong_frames_agree(figure):
+    silent = run(OPEN_FLAT, Frames())
+    late = np.concatenate([silent.true_labels[:1], silent.true_labels[:-1]])  # wrong only at borders, where both may count
+    late[[-3, -1]] = -1
+    wrong = replace(silent, estimate=Estimate(silent.estimate.frames, labels=late))
+    rows = np.flatnonzero(wrong_labels(wrong, figure))
+    found = first_wrong(wrong, figure)
+    assert len(rows) == round((1.0 - evaluate(wrong)[figure]) * len(late)) > 0
+    assert found.frame == wrong.estimate.frames[rows[0]]
+    np.testing.assert_array_equal(np.flatnonzero(estimated_frames(wrong, figure, found).wrong), rows)
+    assert f" of {len(rows)} frames with a wrong label." in "".join(wrong_frame_page(wrong, figure).lines)
+    assert (rows[0] < np.flatnonzero(wrong_labels(wrong, "labels.accuracy_graded"))[0]) == (figure == "labels.accuracy")
 
 
 def estimating(run, poses):
