@@ -1,10 +1,12 @@
 from .errors import HouseError as HouseError
 from .errors import SpecError as SpecError
 from .errors import WorldsError as WorldsError
+from .floor_plans.grown_plan import OpeningRequest as OpeningRequest
 from .floor_plans.grown_plan import RoomRequest as RoomRequest
 from .floor_plans.grown_plan import grow as grow
 from .house import House as House
 from .house import build_house as build_house
+from .openings import nearly_opened as nearly_opened
 from .plan_import import import_plan as import_plan
 from .presets import PRESETS as PRESETS
 from .presets import sample_from_rooms as sample_from_rooms

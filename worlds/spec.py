@@ -220,7 +220,9 @@ CLUTTER_SCALE = "0: none, 1: usual, 4: very cluttered"
 class HouseSpec(_Data):
     """A house. `HouseSpec.from_json` reads a spec and `to_json` writes it without loss."""
 
-    schema_version: Literal[1] = Field(default=1, alias="schema", description="version of this format, counted from 1")
+    schema_version: Literal[1] = Field(
+        default=1, alias="schema", repr=False, description="version of this format, counted from 1"
+    )  # not in the repr, because Python expects the alias as the name of the argument
     name: str = Field(default="house", max_length=200)
     seed: Seed = Field(default=0, description="seed of windows and furniture (when absent), textures and colours")
     slab_m: float = Field(default=0.3, ge=0.1, le=1.0, description="thickness of the slab between storeys [m]")

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from hypothesis.errors import InvalidArgument
 from hypothesis.strategies import SearchStrategy
 
-from worlds.errors import WorldsError
 from worlds.floor_plans.grown_plan import (
     MIN_SIZE_DM,
     MIN_WIDTH_DM,
@@ -25,7 +24,7 @@ from worlds.floor_plans.grown_plan import (
     grow,
 )
 from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS, STAIRS
-from worlds.openings.openness import openness_of, with_openness
+from worlds.openings.openness import nearly_opened, openness_of
 from worlds.spec import HouseSpec, OpeningKind
 
 MAX_DRAWN_ROOMS, MAX_DRAWN_STOREYS = 40, 4
@@ -119,15 +118,7 @@ def room_pairs(
 def _opened(drawn: SearchStrategy[HouseSpec], low: float, high: float) -> SearchStrategy[HouseSpec]:
     target = st.integers(0, 100).map(lambda percent: low + (high - low) * percent / 100)
     # The openness of a house without boundaries between rooms, or with short ones, cannot change, so it may miss the range.
-    return st.builds(_nearly_opened, drawn, target).filter(lambda spec: low - 0.05 <= openness_of(spec) <= high + 0.05)
-
-
-def _nearly_opened(spec: HouseSpec, target: float) -> HouseSpec:
-    """Return the house with the given openness; the house as it is if its inner walls are too short for this openness."""
-    try:
-        return with_openness(spec, target)
-    except WorldsError:
-        return spec
+    return st.builds(nearly_opened, drawn, target).filter(lambda spec: low - 0.05 <= openness_of(spec) <= high + 0.05)
 
 
 def _lists(

@@ -8,6 +8,8 @@ from hypothesis import HealthCheck, Phase, find, given, settings
 from hypothesis import strategies as st
 from hypothesis.errors import InvalidArgument, Unsatisfiable
 
+import worlds
+import worlds.spec
 from worlds.errors import WorldsError
 from worlds.house import build_house
 from worlds.labels import STAIRS
@@ -75,6 +77,28 @@ def test_furnished_houses_are_valid_too(spec):
     house = build_house(spec)
     validate(house)
     assert house.furniture
+
+
+@pytest.mark.parametrize(
+    "strategy", [houses(), houses(openness=(0.4, 0.6)), houses(furnished=True), open_plans(), room_pairs()]
+)
+def test_the_printed_example_is_an_expression_with_public_names(strategy):
+    """Where a call of `grow` is longer than the spec, Hypothesis prints the spec."""
+    drawn = []
+
+    @settings(SHRINKING, max_examples=20, phases=(Phase.generate,))
+    @given(spec=strategy)
+    def fails(spec):
+        drawn.append(spec)
+        assert len(drawn) < 5  # the first, simplest examples say little
+
+    with pytest.raises(AssertionError) as caught:
+        fails()
+    (printed,) = (note for note in caught.value.__notes__ if "fails(" in note)
+    text = printed.partition(":")[2].strip()
+    of_spec = vars(worlds.spec) if "HouseSpec(" in text else {}
+    names = of_spec | {name: getattr(worlds, name) for name in worlds.__all__} | {"fails": lambda spec: spec}
+    assert eval(text, {"__builtins__": {}}, names) == drawn[-1]
 
 
 @given(room_pairs(kinds=("half wall", "counter")))

@@ -2,6 +2,7 @@ from .doors import DoorLeaf as DoorLeaf
 from .doors import hang_leaves as hang_leaves
 from .opening_draft import LeafDraft as LeafDraft
 from .opening_draft import OpeningDraft as OpeningDraft
+from .openness import nearly_opened as nearly_opened
 from .openness import openness_of as openness_of
 from .openness import with_openness as with_openness
 from .partitions import Partition as Partition

@@ -118,6 +118,17 @@ def with_openness(spec: HouseSpec, target: float, seed: int | None = None) -> Ho
     return spec.model_copy(update={"storeys": tuple(storeys)})
 
 
+def nearly_opened(spec: HouseSpec, target: float) -> HouseSpec:
+    """Return the house with the given openness; the house as it is if its inner walls are too short for this openness.
+
+    `houses` with `openness` draws such houses.
+    """
+    try:
+        return with_openness(spec, target)
+    except WorldsError:
+        return spec
+
+
 def _plans(spec: HouseSpec, seed: int) -> list[_PartPlan]:
     """Return a plan for every partition of a house, sorted in the order in which partitions are opened."""
     plans = []
