@@ -17,6 +17,7 @@ from sim.harness.failures.estimated_frames import estimated_frames
 from sim.harness.failures.nearest_changes import nearest
 from sim.harness.failures.search import Reference, Search
 from sim.harness.finished_run import Run
+from sim.harness.results import group_of
 from sim.harness.scenario_sessions import picture_session
 from sim.harness.shrinking.failure_test import FailureTest, Observed
 from sim.harness.shrinking.reduction import Reduction
@@ -87,7 +88,8 @@ def why_page(
         *_failure(reduction, test, smallest, reference),
     ]
     place = wrong_frame_page(smallest.run, figure, reference)
-    return _page(head, place, _search_sections(reduction, blamed, figure), _WHOLE_RUN)
+    hint = _unfurnished(reduction, figure, '`--keep "drop furniture"` keeps it.')
+    return _page(head, place, _search_sections(reduction, blamed, figure, hint), _WHOLE_RUN)
 
 
 def failed_test_page(
@@ -111,7 +113,19 @@ def failed_test_page(
     if search is None:
         return _page(head, place, (), _WHOLE_RUN)
     head += _compared_with_original(search, message, reference.run is None)
-    return _page(head, place, _search_sections(search.reduction, search.blamed), _WHOLE_RUN)
+    command = f"lexis-sim shrink PATH/original.json --slam {full_name_of(run.slam) or 'MODULE:CLASS'}"
+    options = '--fails CONDITION --keep "drop furniture" -o furnished'
+    meant = 'PATH is the path of this folder, and CONDITION the opposite of the assertion, such as "labels.accuracy < 0.9".'
+    hint = _unfurnished(search.reduction, figure, f"`{command} {options}` keeps it.", meant)
+    return _page(head, place, _search_sections(search.reduction, search.blamed, hint=hint), _WHOLE_RUN)
+
+
+def _unfurnished(reduction: Reduction, figure: str | None, *remedy: str) -> tuple[str, ...]:
+    """Return lines on a search that has removed all furniture, for figures of labels and rooms; none otherwise."""
+    before, after = reduction.sizes
+    if not before.furniture or after.furniture or group_of(figure) not in ("labels", "rooms"):
+        return ()
+    return ("No furniture is left by which an encoder could recognise a room.", *remedy)
 
 
 def _compared_with_original(search: Search, message: str, may_be_another: bool) -> Iterator[str]:
@@ -268,10 +282,13 @@ def _frame_page(
     return Page((*lines, "", shown, "", caption), pictures)
 
 
-def _search_sections(reduction: Reduction | None, blamed: BlameTable | None, figure: str = "") -> Iterator[str]:
+def _search_sections(
+    reduction: Reduction | None, blamed: BlameTable | None, figure: str = "", hint: Sequence[str] = ()
+) -> Iterator[str]:
     """Yield the lines on what mends the failure, what the failure needs, and how small the scenario has become.
 
-    Both arguments are None if there was no search; there are no lines then.
+    `reduction` and `blamed` are None if there was no search; there are no lines then. `hint` are lines on what the search
+    has removed.
     """
     if reduction is None or blamed is None:
         return
@@ -279,7 +296,7 @@ def _search_sections(reduction: Reduction | None, blamed: BlameTable | None, fig
     yield ""
     yield from _needs(reduction)
     yield ""
-    yield from _sizes(reduction, figure)
+    yield from _sizes(reduction, hint)
     yield ""
 
 
@@ -339,13 +356,12 @@ def _needs(reduction: Reduction) -> Iterator[str]:
         yield f"- and {len(unique) - _LISTED} more"
 
 
-def _sizes(reduction: Reduction, figure: str) -> Iterator[str]:
+def _sizes(reduction: Reduction, hint: Sequence[str]) -> Iterator[str]:
     before, after = reduction.sizes
     yield "## How small it is"
     yield ""
     yield reduction.note
-    if before.furniture and not after.furniture and figure.startswith(("labels", "rooms")):
-        yield 'No furniture is left by which an encoder could recognise a room; `--keep "drop furniture"` keeps it.'
+    yield from hint
     yield ""
     yield from _size_table(before, after)
     if changed := relabelled_rooms(reduction.original, reduction.scenario):

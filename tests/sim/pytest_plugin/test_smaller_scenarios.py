@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import shutil
 from dataclasses import replace
 from functools import partial
@@ -11,6 +12,7 @@ from helpers.plugin_sessions import DRIFTS, LAYOUT, SLAM
 
 import sim.harness.shrinking.reducer
 import sim.harness.shrinking.reductions
+from sim.cli import main
 from sim.harness import Scenario
 from sim.harness.run_settings import with_listed_house
 from worlds.presets import sample_from_rooms
@@ -51,6 +53,27 @@ def test_a_failure_is_stored_in_the_smallest_scenario_with_what_mends_it(pyteste
     assert re.search(r"The original run first went wrong in .* at [\d.]+ s: labelled kitchen, is ", why)
     assert small_said != original_said and "kept their ids" not in why
     result.stdout.fnmatch_lines([f"in the original scenario: AssertionError: assert {original_said} > 2.0"])
+
+
+def test_a_search_that_removes_all_furniture_says_how_to_keep_it(pytester, inner, monkeypatch):
+    steps = {"drop furniture": sim.harness.shrinking.reductions.STEPS["drop furniture"]}
+    monkeypatch.setattr(sim.harness.shrinking.reducer, "reduce", partial(sim.harness.shrinking.reducer.reduce, steps=steps))
+    pytester.makepyfile(test_slam=SLAM + DRIFTS)
+    inner().assert_outcomes(failed=1)
+    (folder,) = (pytester.path / ".lexis-failures").iterdir()
+    why = (folder / "why.md").read_text()
+    assert "No furniture is left by which an encoder could recognise a room." in why
+    (command,) = re.findall("`lexis-sim (shrink .* -o furnished)`", why)
+    assert " --slam test_slam:Stub " in command
+    words = shlex.split(command.replace("PATH", str(folder)).replace("CONDITION", "'labels.accuracy < 2'"))
+    assert main([*words, "--deadline", "1s"]) == 0
+    furniture = {name: furniture_of(pytester.path / name) for name in ("furnished", folder)}
+    assert furniture["furnished"] and not furniture[folder]
+
+
+def furniture_of(folder):
+    """All furniture in the house of the smallest scenario."""
+    return [piece for storey in Scenario.load(folder / "scenario.json").house.storeys for piece in storey.furniture]
 
 
 RELATIVE = """
