@@ -203,7 +203,7 @@ def wrong_frame_page(run: Run, figure: str | None, reference: Run | None = None)
     estimates = estimated_frames(run, figure, frame)
     drawn = "".join(_how_drawn(run, frame, estimates))
     shared = ["The reference is wrong at every frame at which this run is wrong, too."] if frame.in_reference else []
-    more = [*shared, *_frequent_label(run, figure), *_faults(run)]
+    more = [*shared, *_frequent_label(run, figure), *_faults(run), *_most_similar(run, figure, frame)]
     return _frame_page(title, run.session, frame, run.scenario.fidelity, estimates, drawn, more)
 
 
@@ -220,6 +220,20 @@ def _frequent_label(run: Run, figure: str | None) -> list[str]:
     kind = most_frequent(wrong)
     share = f"{wrong[kind]} of {counted(wrong.total(), 'frame')} with a wrong label"
     return [f"The most frequent wrong label: {kind}, in {share}."]
+
+
+def _most_similar(run: Run, figure: str | None, frame: WrongFrame) -> Iterator[str]:
+    """Yield the room names most similar to the image and, for a wrong label, whether the image alone is misleading."""
+    if not frame.similarities:
+        return
+    yield f"Most similar room names: {', '.join(f'{name} {value:.3f}' for name, value in frame.similarities)}."
+    wrong = np.flatnonzero(wrong_labels(run, figure)).tolist()
+    row = int(np.searchsorted(run.estimate.frames, frame.frame))
+    if row in wrong:
+        right = {k for k in wrong if run.most_similar(k, 1)[0][0] == run.room_names[run.true_labels[k]]}
+        count = len(right) if row in right else len(wrong) - len(right)
+        name, reason = ("the true name", "; the error comes after the encoder") if row in right else ("a wrong name", "")
+        yield f"The image alone is most similar to {name}, as in {count} of {counted(len(wrong), 'wrong frame')}{reason}."
 
 
 def _faults(run: Run) -> list[str]:
@@ -263,8 +277,6 @@ def _frame_page(
     more: Sequence[str] = (),
 ) -> Page:
     lines = [title, "", f"{str(frame)[0].upper()}{str(frame)[1:]}.", *more]
-    if frame.similarities:
-        lines.append(f"Most similar room names: {', '.join(f'{name} {value:.3f}' for name, value in frame.similarities)}.")
     pictures = {_PLAN: encoded(place_image(session, frame.frame, estimates), ".png")}
     shown = f"![the place on the plan]({_PLAN})"
     storey = f"storey {session.truths[frame.frame].storey}" if len(session.house.storeys) > 1 else "the storey"

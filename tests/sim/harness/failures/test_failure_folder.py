@@ -4,6 +4,7 @@ import runpy
 from collections import Counter
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from helpers.open_flat import OPEN_FLAT
 
@@ -80,6 +81,28 @@ def test_the_most_frequent_wrong_label_is_named_for_figures_of_labels_only():
     counts = {f"{truth} is labelled {claim}, in {count} of {wrong.total()}" for (truth, claim), count in wrong.items()}
     assert any(each in said for each in counts) and f" in {max(wrong.values())} of " in said
     assert not any(line.startswith("The most frequent") for line in wrong_frame_page(run, "rooms.pq").lines)
+
+
+@pytest.mark.parametrize(
+    ("first_is_right", "said"),
+    [
+        (True, "to the true name, as in {} of {} wrong frames; the error comes after the encoder."),
+        (False, "to a wrong name, as in {} of {} wrong frames."),
+    ],
+)
+def test_a_wrong_label_is_blamed_on_the_encoder_only_where_the_image_alone_misleads(first_is_right, said):
+    run = planted(open_plan)(OPEN_FLAT, None)
+    wrong = np.flatnonzero(run.estimate.labels != run.true_labels)
+    alike = run.true_labels.copy()
+    alike[wrong[1:3]] = run.estimate.labels[wrong[1:3]]
+    alike[wrong[0]] = (run.true_labels if first_is_right else run.estimate.labels)[wrong[0]]
+    similarities = np.eye(len(run.room_names))[alike]
+    lines = wrong_frame_page(
+        replace(run, estimate=replace(run.estimate, similarities=similarities)), "labels.accuracy"
+    ).lines
+    count = sum(alike[wrong] == run.true_labels[wrong]) if first_is_right else 3
+    assert f"The image alone is most similar {said.format(count, len(wrong))}" in lines
+    assert not any(line.startswith("The image alone") for line in wrong_frame_page(run, "labels.accuracy").lines)
 
 
 def test_faults_are_named_with_the_time_of_their_first_frame():
