@@ -177,7 +177,8 @@ def _widths(drawings: Sequence[Drawing]) -> list[float]:
 def _present(data: ReportData) -> list[str]:
     """Return the labels that occur in the floor plans or among the keyframes. The legend shows only these labels."""
     table = data.keyframes
-    used = {int(i) for rows in (table.true_labels, table.baseline_labels, table.predicted_labels) for i in rows}
+    before = [table.baseline_labels] if table.is_labelled_before else []
+    used = {int(i) for rows in (table.true_labels, *before, table.predicted_labels) for i in rows}
     planned = {room.label for plan in data.plans for room in plan.rooms}
     unlabelled = [NO_LABEL] if UNKNOWN in used and table.is_labelled else []
     return list(dict.fromkeys([*(data.label_names[i] for i in sorted(used - {UNKNOWN})), *sorted(planned), *unlabelled]))

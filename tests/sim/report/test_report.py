@@ -389,6 +389,17 @@ def test_labels_that_are_estimated_before_refinement_only_are_not_called_refined
     assert not any("Refinement" in finding.text for finding in findings(raw))
 
 
+def test_the_legend_lists_no_label_only_if_some_keyframe_has_none(rng):
+    data = example(rng)
+    unknown = np.full(len(data.keyframes.stamps), UNKNOWN)
+    entry = f"</i>{NO_LABEL}</li>"
+    never_before = replace(data, keyframes=replace(data.keyframes, baseline_labels=unknown))
+    once = data.keyframes.predicted_labels.copy()
+    once[7] = UNKNOWN
+    sometimes = replace(data, keyframes=replace(data.keyframes, predicted_labels=once))
+    assert [entry in render_report(each) for each in (data, never_before, sometimes)] == [False, False, True]
+
+
 def test_wrong_floors_are_told(rng):
     data = example(rng)
     floors = [replace(data, result={**data.result, "floors": {"accuracy": share}}) for share in (0.64, 0.9996, 1.0)]
