@@ -80,6 +80,7 @@ STYLES: dict[str, Style] = {
     "name": Style(fill="#3a4149"),
     "note": Style(fill="#3a4149"),
     "heading": Style(stroke="#2b3138", width=2.2),
+    "view": Style(stroke="#1f6feb", width=4.0),
     "right": Style(fill="#ffffff", stroke="#ffffff", width=1.6, radius=0.085),
     "loop-false": Style(stroke="#d5202a", width=4.5, dash=(14.0, 8.0)),
     "plan-failed": Style(stroke="#d5202a", width=5.5, dash=(5.0, 5.0)),
@@ -93,6 +94,13 @@ larger, dashed or with a thick outline. The camera lies beneath the dot that sho
 an error above both, because errors are often smaller than the dots. Estimates for many frames lie beneath the names of
 rooms: rings of wrong estimates beneath all dots, so that the dots of neighbouring frames, which overlap, can still be
 seen."""
+
+
+def arrow(start: Float[np.ndarray, "2"], tip: Float[np.ndarray, "2"], head_m: float) -> Float[np.ndarray, "5 2"]:
+    """Return the vertices of one line that draws an arrow between two different points, with a head `head_m` long [m]."""
+    back = (start - tip) * (head_m / np.linalg.norm(start - tip))
+    across = np.array([-back[1], back[0]]) * 0.7
+    return np.stack([start, tip, tip + back + across, tip, tip + back - across])
 
 
 @dataclass(frozen=True, eq=False)

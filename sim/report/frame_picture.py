@@ -11,7 +11,7 @@ from shapely.geometry.base import BaseGeometry
 
 from lexis.maths.stretches import true_stretches
 from lexis.types import Image, Pose, Poses
-from sim.report.drawing import Mark
+from sim.report.drawing import Mark, arrow
 from sim.report.house_plan import marked_plan_image
 from sim.report.legend import LegendEntry
 from sim.session import Session
@@ -19,8 +19,8 @@ from worlds.house import House
 
 _SIGHT_M, _RAYS = 1.5, 33
 """Length of the sector that shows the field of view [m], and number of directions in which walls may cut it off."""
-_HEADING_M = 0.5
-"""Length of the line that shows where the estimated camera looks [m]."""
+_VIEW_M, _HEAD_M = 0.6, 0.14
+"""Length of the arrow that shows where the estimated camera looks, and length of its head [m]."""
 _BLUE = "#1f6feb"
 _LISTED = 12
 """Largest number of estimates in the legend."""
@@ -80,10 +80,11 @@ def frame_marks(
             marks += _error(session, frame, estimates.T_W_B[estimates.frames == frame][0])
             more = [
                 LegendEntry("dot", "right", "the estimated position", _BLUE),
+                LegendEntry("arrow", "view", "the estimated direction of view"),
                 LegendEntry("line", "error", "from the true to the estimated position"),
             ]
     marks += _sight(session, frame)
-    return marks, [*legend, LegendEntry("dot", "camera", "the camera at this frame"), *more]
+    return marks, [*legend, LegendEntry("dot", "camera", "the camera and its field of view at this frame"), *more]
 
 
 def _estimate(estimates: FrameEstimates, shown: Bool[np.ndarray, "n"], so_far: Bool[np.ndarray, "n"]) -> Iterator[Mark]:
@@ -117,10 +118,11 @@ def _dot_entries(estimates: FrameEstimates, shown: Bool[np.ndarray, "n"]) -> Ite
 
 
 def _error(session: Session, frame: int, T_W_B: Pose) -> Iterator[Mark]:
-    """Yield a line from the true to the estimated position, and the estimated position and line of sight in blue."""
+    """Yield a line from the true to the estimated position, and the estimated position and direction of view in blue."""
     yield Mark("line", "error", np.stack([session.tour.T_W_B[frame, :2, 3], T_W_B[:2, 3]]))
     ahead = _ahead(T_W_B @ session.camera.T_B_C)
-    yield Mark("line", "heading", T_W_B[:2, 3] + np.outer([0.0, _HEADING_M], ahead), _BLUE)
+    if ahead.any():
+        yield Mark("line", "view", arrow(T_W_B[:2, 3], T_W_B[:2, 3] + _VIEW_M * ahead, _HEAD_M))
     yield Mark("dot", "right", T_W_B[None, :2, 3], _BLUE)
 
 

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from sim.report.drawing import GLYPH_ASPECT, STYLES, Drawing, Mark
+from sim.report.drawing import GLYPH_ASPECT, STYLES, Drawing, Mark, arrow
 
 _SYMBOL = 1.8
 """Least width of the symbols, in heights of letters. Dots that are larger need more, because they are as large as on the
@@ -21,7 +21,7 @@ _ROW = 1.7
 class LegendEntry:
     """An entry of a legend: what a kind of mark means."""
 
-    kind: Literal["line", "dot"]
+    kind: Literal["line", "arrow", "dot"]
     style: str
     """A key of `STYLES`."""
     text: str
@@ -47,6 +47,11 @@ def with_legend(drawing: Drawing, entries: Sequence[LegendEntry], letter_m: floa
 def _entry(entry: LegendEntry, x: float, y: float, symbol_m: float, letter_m: float) -> Iterator[Mark]:
     end = x + symbol_m
     points = np.array([[x, y], [end, y]])
-    at = points if entry.kind == "line" else points.mean(axis=0, keepdims=True)
-    yield Mark(entry.kind, entry.style, at, entry.colour)
+    match entry.kind:
+        case "line":
+            yield Mark("line", entry.style, points, entry.colour)
+        case "arrow":
+            yield Mark("line", entry.style, arrow(points[0], points[1], letter_m / 2), entry.colour)
+        case "dot":
+            yield Mark("dot", entry.style, points.mean(axis=0, keepdims=True), entry.colour)
     yield Mark("text", "note", np.array([[end + _GAP * letter_m, y]]), text=entry.text, size=letter_m)

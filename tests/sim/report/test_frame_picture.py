@@ -111,13 +111,22 @@ def test_the_legend_says_how_many_estimates_it_leaves_out(session, estimates):
     assert len(groups) > 12 and f"and {len(groups) - 12} more" in shown and "room 12" not in shown
 
 
-def test_a_turned_estimate_has_another_line_of_sight(session, estimates):
+def test_the_estimated_direction_of_view_is_an_arrow_that_the_legend_explains(session, estimates):
+    marks, legend = frame_marks(session, FRAME, replace(estimates, groups=()))
+    (view,) = of_style(marks, "view")
+    start, tip, left, _, right = view.points
+    assert [entry.kind for entry in legend if entry.text == "the estimated direction of view"] == ["arrow"]
+    np.testing.assert_allclose(((left + right) / 2 - tip) @ (tip - start), -0.14 * 0.6)
+    np.testing.assert_allclose(np.linalg.norm(left - tip), np.linalg.norm(right - tip))
+    assert not any(entry.kind == "arrow" for entry in frame_marks(session, FRAME, estimates)[1])
+
+
+def test_a_turned_estimate_has_another_direction_of_view(session, estimates):
     estimates = replace(estimates, groups=())
     turned = estimates.T_W_B.copy()
     turned[:, :2, :2] = turned[:, :2, :2] @ np.array([[0.0, -1.0], [1.0, 0.0]])
     (ahead,), (left,) = (
-        [mark for mark in frame_marks(session, FRAME, each)[0] if mark.style == "heading" and len(mark.points) == 2]
-        for each in (estimates, replace(estimates, T_W_B=turned))
+        of_style(frame_marks(session, FRAME, each)[0], "view") for each in (estimates, replace(estimates, T_W_B=turned))
     )
     assert np.diff(ahead.points, axis=0)[0] @ np.diff(left.points, axis=0)[0] == pytest.approx(0.0, abs=1e-9)
 
