@@ -70,15 +70,13 @@ def houses(
     """
     _check_rooms(min_rooms, max_rooms)
     _check_int("max_storeys", max_storeys, 1, MAX_DRAWN_STOREYS)
-    _check_bool("furnished", furnished)
     starts: tuple[Start, ...] = ("beside", "row", "storey") if max_storeys > 1 else ("beside", "row")
     room = _rooms(_choices("labels", labels, DRAWABLE), kinds, doors, starts)
     outdoor = [label for label in labels if label in OUTDOOR_LABELS]
     if outdoor and max_storeys > 1:
         raise InvalidArgument(f"labels has {outdoor[0]!r}, which bears no storey; valid with max_storeys=1 only")
-    clutter = {"clutter": st.sampled_from(_CLUTTER)} if furnished else {}
     rooms = _lists(room, min_rooms, max_rooms, labels, distinct_labels)
-    drawn = st.builds(grow, rooms, max_storeys=st.just(max_storeys), **clutter)
+    drawn = st.builds(grow, rooms, max_storeys=st.just(max_storeys), **_clutter(furnished))
     return drawn if openness is None else _opened(drawn, *_range("openness", openness))
 
 
@@ -87,10 +85,11 @@ def open_plans(
     min_openness: float = 0.5,
     min_rooms: int = 2,
     max_rooms: int = 6,
+    furnished: bool = False,
     labels: Sequence[str] = INDOOR,
     distinct_labels: bool = False,
 ) -> SearchStrategy[HouseSpec]:
-    """Draw unfurnished one-storey houses whose openness is at least `min_openness`; the simplest have no inner walls.
+    """Draw one-storey houses whose openness is at least `min_openness`; the simplest have no inner walls.
 
     Openness is the share of the area of all boundaries between indoor rooms that is permanently open; doors count as closed.
     At least 2 rooms are drawn, and none is outdoors. See `houses` for the other arguments.
@@ -101,18 +100,25 @@ def open_plans(
     kinds = ("open", "cased", "half wall", "counter", "arch", "door")
     room = _rooms(_choices("labels", labels, INDOOR), kinds, ("no leaf",), ("beside", "row"))
     rooms = _lists(room, min_rooms, max_rooms, labels, distinct_labels)
-    return st.builds(grow, rooms, min_openness=st.just(min_openness))
+    return st.builds(grow, rooms, min_openness=st.just(min_openness), **_clutter(furnished))
 
 
 def room_pairs(
     *,
+    furnished: bool = False,
     labels: Sequence[str] = INDOOR,
     kinds: Sequence[str] = OPENING_KINDS,
     doors: Sequence[str] = ("no leaf", "open"),
 ) -> SearchStrategy[HouseSpec]:
-    """Draw unfurnished houses of exactly two neighbouring rooms; see `houses` for the arguments."""
+    """Draw houses of exactly two neighbouring rooms; see `houses` for the arguments."""
     room = _rooms(_choices("labels", labels, DRAWABLE), kinds, doors, ("beside", "row"))
-    return st.builds(grow, st.lists(room, min_size=2, max_size=2))
+    return st.builds(grow, st.lists(room, min_size=2, max_size=2), **_clutter(furnished))
+
+
+def _clutter(furnished: bool) -> dict[str, SearchStrategy[float]]:
+    """Return the argument of `grow` with which `build_house` fills in furniture; none for unfurnished houses."""
+    _check_bool("furnished", furnished)
+    return {"clutter": st.sampled_from(_CLUTTER)} if furnished else {}
 
 
 def _opened(drawn: SearchStrategy[HouseSpec], low: float, high: float) -> SearchStrategy[HouseSpec]:

@@ -71,10 +71,15 @@ def test_every_drawn_house_stands_and_can_be_walked(strategy, data):
     assert HouseSpec.from_json(spec.to_json()) == spec
 
 
+@pytest.mark.parametrize(
+    "strategy",
+    [houses(furnished=True, max_rooms=5), open_plans(furnished=True, max_rooms=4), room_pairs(furnished=True)],
+    ids=["houses", "open plans", "pairs"],
+)
 @settings(max_examples=10)
-@given(houses(furnished=True, max_rooms=5))
-def test_furnished_houses_are_valid_too(spec):
-    house = build_house(spec)
+@given(data=st.data())
+def test_furnished_houses_are_valid_too(strategy, data):
+    house = build_house(data.draw(strategy))
     validate(house)
     assert house.furniture
 
