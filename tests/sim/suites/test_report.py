@@ -1,5 +1,6 @@
 """Verdicts follow from the findings in the scenarios, and reports show them."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +18,7 @@ from sim.harness.crash import COMPLETES
 from sim.suites.checks import CheckFinding, ClaimCheck, evaluated_run
 from sim.suites.examination import Examination, examine, jobs_of
 from sim.suites.figure_table import figure_table
-from sim.suites.openness_chart import openness_chart
+from sim.suites.openness_chart import _drawn, openness_chart
 from sim.suites.report import SuiteReport, check_slam
 from sim.suites.suite import Suite
 
@@ -190,6 +191,17 @@ def test_the_chart_shows_every_slam_once():
         chart = openness_chart(check_slam(slam, FLAT), workers=1)
         assert chart.count("<svg") == 1 and chart.count('cy="14"') == names
         assert ">OdometryOnly (estimates neither)</text>" in chart and f">{slam.__name__}</text>" in chart
+
+
+def test_the_chart_explains_its_points_and_bars_and_draws_no_bar_for_a_mean_over_few_houses():
+    def results(n):
+        return [replace(RESULT, rooms=replace(RESULT.rooms, pq=0.5 + 0.1 * k)) for k in range(n)]
+
+    few, enough = (_drawn([("A", results(n))]) for n in (3, 4))
+    for chart in (few, enough):
+        assert ">Points are means over houses of similar openness; bars are 95 % confidence intervals" in chart
+    assert few.count('stroke-width="1.5"') == 0 and "0.600, 3 houses<" in few
+    assert enough.count('stroke-width="1.5"') == 1 and re.search(r"0\.650 \(0\.\d+ to 0\.\d+\), 4 houses<", enough)
 
 
 def flat_of_mini(rng, number):
