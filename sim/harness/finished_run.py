@@ -133,6 +133,13 @@ class Run:
         return tuple((self.room_names[k], float(scores[k])) for k in best.tolist())
 
     @cached_property
+    def estimated_rooms(self) -> Mapping[int, str]:
+        """Name of every estimated room by its number, with its label if frames there have one: "room 4 (kitchen)"."""
+        rooms, labels = self.estimate.rooms, self.estimate.named_rooms(self.room_names) or {}
+        numbers = [] if rooms is None else np.unique(rooms[rooms >= 0]).tolist()
+        return {number: f"room {number} ({labels[number]})" if number in labels else f"room {number}" for number in numbers}
+
+    @cached_property
     def walked_rooms(self) -> tuple[int, ...]:
         """Rooms that the tour went through, as indices into `house.rooms`, in the order of the first visit."""
         return tuple(dict.fromkeys(truth.room for truth in self.session.truths))

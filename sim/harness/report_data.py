@@ -12,7 +12,6 @@ from lexis.evaluation.relative import separation
 from lexis.evaluation.trajectory import aligned
 from lexis.maths.se3 import between
 from lexis.maths.ties import rounded
-from lexis.room_names import numbered
 from sim.harness.diagnosis.usual_mistakes import usual_mistakes
 from sim.harness.finished_run import Run
 from sim.harness.loops import edge_truth
@@ -71,9 +70,7 @@ def _room_of_frames(run: Run) -> tuple[str, ...]:
     rooms = run.estimate.rooms
     if rooms is None:
         return ("",) * len(run.estimate.frames)
-    labels = run.estimate.named_rooms(run.room_names) or {}
-    names = dict(zip(labels, numbered(list(labels.values())), strict=True))
-    return tuple(names.get(room, f"room {room}" if room >= 0 else "") for room in rooms.tolist())
+    return tuple(run.estimated_rooms.get(room, "") for room in rooms.tolist())
 
 
 def _plan(run: Run, trial: Trial) -> PlanPath:

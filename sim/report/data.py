@@ -92,7 +92,7 @@ class KeyframeTable:
     true_rooms: tuple[str, ...]
     """Name of the room instance that truly contains each keyframe."""
     predicted_rooms: tuple[str, ...]
-    """Name of the room instance to which the SLAM assigned each keyframe; "" for none."""
+    """Name of the room instance to which the SLAM assigned each keyframe, such as "room 4 (kitchen)"; "" for none."""
 
     @property
     def is_labelled(self) -> bool:

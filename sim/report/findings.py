@@ -138,18 +138,24 @@ def _rooms(data: ReportData) -> Iterator[Finding]:
     if not data.keyframes.has_rooms:
         return
     errors = room_errors(true, predicted)
-    for rooms, groups, count, kind, meaning in (
-        (true, errors.splits, surplus(errors.splits), "split", "several predicted rooms lie mostly in one true room"),
-        (predicted, errors.merges, surplus(errors.merges), "merge", "several true rooms lie mostly in one predicted room"),
-    ):
-        if groups:
-            text = f"{counted(count, kind)} ({meaning}): {_listed(groups, ' = ')}."
-            yield Finding(False, text, rooms.index(next(iter(groups))))
+    if errors.splits:
+        splits = counted(surplus(errors.splits), "split")
+        text = f"{splits} (several estimated rooms lie mostly in one true room): {_listed(errors.splits, ' = ')}."
+        yield Finding(False, text, true.index(next(iter(errors.splits))))
+    if errors.merges:
+        merges = counted(surplus(errors.merges), "merge")
+        rooms = listed(
+            [f"estimated {room} = {joined(others, 'and')}" for room, others in errors.merges.items()],
+            _EXAMPLES,
+            separator="; ",
+        )
+        text = f"{merges} (several true rooms lie mostly in one estimated room): {rooms}."
+        yield Finding(False, text, predicted.index(next(iter(errors.merges))))
     if errors.partial_losses:
         have = _suiting(len(errors.partial_losses), "has at least {:.0%} of its", "have at least {:.0%} of their")
         losses = f"{len(errors.partial_losses)} of {counted(len(set(true)), 'true room')}"
         text = (
-            f"{losses} {have.format(SUBSTANTIAL)} keyframes in a predicted room that lies mostly elsewhere, "
+            f"{losses} {have.format(SUBSTANTIAL)} keyframes in an estimated room that lies mostly elsewhere, "
             "which counts as neither split nor merge: "
             f"{_listed(errors.partial_losses, ' partly in ')}."
         )
@@ -157,7 +163,13 @@ def _rooms(data: ReportData) -> Iterator[Finding]:
 
 
 def _listed(groups: Groups, joint: str) -> str:
-    return listed([f"{room}{joint}{' + '.join(others)}" for room, others in groups.items()], _EXAMPLES)
+    """List true rooms with their estimated rooms: "bedroom 0.1 = estimated rooms 4 (kitchen) and 5 (living room)"."""
+    return listed([f"{room}{joint}{_estimated(others)}" for room, others in groups.items()], _EXAMPLES, separator="; ")
+
+
+def _estimated(rooms: Sequence[str]) -> str:
+    names = joined([room.removeprefix("room ") for room in rooms], "and")
+    return f"estimated {_suiting(len(rooms), 'room', 'rooms')} {names}"
 
 
 def _floors(data: ReportData) -> Iterator[Finding]:

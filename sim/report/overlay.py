@@ -96,7 +96,7 @@ def describe(data: ReportData, k: int) -> str:
         before = f" (before refinement {names[table.baseline_labels[k]]})" if table.is_labelled_before else ""
         parts.append(f"says {names[table.predicted_labels[k]]}{before}")
     if table.has_rooms:
-        parts.append(f"estimated room {table.predicted_rooms[k].removeprefix('room ') or 'none'}")
+        parts.append(f"estimated {table.predicted_rooms[k]}" if table.predicted_rooms[k] else "in no estimated room")
     odometry = f"{table.odometry_errors[k]:.2f} m"
     parts.append(
         f"off by {table.estimated_errors[k]:.2f} m (odometry {odometry})"

@@ -225,17 +225,16 @@ def _instance_or_label(run: Run) -> Iterator[_Wrong]:
 
 def _instance(run: Run) -> Iterator[_Wrong]:
     """Yield the frames in no room instance or in a wrong one; see `misplaced`."""
+    names = run.estimated_rooms
     for row, estimate, how, other in misplaced(run):
         match how:
             case "nowhere":
                 yield _Wrong(row, "in no estimated room")
             case "merged":
-                yield _Wrong(row, f"in the estimated room {estimate}, which lies mostly in {_room(run, other)}")
+                yield _Wrong(row, f"in the estimated {names[estimate]}, which lies mostly in {_room(run, other)}")
             case "split":
-                mostly = (
-                    f"though most of this room is {'in no estimated room' if other < 0 else f'the estimated room {other}'}"
-                )
-                yield _Wrong(row, f"in the estimated room {estimate}, {mostly}")
+                mostly = "in no estimated room" if other < 0 else f"the estimated {names[other]}"
+                yield _Wrong(row, f"in the estimated {names[estimate]}, though most of this room is {mostly}")
 
 
 def misplaced(run: Run) -> Iterator[Misplaced]:

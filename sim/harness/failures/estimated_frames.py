@@ -1,5 +1,6 @@
 """`estimated_frames`: the part of a SLAM's estimate that shows on a plan why a run is wrong."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Literal
 
@@ -27,9 +28,11 @@ def estimated_frames(run: Run, figure: str | None, wrong: WrongFrame) -> FrameEs
     named = run.estimate.labels is not None and kind in WITH_LABELS
     estimates = FrameEstimates(run.estimate.frames, _in_world(run, wrong), names_labels=named)
     if kind == "rooms" and run.estimate.rooms is not None:
-        return _numbered(run, estimates, "rooms", run.estimate.rooms, "estimated room {}", "in no estimated room")
+        names = {number: f"estimated {name}" for number, name in run.estimated_rooms.items()}
+        return _numbered(run, estimates, "rooms", run.estimate.rooms, names, "in no estimated room")
     if kind == "floors" and run.estimate.floors is not None:
-        return _numbered(run, estimates, "floors", run.estimate.floors, "estimated floor {}", "estimated on no floor")
+        names = {floor: f"estimated floor {floor}" for floor in sorted(set(run.estimate.floors.tolist())) if floor >= 0}
+        return _numbered(run, estimates, "floors", run.estimate.floors, names, "estimated on no floor")
     return _labelled(run, estimates, figure) if kind in WITH_LABELS else estimates
 
 
@@ -59,10 +62,10 @@ def _numbered(
     estimates: FrameEstimates,
     name: Literal["rooms", "floors"],
     numbers: Int[np.ndarray, "n"],
-    form: str,
+    names: Mapping[int, str],
     none: str,
 ) -> FrameEstimates:
-    """Add estimates that are numbers from 0, or -1 for `none`. Other numbers `k` are put into words by `form.format(k)`."""
-    words = {k: form.format(k) if k >= 0 else none for k in sorted(set(numbers.tolist()), key=lambda k: (k < 0, k))}
-    said = tuple(words[k] for k in numbers.tolist())
-    return replace(estimates, groups=said, wrong=wrong_numbers(run, name), colours=instance_colours(words.values(), none))
+    """Add estimates that are numbers from 0, each with its name in `names`, or -1 for `none`."""
+    said = tuple(names.get(k, none) for k in numbers.tolist())
+    colours = instance_colours([*names.values(), *([none] if none in said else [])], none)
+    return replace(estimates, groups=said, wrong=wrong_numbers(run, name), colours=colours)

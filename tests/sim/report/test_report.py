@@ -56,7 +56,7 @@ def example(
     drifted[0] = poses[0]
     table = KeyframeTable(
         np.arange(n) * 0.5, poses, drifted, poses, storeys, true, true, predicted,
-        tuple(rooms[i] for i in true), tuple(f"{NAMES[i]} 1" for i in predicted),
+        tuple(rooms[i] for i in true), tuple(f"room {i} ({NAMES[i]})" for i in predicted),
     )  # fmt: skip
     plans = tuple(
         FloorPlan(
@@ -327,7 +327,7 @@ def test_without_labels_the_dots_have_the_colours_of_the_estimated_rooms(rng):
         ">estimated</text>",
         ">no room</li>",
         "estimated room 0 ·",
-        "estimated room none ·",
+        "in no estimated room ·",
     ):
         assert text in page
     assert "room room" not in page and "label of the true room" in page
@@ -361,7 +361,13 @@ def test_without_poses_the_dots_are_at_the_positions_of_the_odometry_and_no_posi
     assert not any(mark.style == "estimated" for mark in run_marks(data, 0, {NO_LABEL: "#000000"}))
     page = render_report(data)
     body = " ".join(page[page.index("<body>") : page.index("<script")].split())
-    rooms = {"estimated room", "estimated</text", "estimated: room", "estimated: none"}  # the last three are of the timeline
+    rooms = {
+        "estimated room",
+        "estimated rooms",
+        "estimated</text",
+        "estimated: room",
+        "estimated: none",
+    }  # the last three are of the timeline
     assert set(re.findall(r"estimated\W*\w*", body)) == rooms
     assert "at the positions of the odometry" in body and "odometry off by " in body
     assert not any("position error" in finding.text for finding in findings(data))
@@ -421,6 +427,21 @@ def test_the_page_names_the_slam_and_the_faults(rng):
     page = render_report(replace(data, result={**data.result, **about}))
     assert "compared with the truth · SLAM MySlam · odometry mono · faults blur:9, dropped:0.1" in page
     assert "faults" not in render_report(data).partition("</header>")[0]
+
+
+def test_findings_name_rooms_in_the_form_of_tooltips(rng):
+    data = example(rng, wrong=0)
+    table = data.keyframes
+    split = [f"room {3 + k % 2} (kitchen)" if true == "kitchen 1" else "" for k, true in enumerate(table.true_rooms)]
+    splits = "1 split (several estimated rooms lie mostly in one true room): kitchen 1 = "
+    merges = "1 merge (several true rooms lie mostly in one estimated room): estimated room 7 = "
+    for rooms, said in (
+        (split, f"{splits}estimated rooms 3 (kitchen) and 4 (kitchen)."),
+        (["room 7"] * len(split), f"{merges}kitchen 1 and office 1."),
+    ):
+        told = replace(data, keyframes=replace(table, predicted_rooms=tuple(rooms)))
+        assert said in [finding.text for finding in findings(told)]
+        assert f" · estimated {rooms[0]} · " in render_report(told)
 
 
 def test_a_headline_has_no_note_of_figures_that_the_run_does_not_have(rng):

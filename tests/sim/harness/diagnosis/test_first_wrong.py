@@ -11,6 +11,7 @@ from sim.harness import Estimate, EstimatedLoops, Scenario, evaluate, run
 from sim.harness.diagnosis.first_wrong import _position, first_wrong, wrong_labels
 from sim.harness.failures.estimated_frames import estimated_frames
 from sim.harness.failures.why_page import wrong_frame_page
+from sim.harness.report_data import report_data
 from worlds.presets import sample_from_rooms
 
 SCENARIO = Scenario(
@@ -120,6 +121,17 @@ def test_a_frame_in_no_estimated_room_is_said_to_be_in_none(true):
     rooms[WRONG] = -1
     found = first_wrong(replace(true, estimate=replace(true.estimate, rooms=rooms)), "rooms.pq")
     assert (found.frame, found.what) == (true.estimate.frames[WRONG], "in no estimated room")
+
+
+def test_a_room_has_the_same_name_in_words_on_the_plan_and_in_the_report(true):
+    rooms = true.true_rooms.copy()
+    rooms[WRONG] = 8
+    wrong = replace(true, estimate=replace(true.estimate, rooms=rooms))
+    found = first_wrong(wrong, "rooms.pq")
+    name = f"estimated room 8 ({true.room_names[true.true_labels[WRONG]]})"
+    assert found.what.startswith(f"in the {name}, though most of this room is the estimated room ")
+    assert estimated_frames(wrong, "rooms.pq", found).groups[WRONG] == name
+    assert name == f"estimated {report_data(wrong, evaluate(wrong)).keyframes.predicted_rooms[WRONG]}"
 
 
 def test_a_frame_without_a_label_is_said_to_have_none(true):

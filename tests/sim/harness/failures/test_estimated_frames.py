@@ -34,7 +34,8 @@ def test_rooms_are_coloured_by_their_instance_and_those_that_are_wrong_are_ringe
     rooms = true.true_rooms + 3
     rooms[5:8], rooms[9] = 17, -1
     estimates = shown(estimating(true, rooms=rooms), "rooms.pq")
-    assert estimates.groups[5] == "estimated room 17" and estimates.groups[9] == "in no estimated room"
+    label = true.room_names[true.true_labels[5]]
+    assert estimates.groups[5] == f"estimated room 17 ({label})" and estimates.groups[9] == "in no estimated room"
     assert len(set(estimates.colours.values())) == len(set(estimates.groups)) == len(estimates.colours)
     assert np.flatnonzero(estimates.wrong).tolist() == [5, 6, 7, 9]
     np.testing.assert_array_equal(estimates.frames, true.estimate.frames)
