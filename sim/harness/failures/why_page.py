@@ -3,12 +3,11 @@
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sim.errors import GraphicsError
-from sim.fidelity import Fidelity
 from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.diagnosis.error_kinds import most_frequent
 from sim.harness.diagnosis.first_wrong import WrongFrame, crash_frame, first_wrong, wrong_labels
@@ -18,6 +17,7 @@ from sim.harness.failures.nearest_changes import nearest
 from sim.harness.failures.search import Reference, Search
 from sim.harness.finished_run import Run
 from sim.harness.results import group_of
+from sim.harness.scenario import Scenario
 from sim.harness.scenario_sessions import picture_session
 from sim.harness.shrinking.failure_test import FailureTest, Observed
 from sim.harness.shrinking.reduction import Reduction
@@ -32,6 +32,8 @@ from sim.wording import counted, joined
 WHY = "why.md"
 _LISTED = 8
 """Largest number of listed changes by which the failure goes away."""
+_LEAST_PX = 480
+"""Least width of the picture of the first wrong frame [px], unless the SLAM was given smaller images."""
 _IMAGE, _PLAN = "first-wrong.png", "first-wrong-plan.png"
 _UNITS = {
     "drift": "drift (kinds of odometry error)",
@@ -204,7 +206,7 @@ def wrong_frame_page(run: Run, figure: str | None, reference: Run | None = None)
     drawn = "".join(_how_drawn(run, frame, estimates))
     shared = ["The reference is wrong at every frame at which this run is wrong, too."] if frame.in_reference else []
     more = [*shared, *_frequent_label(run, figure), *_faults(run), *_most_similar(run, figure, frame)]
-    return _frame_page(title, run.session, frame, run.scenario.fidelity, estimates, drawn, more)
+    return _frame_page(title, run.session, frame, run.scenario, estimates, drawn, more)
 
 
 def _frequent_label(run: Run, figure: str | None) -> list[str]:
@@ -264,14 +266,14 @@ def _crash_frame_page(crash: Crash) -> Page:
     if crash.done is None:
         return Page((), {})
     session = picture_session(crash.scenario)
-    return _frame_page("## Where it happened", session, crash_frame(session, crash.done), crash.scenario.fidelity)
+    return _frame_page("## Where it happened", session, crash_frame(session, crash.done), crash.scenario)
 
 
 def _frame_page(
     title: str,
     session: Session,
     frame: WrongFrame,
-    fidelity: Fidelity,
+    scenario: Scenario,
     estimates: FrameEstimates | None = None,
     how_drawn: str = "",
     more: Sequence[str] = (),
@@ -282,16 +284,28 @@ def _frame_page(
     storey = f"storey {session.truths[frame.frame].storey}" if len(session.house.storeys) > 1 else "the storey"
     caption = f"The plan shows {storey}, and the camera's place and field of view in yellow.{how_drawn}"
     try:
-        (image,) = session.pictures([frame.frame])
+        (image,) = _with_large_images(session, scenario).pictures([frame.frame])
         pictures[_IMAGE] = encoded(image, ".png")
         shown = f"![the image of the camera]({_IMAGE}) {shown}"
-        if fidelity == "features":
+        if scenario.fidelity == "features":
             caption += " The SLAM was given features; the image was rendered for this page."
         if left_out := session.faults_of_images:
             caption += f" The image is shown without the effect of {joined(left_out, 'and')}."
     except GraphicsError as error:
         caption += f" The image of the camera is left out: {error}."
     return Page((*lines, "", shown, "", caption), pictures)
+
+
+def _with_large_images(session: Session, scenario: Scenario) -> Session:
+    """Return the session, or if the SLAM was given features, one whose images are at least `_LEAST_PX` wide.
+
+    The search for a smaller scenario makes images small, too, although nothing is gained by small images on features.
+    """
+    rig = scenario.rig
+    if scenario.fidelity != "features" or rig.width >= _LEAST_PX:
+        return session
+    larger = replace(rig, width=_LEAST_PX, height=round(rig.height * _LEAST_PX / rig.width))
+    return picture_session(replace(scenario, rig=larger))
 
 
 def _search_sections(

@@ -3,10 +3,12 @@
 import runpy
 from collections import Counter
 from dataclasses import replace
+from io import BytesIO
 
 import numpy as np
 import pytest
 from helpers.open_flat import OPEN_FLAT
+from PIL import Image
 
 from sim.bench.planted_bugs import drift, open_plan, planted
 from sim.cli import main
@@ -18,6 +20,7 @@ from sim.harness.failures.failure_folder import Replay
 from sim.harness.failures.why_page import wrong_frame_page
 from sim.harness.shrinking.reductions import STEPS
 from sim.pytest_plugin.execution import Reason
+from sim.render.rig import RigConfig
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +74,13 @@ def test_without_opengl_the_page_does_without_the_image(failure, monkeypatch):
     page = wrong_frame_page(planted(open_plan)(failure[1].scenario, None), "labels.accuracy")
     assert list(page.pictures) == ["first-wrong-plan.png"]
     assert "The image of the camera is left out: no off-screen OpenGL: install EGL." in page.lines[-1]
+
+
+def test_the_picture_is_large_enough_to_recognise_a_room_if_the_slam_was_given_no_images():
+    for width, height, shown in ((240, 180, (480, 360)), (600, 300, (600, 300)), (64, 32, (480, 240))):
+        scenario = replace(OPEN_FLAT, rig=RigConfig(width=width, height=height))
+        page = wrong_frame_page(planted(open_plan)(scenario, None), "labels.accuracy")
+        assert Image.open(BytesIO(page.pictures["first-wrong.png"])).size == shown
 
 
 def test_the_most_frequent_wrong_label_is_named_for_figures_of_labels_only():
