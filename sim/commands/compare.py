@@ -6,11 +6,16 @@ from dataclasses import replace
 from pathlib import Path
 
 from lexis.command_line import Commands, add_command
+from lexis.errors import one_line
 from sim.commands.arguments import number
 from sim.errors import SimError
+from sim.wording import counted
 
 CLAIM_HELP = 'a claim that is compared besides the figures, such as "rooms.pq >= 0.6"; may be repeated'
 CONFIDENCE_HELP = "1 minus the largest probability that a difference is stated where there is none (default: 0.95)"
+
+_MOST = 160
+"""Largest number of letters in the description of how two scenarios differ."""
 
 
 def add_to(commands: Commands) -> None:
@@ -38,9 +43,10 @@ def _compare(arguments: argparse.Namespace) -> int:
     comparison = a.compared_with(b, claims, arguments.confidence)
     if comparison is None:
         if not a.completed & b.known:
+            counts = f"{arguments.a} ({counted(len(a.known), 'scenario')}) and {arguments.b} ({len(b.known)})"
             raise SimError(
-                f"{arguments.a} ({len(a.known)} scenarios) and {arguments.b} ({len(b.known)}) have no completed scenario in "
-                "common; valid: results of two SLAMs on the same scenarios"
+                f"{counts} have no completed scenario in common{_difference(arguments.a, arguments.b)}; "
+                "valid: results of two SLAMs on the same scenarios"
             )
         print(f"failed: {arguments.b} has no result for any completed scenario of {arguments.a}", file=sys.stderr)
         return 1
@@ -49,3 +55,17 @@ def _compare(arguments: argparse.Namespace) -> int:
     if comparison.worse:
         print(f"failed: {', '.join(comparison.worse)} of {arguments.b} worse than of {arguments.a}", file=sys.stderr)
     return 1 if comparison.worse else 0
+
+
+def _difference(a: Path, b: Path) -> str:
+    """Say how the scenarios of two runs differ, for the folders of single runs; "" for other results."""
+    from sim.harness import Scenario
+    from sim.harness.run_settings import with_listed_house
+    from sim.harness.shrinking.scenario_difference import difference
+    from sim.harness.world_tests import SCENARIO
+
+    files = a / SCENARIO, b / SCENARIO
+    if not all(file.is_file() for file in files):
+        return ""
+    first, second = (with_listed_house(Scenario.load(file)) for file in files)
+    return f" (from the first to the second: {one_line(difference(first, second), _MOST)})"

@@ -6,6 +6,7 @@ import re
 from dataclasses import replace
 
 import pytest
+from helpers.open_flat import OPEN_FLAT
 from helpers.results import RESULT
 
 from lexis.files.temporary_folder import temporary_folder
@@ -132,6 +133,17 @@ def test_results_of_other_scenarios_are_refused_with_their_numbers(tmp_path, cap
     assert main(["compare", str(ours), str(theirs)]) == 2
     assert "a.json (2 scenarios) and " in (said := capsys.readouterr().err)
     assert "b.json (10) have no completed scenario in common; valid: results of two SLAMs on the same" in said
+
+
+def test_single_runs_of_different_scenarios_are_refused_with_the_difference(tmp_path, capsys):
+    for name, result, length_m in (("a", MANY[0], 20.0), ("b", MANY[1], 30.0)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "result.json").write_text(json.dumps(result.data()))
+        replace(OPEN_FLAT, length_m=length_m).save(tmp_path / name / "scenario.json")
+    assert main(["compare", str(tmp_path / "a"), str(tmp_path / "b")]) == 2
+    said = capsys.readouterr().err
+    assert "a (1 scenario) and " in said
+    assert "b (1) have no completed scenario in common (from the first to the second: length_m: 20.0 -> 30.0); valid" in said
 
 
 def test_a_run_that_was_stopped_before_it_reached_an_earlier_scenario_cannot_be_compared():
