@@ -29,7 +29,7 @@ class Figure:
 
 
 _SHARE, _COUNT, _METRES, _SECONDS, _SCORE = "{:.1%}", "{:,}", "{:.3f} m", "{:.2f} s", "{:.3f}"
-_SIGNED = "{:+d}"
+_SIGNED, _FACTOR = "{:+d}", "{:.2f} ×"
 PLACES = "place_recognition"
 """Section of result.json on place recognition. Its keys are numbers N: a query counts as found if at least N of its proposed
 matches are right."""
@@ -178,7 +178,7 @@ SECTIONS: dict[str, dict[str, Definition]] = {
         "start_s": Definition("start", _SECONDS, "starting the SLAM system, which may load models; once per process"),
         "slam_s": Definition("SLAM", _SECONDS, "all stages of the SLAM system, without its start"),
         "realtime_factor": Definition(
-            "real-time factor", "{:.2f} ×", "simulated duration divided by the SLAM's computing time"
+            "real-time factor", _FACTOR, "simulated duration divided by the SLAM's computing time"
         ),
     },
 }
@@ -223,6 +223,8 @@ def shown(value: object, form: str) -> str:
         return MISSING
     if value == 0 and form == _SIGNED:
         return "0"
+    if form == _FACTOR and isinstance(value, float) and value >= 100.0:
+        form = "{:,.0f} ×"
     if form == "{}" and isinstance(value, float):
         form = "{:.4g}"
     return form.format(value)

@@ -211,9 +211,9 @@ def _trajectory(data: ReportData) -> Iterator[Finding]:
     worst = int(np.argmax(table.estimated_errors))
     off, drift = round(table.estimated_errors[worst], 2), round(table.odometry_errors[worst], 2)
     place = f"keyframe {worst} in {table.true_rooms[worst]}"
-    yield Finding(
-        bool(off <= drift), f"The largest position error is {off:.2f} m, at {place} (odometry there: {drift:.2f} m).", worst
-    )
+    if off > 0.0:
+        text = f"The largest position error is {off:.2f} m, at {place} (odometry there: {drift:.2f} m)."
+        yield Finding(bool(off <= drift), text, worst)
     if data.loops:
         yield from _drift(table)
 

@@ -62,6 +62,8 @@ def test_every_number_of_a_result_has_a_name_and_a_meaning():
         (0, "{:+d}", "0"),
         (-2, "{:+d}", "-2"),
         (0.123456, "{}", "0.1235"),
+        (99.994, "{:.2f} ×", "99.99 ×"),
+        (128039.1, "{:.2f} ×", "128,039 ×"),
     ],
 )
 def test_figures_are_formatted_as_declared(value, form, text):
