@@ -14,7 +14,7 @@ _LABELS = {
     "toilet": "#0e6f8f",
     "corridor": "#8c7b6b",
     "entrance hall": "#b8a13a",
-    "stairs": "#5d6673",
+    "stairs": "#34609b",
     "office": "#2f6fd0",
     "meeting room": "#9b4dca",
     "open-plan office": "#63a0f4",

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import pytest
 from helpers.opening_rooms import every_kind
+from PIL import ImageColor
 from shapely.geometry import LineString, Point, Polygon, box
 from shapely.ops import unary_union
 
@@ -94,6 +95,12 @@ def test_labels_have_colours_of_their_own():
     assert len(set(colours.values())) == len(ROOM_LABELS)
     assert label_colours(reversed(ROOM_LABELS)) == colours
     assert all(label_colours([label])[label] == colours[label] for label in ROOM_LABELS)
+
+
+def test_the_floors_of_stairs_and_corridors_which_meet_in_most_houses_differ_clearly():
+    colours = label_colours(("stairs", "corridor"))
+    a, b = (np.array(ImageColor.getrgb(colour)) * STYLES["room"].fill_opacity for colour in colours.values())
+    assert np.abs(a - b).max() > 20
 
 
 def test_a_storey_without_rooms_is_refused():
