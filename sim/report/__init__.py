@@ -6,9 +6,9 @@
 figures.
 
 A plan is drawn as marks (`drawing`) by `plan`, `symbols` and `overlay`, and becomes SVG (`svg`) or a raster image (`png`).
-`inline_image` encodes camera images for the page. `palette` gives every label a colour. `drive_picture` draws a drive of the
-robot. `frame_picture` shows the camera's image at a frame, and on the plan what was true and estimated there, with a
-`legend`.
+`inline_image` encodes camera images for the page. `palette` gives every label and room a colour. `drive_picture` draws a
+drive of the robot. `frame_picture` shows the camera's image at a frame, and on the plan what was true and estimated there,
+with a `legend`.
 """
 
 import lazy_loader

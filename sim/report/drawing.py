@@ -26,6 +26,8 @@ class Mark:
     """Content of a text mark; tooltip of any other mark."""
     size: float = 0.3
     """Height of the letters of a text [m]."""
+    room_colour: str | None = None
+    """Colour `#rrggbb` of the estimated room, which a page may show in place of `colour`; in SVG the variable `--room`."""
     keyframe: int | None = None
     """Index of the keyframe that the mark represents; None for other marks."""
 

@@ -75,16 +75,18 @@ def _loops(data: ReportData, level: int) -> Iterator[Mark]:
 def _keyframes(data: ReportData, level: int, colours: Mapping[str, str]) -> Iterator[Mark]:
     """Yield a dot at each keyframe's estimated position, with a tick for heading.
 
-    The dot has the colour of the predicted label or, without any labels, of the estimated room.
+    The dot has the colour of the predicted label and, for readers who prefer it, of the estimated room. Without any labels,
+    it has the colour of the estimated room only.
     """
     table, wrong, rooms = data.keyframes, data.keyframes.wrong, estimated_room_colours(data.keyframes)
     for k in np.flatnonzero(table.storeys == level):
         pose = table.estimated_poses[k]
-        label = data.shown_labels[table.predicted_labels[k]]
-        colour = rooms[table.predicted_rooms[k]] if rooms else colours[label]
-        yield Mark("line", "heading", pose[:2, 3] + np.outer([0, _HEADING_M], pose[:2, 0]), colour)
+        label, room = colours[data.shown_labels[table.predicted_labels[k]]], rooms.get(table.predicted_rooms[k])
+        colour, other = (label, room) if table.is_labelled else (room or label, None)
+        tick = pose[:2, 3] + np.outer([0, _HEADING_M], pose[:2, 0])
+        yield Mark("line", "heading", tick, colour, room_colour=other)
         style, text = "wrong" if wrong[k] else "right", describe(data, int(k))
-        yield Mark("dot", style, pose[None, :2, 3], colour, text, keyframe=int(k))
+        yield Mark("dot", style, pose[None, :2, 3], colour, text, room_colour=other, keyframe=int(k))
 
 
 def describe(data: ReportData, k: int) -> str:

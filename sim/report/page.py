@@ -11,14 +11,14 @@ import jinja2
 
 from lexis.files.replace import replaced_file
 from sim.report.confusion import confusion
-from sim.report.data import NO_LABEL, UNKNOWN, ReportData, SampleFrame
+from sim.report.data import NO_LABEL, UNKNOWN, FloorPlan, ReportData, SampleFrame
 from sim.report.drawing import Drawing
 from sim.report.figures import PLACES, SECTIONS, figure, figures, shown
 from sim.report.findings import findings
 from sim.report.inline_image import data_uri
 from sim.report.loop_candidates import candidate_lists, reason_counts
 from sim.report.overlay import describe, run_marks
-from sim.report.palette import estimated_room_colours, label_colours
+from sim.report.palette import estimated_room_colours, label_colours, true_room_colours
 from sim.report.plan import plan_drawing
 from sim.report.svg import styles_css, to_svg
 from sim.report.timeline import LEFT, WIDTH, positions, timeline_svg
@@ -68,7 +68,7 @@ def render_report(data: ReportData) -> str:
     """Render the report as the text of an HTML page."""
     result, estimated = data.result, _without_nulls(data.result)
     colours = label_colours([*data.shown_labels, *(room.label for plan in data.plans for room in plan.rooms)])
-    drawings = [plan_drawing(plan, colours).with_marks(run_marks(data, plan.level, colours)) for plan in data.plans]
+    drawings = [_drawing(data, plan, colours) for plan in data.plans]
     right, wrong = _samples(data)
     is_labelled = data.keyframes.is_labelled
     return _ENVIRONMENT.get_template("report.html").render(
@@ -101,6 +101,12 @@ def render_report(data: ReportData) -> str:
         shown=shown,
         script_data=_script_data(data),
     )
+
+
+def _drawing(data: ReportData, plan: FloorPlan, colours: Mapping[str, str]) -> Drawing:
+    """Draw a storey and the run on it. A page can show the colours of estimated rooms if there are also labels."""
+    room_colours = true_room_colours(data.keyframes) if data.keyframes.is_labelled else {}
+    return plan_drawing(plan, colours, room_colours=room_colours).with_marks(run_marks(data, plan.level, colours))
 
 
 def _about(result: Mapping[str, Any]) -> list[str]:

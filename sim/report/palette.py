@@ -1,8 +1,12 @@
-"""Assigns one colour to each room label, and to each estimated room, for all pictures of a report."""
+"""Assigns one colour to each room label, and to each estimated and true room, for all pictures of a report."""
 
 from collections.abc import Iterable
 
+import numpy as np
+
+from lexis.evaluation.partitions import overlap
 from sim.report.data import NO_LABEL, KeyframeTable
+from sim.report.room_errors import numbered_rooms
 
 _LABELS = {
     "kitchen": "#e8891c",
@@ -40,6 +44,9 @@ _INSTANCES = (
 )  # fmt: skip
 """Colours of room instances, in an order in which neighbours differ clearly. None is as red as marks of errors."""
 
+_UNMATCHED = "#59626c"
+"""Colour of a true room that no estimated room matches: a dark grey, because keyframes in no room are light grey."""
+
 
 def label_colours(labels: Iterable[str]) -> dict[str, str]:
     """Map each label to a colour `#rrggbb`. Labels that no house has take the colours of room instances, in their order."""
@@ -59,10 +66,31 @@ def instance_colours(names: Iterable[str], none: str) -> dict[str, str]:
 
 
 def estimated_room_colours(table: KeyframeTable) -> dict[str, str]:
-    """Map the name of each estimated room to the colour of its keyframes, and "" to the colour of keyframes in no room.
+    """Map the name of each estimated room to its colour, and "", for keyframes in no room, to grey.
 
-    Empty if keyframes have the colours of their labels, because there are labels, or if no rooms are estimated.
+    The map is empty if no rooms are estimated.
     """
-    if table.is_labelled or not table.has_rooms:
+    return instance_colours(sorted(set(table.predicted_rooms), key=_number_first), "") if table.has_rooms else {}
+
+
+def true_room_colours(table: KeyframeTable) -> dict[str, str]:
+    """Map the name of each true room to the colour of the estimated room that matches it, or to dark grey if none does.
+
+    Two rooms match if each shares more keyframes with the other than with any other room. Thus only one of the true rooms
+    that are merged has a match. The map is empty if no rooms are estimated.
+    """
+    colours = estimated_room_colours(table)
+    if not colours:
         return {}
-    return instance_colours(sorted(set(table.predicted_rooms), key=lambda name: (name == "", len(name), name)), "")
+    true_names, true_ids = numbered_rooms(table.true_rooms)
+    names, ids = numbered_rooms(table.predicted_rooms)
+    shared = overlap(true_ids, ids) * np.array([name != "" for name in names])
+    best = shared.argmax(axis=1)
+    rows = np.arange(len(best))
+    matched = (shared[:, best].argmax(axis=0) == rows) & (shared[rows, best] > 0)
+    return {true_names[i]: colours[names[best[i]]] if matched[i] else _UNMATCHED for i in rows}
+
+
+def _number_first(name: str) -> tuple[bool, int, str]:
+    """Return the sort key of an estimated room such as "room 4 (kitchen)": by its number; "" comes last."""
+    return name == "", len(name.partition(" (")[0]), name

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 from jaxtyping import Float64
@@ -22,10 +23,16 @@ _SAMPLE_M = 0.6
 _LEGEND_TEXT_M = 0.2
 
 
-def plan_drawing(plan: FloorPlan, colours: Mapping[str, str], names_labels: bool = True) -> Drawing:
+def plan_drawing(
+    plan: FloorPlan,
+    colours: Mapping[str, str],
+    names_labels: bool = True,
+    room_colours: Mapping[str, str] = MappingProxyType({}),
+) -> Drawing:
     """Draw the plan of a storey. `colours` maps room labels to colours. Raises `SimError` for a storey without rooms.
 
-    `names_labels` says whether the label of a room is written beside a name that does not contain it.
+    `names_labels` says whether the label of a room is written beside a name that does not contain it. `room_colours` maps
+    names of rooms to the colours of the estimated rooms that match them.
     """
     if not plan.rooms:
         raise SimError(f"plan of storey {plan.level}: it has no rooms; at least one is needed")
@@ -36,7 +43,7 @@ def plan_drawing(plan: FloorPlan, colours: Mapping[str, str], names_labels: bool
     notes = [*_scale(low), *symbols]
     high[0] = max([high[0], *(mark.points[0, 0] + _text_m(mark) + _INSET_M for mark in notes if mark.style == "note")])
     marks = [
-        *(Mark("polygon", "room", r.outline, colours[r.label], f"{r.name} ({r.label})") for r in plan.rooms),
+        *(_floor(room, colours[room.label], room_colours.get(room.name)) for room in plan.rooms),
         *(Mark("polygon", "tread", outline) for outline in plan.treads),
         *(mark for path in plan.climbs for mark in climb_marks(path)),
         *(Mark("polygon", "furniture", outline) for outline in plan.furniture),
@@ -56,6 +63,10 @@ def titled(drawing: Drawing) -> Drawing:
     at = np.array([[drawing.low[0] + _MARGIN_M, drawing.high[1]]])
     title = Mark("text", "note", at, text=drawing.title, size=_NOTE_M)
     return replace(drawing, marks=[*drawing.marks, title], high=drawing.high + [0.0, 2 * _NOTE_M])
+
+
+def _floor(room: PlannedRoom, colour: str, room_colour: str | None) -> Mark:
+    return Mark("polygon", "room", room.outline, colour, f"{room.name} ({room.label})", room_colour=room_colour)
 
 
 def _name(room: PlannedRoom, names_label: bool) -> Iterator[Mark]:

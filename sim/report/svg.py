@@ -55,7 +55,8 @@ def _declarations(style: Style) -> str:
 def _element(mark: Mark) -> str:
     attributes = f'class="{mark.style}"'
     if mark.colour:
-        attributes += f' style="{"stroke" if mark.kind == "line" else "fill"}:{mark.colour}"'
+        room = f";--room:{mark.room_colour}" if mark.room_colour else ""
+        attributes += f' style="{"stroke" if mark.kind == "line" else "fill"}:{mark.colour}{room}"'
     if mark.keyframe is not None:
         attributes += f' data-k="{mark.keyframe}"'
     x, y = mark.points[0] * [1, -1]

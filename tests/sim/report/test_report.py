@@ -29,6 +29,7 @@ from sim.report.data import (
 )
 from sim.report.findings import Finding, coverage_gap, findings, idle_faults, rooms_without_keyframe
 from sim.report.overlay import run_marks
+from sim.report.palette import estimated_room_colours, label_colours, true_room_colours
 from sim.report.room_errors import RoomErrors, room_errors, surplus
 
 NAMES = ("kitchen", "office", "library")
@@ -327,14 +328,79 @@ def test_without_labels_the_dots_have_the_colours_of_the_estimated_rooms(rng):
     assert all(f'"background:{colour}"' in page for colour in colours.values())
     for text in (
         "that of its estimated room",
-        ">estimated</text>",
+        ">true room</text>",
+        ">estimated room</text>",
         ">no room</li>",
         "estimated room 0 ·",
         "in no estimated room ·",
     ):
         assert text in page
     assert "room room" not in page and "label of the true room" in page
-    assert ">estimated</text>" not in render_report(example(rng))
+    assert 'type="radio"' not in page
+
+
+def in_rooms(rng: np.random.Generator, true: str, predicted: str, each: int = 8) -> ReportData:
+    """A walk with `each` keyframes in the true and the estimated room of every letter in turn; "-" is no room."""
+    data = example(rng, n=each * len(true))
+    rooms = tuple("" if room == "-" else f"room {room}" for room in predicted for _ in range(each))
+    table = replace(data.keyframes, true_rooms=tuple(room for room in true for _ in range(each)), predicted_rooms=rooms)
+    return replace(data, keyframes=table)
+
+
+def test_with_labels_the_plan_can_also_be_coloured_by_estimated_room_in_the_colours_of_the_timeline(rng):
+    data = example(rng)
+    table, colours = data.keyframes, estimated_room_colours(data.keyframes)
+    dots = [
+        mark for level in (0, 1) for mark in run_marks(data, level, label_colours((*NAMES, NO_LABEL))) if mark.kind == "dot"
+    ]
+    assert [mark.room_colour for mark in dots] == [colours[room] for room in table.predicted_rooms]
+    assert [mark.colour for mark in dots] == [label_colours(NAMES)[NAMES[i]] for i in table.predicted_labels]
+    text = render_report(data)
+    page = Page(text)
+    switches = page.having("name", "colour")
+    assert [(switch["id"], "checked" in switch) for switch in switches] == [("by-label", True), ("by-room", False)]
+    for room, colour in colours.items():
+        assert f'fill="{colour}"><title>estimated room: {room}</title>' in text
+        assert f'<i style="background:{colour}"></i>{room}</li>' in text
+    for room, colour in true_room_colours(table).items():
+        assert f'fill="{colour}"><title>true room: {room}</title>' in text
+        assert sum(floor["style"].endswith(f";--room:{colour}") for floor in page.having("class", "room")) == 2
+
+
+def test_without_estimated_rooms_the_page_offers_no_colours_of_rooms(rng):
+    data = example(rng)
+    page = render_report(replace(data, keyframes=replace(data.keyframes, predicted_rooms=("",) * 40)))
+    assert 'type="radio"' not in page and "--room:" not in page and " room</text>" not in page
+
+
+@pytest.mark.parametrize(
+    ("true", "predicted", "matches"),
+    [
+        ("aaabb", "11122", {"a": "1", "b": "2"}),
+        ("aaabb", "11111", {"a": "1", "b": None}),  # a merge
+        ("aaabb", "11233", {"a": "1", "b": "3"}),  # a split
+        ("aaabb", "111--", {"a": "1", "b": None}),
+        ("aaabbb", "112223", {"a": "1", "b": "2"}),
+    ],
+)
+def test_a_true_room_has_the_colour_of_the_estimated_room_that_matches_it(rng, true, predicted, matches):
+    table = in_rooms(rng, true, predicted).keyframes
+    estimated, found = estimated_room_colours(table), true_room_colours(table)
+    names = {colour: room.removeprefix("room ") for room, colour in estimated.items()}
+    assert {room: names.get(colour) for room, colour in found.items()} == matches
+
+
+def test_estimated_rooms_have_colours_in_the_order_of_their_numbers(rng):
+    data = example(rng)
+    rooms = ("room 10", "room 9 (office)", "", "room 2 (open-plan office)")
+    table = replace(data.keyframes, predicted_rooms=rooms * 10)
+    assert list(estimated_room_colours(table)) == ["room 2 (open-plan office)", "room 9 (office)", "room 10", ""]
+
+
+def test_estimated_rooms_add_little_to_the_page(rng):
+    data = in_rooms(rng, "abcdefg", "1234567", each=100)
+    without = replace(data, keyframes=replace(data.keyframes, predicted_rooms=("",) * 700))
+    assert len(render_report(data)) < 1.2 * len(render_report(without))
 
 
 def test_layers_and_tables_of_what_is_not_estimated_are_hidden(rng):
@@ -367,10 +433,7 @@ def test_without_poses_the_dots_are_at_the_positions_of_the_odometry_and_no_posi
     rooms = {
         "estimated room",
         "estimated rooms",
-        "estimated</text",
-        "estimated: room",
-        "estimated: none",
-    }  # the last three are of the timeline
+    }
     assert set(re.findall(r"estimated\W*\w*", body)) == rooms
     assert "at the positions of the odometry" in body and "odometry off by " in body
     assert not any("position error" in finding.text for finding in findings(data))
