@@ -14,7 +14,10 @@ from lexis.types import LexisMap, RoomInstance
 
 DOUBTFUL = 0.55
 """A room is doubtful if its evidence (see `path_end`) is not positive, or is less than this share of the largest evidence of
-any room with the same label."""
+any room with the same label, unless its label is certain."""
+CERTAIN = 0.9
+"""The label of a room is certain if its probability (`LexisMap.probability_of`) is at least this, and less than 1, which the
+methods of the paper state for all labels."""
 WEAK = 0.4
 """A place counts as outside a room if its evidence is less than this share of the largest evidence in the room."""
 MARGIN_M = 1.5
@@ -46,13 +49,17 @@ def path_end(map: LexisMap, room: RoomInstance) -> PathEnd:
     return PathEnd(room, int(candidates[best]), float(evidence[best]))
 
 
-def clear_ends(ends: Sequence[PathEnd]) -> list[PathEnd]:
+def clear_ends(map: LexisMap, ends: Sequence[PathEnd]) -> list[PathEnd]:
     """Return the path ends of rooms that are not doubtful (`DOUBTFUL`); all of them if every room is.
 
-    The rooms have one label. Most doubtful rooms are a few mislabelled keyframes in a room of another label.
+    The rooms have one label. Most doubtful rooms are a few mislabelled keyframes in a room of another label. A room whose
+    label is certain (`CERTAIN`) is not doubtful: a corridor may look less like its name than that of another storey.
     """
     clear = DOUBTFUL * max(end.evidence for end in ends)
-    return [end for end in ends if end.evidence > 0.0 and end.evidence >= clear] or list(ends)
+    certain = [CERTAIN <= map.probability_of(end.room) < 1.0 for end in ends]
+    return [
+        end for end, sure in zip(ends, certain, strict=True) if end.evidence > 0.0 and (end.evidence >= clear or sure)
+    ] or list(ends)
 
 
 def _candidates(map: LexisMap, room: RoomInstance) -> Int[np.ndarray, "k"]:

@@ -103,7 +103,7 @@ class PathPlanner:
 
     def _clear_ends(self, name: str) -> list[PathEnd]:
         """Return the path ends of all rooms named `name` that are not doubtful. Raises PlanError for an unknown name."""
-        return clear_ends([self._end(room) for room in self._known_rooms(name)])
+        return clear_ends(self._map, [self._end(room) for room in self._known_rooms(name)])
 
     def _arrivals(self, name: str) -> list[tuple[RoomInstance, int]]:
         """Return where a path to `name` may end: pairs of a room and one of its keyframes.

@@ -128,15 +128,22 @@ def test_a_doubtful_room_stands_for_its_label_only_where_there_is_no_other(rng):
     assert plan(misread, "corridor", "office").goal is nearest
 
 
-@pytest.mark.parametrize(("share", "chosen"), [(0.4, "other"), (0.6, "nearest")])
-def test_a_room_is_doubtful_beside_a_clearer_one_of_its_label(share, chosen, rng):
+@pytest.mark.parametrize(
+    ("share", "probability", "chosen"),
+    [(0.4, 0.8, "other"), (0.6, 0.8, "nearest"), (0.4, 0.95, "nearest"), (0.4, 1.0, "other")],
+)
+def test_a_room_is_doubtful_beside_a_clearer_one_of_its_label_unless_its_label_is_certain(share, probability, chosen, rng):
+    """A method that states no probability gives all labels the probability 1, which says nothing."""
     lexis_map = corridor_with_offices(rng)
     nearest = plan(lexis_map, "corridor", "office").goal
     other = lexis_map.rooms[3 - nearest.id]
     similarities = np.zeros_like(lexis_map.similarities)
     similarities[np.arange(len(lexis_map.labels)), lexis_map.labels] = 0.5
     similarities[list(nearest.keyframes)] *= share
-    dimmed = replace(lexis_map, similarities=similarities)
+    probabilities = lexis_map.probabilities.copy()
+    probabilities[list(nearest.keyframes)] = (1.0 - probability) / (len(lexis_map.room_names) - 1)
+    probabilities[list(nearest.keyframes), lexis_map.room_names.index("office")] = probability
+    dimmed = replace(lexis_map, similarities=similarities, probabilities=probabilities)
     clear = path_end(dimmed, other).evidence
     assert path_end(dimmed, nearest).evidence == pytest.approx(share * clear)
     assert plan(dimmed, "corridor", "office").goal is {"other": other, "nearest": nearest}[chosen]
