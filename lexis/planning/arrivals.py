@@ -22,7 +22,8 @@ from scipy.spatial import cKDTree
 
 from lexis.maths.ties import rounded
 from lexis.planning.evidence import evidence_at
-from lexis.sight.passages import Passages, distances_from_crossed
+from lexis.sight.crossings import distances_from_crossed
+from lexis.sight.passages import Passages
 from lexis.types import LexisMap, RoomInstance
 
 INSIDE_M = 0.9

@@ -11,7 +11,8 @@ import numpy as np
 
 from lexis.floors import NO_FLOOR
 from lexis.maths.ties import rounded
-from lexis.sight.passages import Passages, crossed
+from lexis.sight.crossings import crossed
+from lexis.sight.passages import Passages
 from lexis.types import PerKeyframe, Positions
 
 

@@ -12,8 +12,9 @@ from lexis.maths.ties import near_pairs, rounded
 from lexis.room_labels import Probabilities
 from lexis.sight.alike_rooms import merge_alike
 from lexis.sight.borders import borders_in_passages
+from lexis.sight.crossings import crossed
 from lexis.sight.divided_rooms import sight_between, split_divided
-from lexis.sight.passages import LinesOfSight, Passages, crossed, narrow_passages
+from lexis.sight.passages import LinesOfSight, Passages, narrow_passages
 from lexis.types import Pairs, PerKeyframe, Positions
 
 _STAIRCASE_M = 3.0

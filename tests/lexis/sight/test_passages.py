@@ -12,7 +12,7 @@ from lexis.config import SightConfig
 from lexis.floors import NO_FLOOR
 from lexis.maths.se3 import exp, transform
 from lexis.room_labels import certain
-from lexis.sight.passages import Passages, crossed, distances_from_crossed, lines_of_sight, narrow_passages
+from lexis.sight.passages import lines_of_sight, narrow_passages
 from lexis.sight.room_clusters import cluster_by_sight
 from lexis.sight.visible_space import OBSTACLE_RANGE_M, VisibleSpace, sight_of_cameras
 from lexis.types import Camera, Intrinsics
@@ -148,28 +148,6 @@ def test_nobody_goes_through_a_door_on_stairs_or_between_sessions():
 def test_without_landmarks_there_are_no_passages():
     poses, spaces = corridor()
     assert not len(find(poses, [space(np.zeros((0, 3)))] * len(spaces)).ends)
-
-
-@given(seed=st.integers(0, 2**32 - 1))
-def test_lines_cross_passages_as_in_the_plane(seed):
-    rng = np.random.default_rng(seed)
-    positions, ends = rng.uniform(0.0, 2.0, (12, 3)), rng.uniform(0.0, 2.0, (4, 2, 2))
-    floors, floor = rng.integers(0, 2, 12), rng.integers(0, 2, 4)
-    pairs = np.stack(np.meshgrid(np.arange(12), np.arange(12)), axis=-1).reshape(-1, 2)
-    lines, passages = shapely.linestrings(positions[pairs][:, :, :2]), shapely.linestrings(ends)
-    expected = shapely.crosses(lines[:, None], passages) & (floors[pairs[:, :1]] == floor)
-    found = Passages(floor, ends)
-    np.testing.assert_array_equal(crossed(found, floors, positions, pairs), expected.any(axis=1))
-    away = shapely.distance(shapely.points(positions[pairs[:, :1], :2]), passages)
-    nearest = np.where(expected, away, np.inf).min(axis=1)
-    np.testing.assert_allclose(distances_from_crossed(found, floors, positions, pairs), nearest, atol=1e-9)
-
-
-def test_a_gap_in_the_recording_crosses_no_passage():
-    found = Passages(np.zeros(1, int), np.array([[[0.0, -0.4], [0.0, 0.4]]]))
-    for metres, is_crossed in ((2.9, True), (3.1, False)):
-        positions = np.array([[-metres / 2, 0.0, 0.0], [metres / 2, 0.0, 0.0]])
-        assert crossed(found, np.zeros(2, int), positions, np.array([[0, 1]])).tolist() == [is_crossed]
 
 
 def test_two_corridors_with_a_door_between_them_are_two_rooms_and_one_corridor_is_one():
