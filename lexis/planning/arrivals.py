@@ -38,7 +38,8 @@ Just behind an open boundary, about half of the images still show the other room
 BEHIND_DOORWAY_M = 0.5
 """Least distance from a doorway of a keyframe that is surely inside its room behind this doorway [m]."""
 SURE_BEHIND_DOORWAY = 0.95
-"""The probability in place of `SURE` behind a doorway."""
+"""The probability in place of `SURE` behind a doorway. It also has to be less than 1, which the methods of the paper state
+for all labels."""
 
 
 def surely_inside(map: LexisMap, room: RoomInstance, most_evidence: float, doorways: Passages) -> Int[np.ndarray, "k"]:
@@ -53,6 +54,7 @@ def surely_inside(map: LexisMap, room: RoomInstance, most_evidence: float, doorw
     own, label = np.array(room.keyframes), map.room_names.index(room.label)
     deep, behind = _depth(map, own, label, doorways)
     probability = rounded(map.probabilities[own, label])
+    behind &= probability < 1.0
     likely = (deep & (probability >= SURE)) | (behind & (probability >= SURE_BEHIND_DOORWAY))
     own, behind = own[likely], behind[likely]
     return np.asarray(own[behind | (evidence_at(map, room.label, own) >= CLEAR * most_evidence)]) if len(own) else own

@@ -16,8 +16,8 @@ DOUBTFUL = 0.55
 """A room is doubtful if its evidence (see `path_end`) is not positive, or is less than this share of the largest evidence of
 any room with the same label, unless its label is certain."""
 CERTAIN = 0.9
-"""The label of a room is certain if its probability (`LexisMap.probability_of`) is at least this, and less than 1, which the
-methods of the paper state for all labels."""
+"""The label of a room is certain if its probability (`LexisMap.probability_of`) is at least this, but less than 1.
+Whatever the images show, the methods of the paper state 1 for all labels, and LEXIS states it for stairs."""
 WEAK = 0.4
 """A place counts as outside a room if its evidence is less than this share of the largest evidence in the room."""
 MARGIN_M = 1.5

@@ -129,6 +129,7 @@ class PathPlanner:
 
     @cached_property
     def _doorways(self) -> Passages:
+        """The narrow passages by the default settings, because a map does not store those that it was made with."""
         return passages_in(self._map, SightConfig())
 
     @cached_property

@@ -56,7 +56,8 @@ def merge_alike(
         floors: floor of every keyframe; `NO_FLOOR` on stairs, which do not merge with rooms.
         probabilities: the probability of each label for every keyframe, from the images alone.
         tied: the matrix that `lexis.sight.divided_rooms.sight_between` returns.
-        open_steps: the pairs of consecutive keyframes between which the path goes through no narrow passage.
+        open_steps: the steps of the path that go through no narrow passage, as pairs of consecutive keyframes. Gaps in the
+            recording are no steps.
         config: the least cut and the largest log odds.
     """
     n = len(rooms)

@@ -8,7 +8,8 @@ images from both sides show both of its sides.
 2. At places on the steps from one keyframe to the next, measure how wide the free space is, in several directions across the
    step: from the occupied cell on one side to the one on the other side.
 3. Where the path goes through space that is at most `passage_m` wide, the middle of the narrowest places is a passage. The
-   passage is a line on the plan: what is on one side of it sees the other side only through the passage.
+   passage is a line on the plan: what is on one side of it sees the other side only through the passage. Two doorways count
+   as one passage if all of the path between them is as narrow.
 
 The result does not depend on the frame W: the cells are aligned with the path.
 """

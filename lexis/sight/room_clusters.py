@@ -6,6 +6,7 @@ from scipy.sparse import csr_array
 
 from lexis.config import SightConfig
 from lexis.floors import NO_FLOOR
+from lexis.keyframes import MAX_STEP_M
 from lexis.maths.groups import groups_of
 from lexis.maths.stretches import consecutive_pairs
 from lexis.maths.ties import near_pairs, rounded
@@ -73,7 +74,8 @@ def cluster_by_sight(
     if not correct:
         return rooms, labels
     steps = consecutive_pairs(sessions)
-    open_steps = steps[~crossed(passages, floors, positions, steps)]
+    walked = rounded(np.linalg.norm(positions[steps[:, 1], :2] - positions[steps[:, 0], :2], axis=1)) <= MAX_STEP_M
+    open_steps = steps[walked & ~crossed(passages, floors, positions, steps)]
     rooms, labels = _absorbed(rooms, labels, floors, seen_by, config.min_keyframes)
     return merge_alike(rooms, labels, floors, probabilities, tied, open_steps, config)
 

@@ -58,7 +58,10 @@ def _compare(arguments: argparse.Namespace) -> int:
 
 
 def _difference(a: Path, b: Path) -> str:
-    """Say how the scenarios of two runs differ, for the folders of single runs; "" for other results."""
+    """Say how the scenarios of two runs differ, for the folders of single runs.
+
+    The text is empty for other results, and for equal scenarios.
+    """
     from sim.harness import Scenario
     from sim.harness.run_settings import with_listed_house
     from sim.harness.shrinking.scenario_difference import difference
@@ -68,4 +71,6 @@ def _difference(a: Path, b: Path) -> str:
     if not all(file.is_file() for file in files):
         return ""
     first, second = (with_listed_house(Scenario.load(file)) for file in files)
+    if first == second:
+        return ""
     return f" (from the first to the second: {one_line(difference(first, second), _MOST)})"

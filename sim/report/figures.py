@@ -66,18 +66,18 @@ SECTIONS: dict[str, dict[str, Definition]] = {
             "predicted and true rooms match where the IoU of their sets of keyframes is above 0.5; the figure is the sum of "
             "the matches' IoU divided by (matches + half of the rooms without a match); 1 is perfect",
         ),
-        "precision": Definition("precision", _SHARE, "share of predicted rooms that have a match"),
+        "precision": Definition("precision", _SHARE, "share of estimated rooms that have a match"),
         "recall": Definition("recall", _SHARE, "share of true rooms that have a match"),
         "hydra_precision": Definition(
             "Hydra's precision",
             _SHARE,
-            "largest share of a predicted room that a single true room covers, averaged over the predicted rooms; splits do "
-            "not lower it",
+            "largest share of an estimated room that a single true room covers, averaged over the estimated rooms; splits "
+            "do not lower it",
         ),
         "hydra_recall": Definition(
             "Hydra's recall",
             _SHARE,
-            "largest share of a true room that a single predicted room covers, averaged over the true rooms; merges do not "
+            "largest share of a true room that a single estimated room covers, averaged over the true rooms; merges do not "
             "lower it",
         ),
         "ari": Definition(
@@ -86,17 +86,17 @@ SECTIONS: dict[str, dict[str, Definition]] = {
             "agreement with the truth on which pairs of keyframes share a room; 0 is the level of chance, 1 is perfect",
         ),
         "v_measure": Definition(
-            "V-measure", _SCORE, "harmonic mean of the homogeneity and the completeness of the predicted rooms; 1 is perfect"
+            "V-measure", _SCORE, "harmonic mean of the homogeneity and the completeness of the estimated rooms; 1 is perfect"
         ),
         "splits": Definition(
             "splits",
             _COUNT,
-            "number of predicted rooms that lie mostly (> half) in the same true room, not counting the first one in each",
+            "number of estimated rooms that lie mostly (> half) in the same true room, not counting the first one in each",
         ),
         "merges": Definition(
             "merges",
             _COUNT,
-            "number of true rooms that lie mostly (> half) in the same predicted room, not counting the first one in each",
+            "number of true rooms that lie mostly (> half) in the same estimated room, not counting the first one in each",
         ),
         "count_error": Definition("count error", _SIGNED, "predicted minus true number of rooms that contain a keyframe"),
     },

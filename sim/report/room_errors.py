@@ -1,6 +1,6 @@
 """Finds errors of room segmentation: the splits and merges that result.json counts, and partial losses.
 
-A partial loss is a true room of which a substantial part was assigned to a predicted room that lies mostly elsewhere.
+A partial loss is a true room of which a substantial part was assigned to an estimated room that lies mostly elsewhere.
 result.json counts partial losses as neither splits nor merges. A true room that is merged with another room is no partial
 loss.
 """
@@ -17,11 +17,11 @@ from lexis.evaluation.partitions import overlap
 from lexis.evaluation.rooms import SHARE
 
 SUBSTANTIAL = 0.2
-"""A true room counts as a partial loss if at least this share of its keyframes is in a predicted room that lies mostly in
+"""A true room counts as a partial loss if at least this share of its keyframes is in an estimated room that lies mostly in
 other true rooms."""
 
 Groups: TypeAlias = dict[str, tuple[str, ...]]
-"""Maps the name of a true room to names of predicted rooms, or the name of a predicted room to names of true rooms."""
+"""Maps the name of a true room to names of estimated rooms, or the name of an estimated room to names of true rooms."""
 
 
 @dataclass(frozen=True)
@@ -29,18 +29,18 @@ class RoomErrors:
     """Errors in the assignment of keyframes to rooms."""
 
     splits: Groups
-    """Maps each split true room to the predicted rooms, two or more, that have more than half of their keyframes in it."""
+    """Maps each split true room to the estimated rooms, two or more, that have more than half of their keyframes in it."""
     merges: Groups
-    """Maps each predicted room that merges true rooms to the two or more true rooms with most of their keyframes in it."""
+    """Maps each estimated room that merges true rooms to the two or more true rooms with most of their keyframes in it."""
     partial_losses: Groups
-    """Maps each true room that is a partial loss to the predicted rooms that hold at least the share `SUBSTANTIAL` of its
+    """Maps each true room that is a partial loss to the estimated rooms that hold at least the share `SUBSTANTIAL` of its
     keyframes, but lie mostly in other true rooms. True rooms in `merges` are left out."""
 
 
 def room_errors(true: Sequence[str], predicted: Sequence[str]) -> RoomErrors:
     """Find the errors of room segmentation.
 
-    `true` and `predicted` name the true and the predicted room of each keyframe; "" stands for no predicted room.
+    `true` and `predicted` name the true and the estimated room of each keyframe; "" stands for no estimated room.
     """
     true_names, true_ids = numbered_rooms(true)
     predicted_names, predicted_ids = numbered_rooms(predicted)

@@ -51,6 +51,14 @@ def test_behind_a_doorway_a_robot_is_surely_inside_sooner(rng):
     assert BEHIND_DOORWAY_M <= found.min() - 0.05 <= BEHIND_DOORWAY_M + 0.1 and found.max() == x.max()
 
 
+def test_a_doorway_makes_no_difference_to_a_method_that_states_no_probability(rng):
+    x = np.arange(-3.0, 3.1, 0.1)
+    labels = (x > 0.0).astype(int)
+    lexis_map = replace(along_x(rng, x, labels), probabilities=np.eye(2)[labels])
+    office = lexis_map.rooms[1]
+    assert inside(lexis_map, office, doorways=doorway(0.05)) == inside(lexis_map, office)
+
+
 @pytest.mark.parametrize("door_x", [-0.95, 0.95, 5.0])
 def test_a_doorway_that_does_not_divide_the_rooms_makes_no_difference(rng, door_x):
     x = np.arange(-3.0, 3.1, 0.1)
