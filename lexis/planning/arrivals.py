@@ -65,12 +65,11 @@ def _depth(
 ) -> tuple[Bool[np.ndarray, "k"], Bool[np.ndarray, "k"]]:
     """Return which keyframes are far from all keyframes with other labels, and which others are well behind a doorway."""
     positions, others = map.T_W_B[:, :3, 3], np.flatnonzero(map.labels != label)
-    near = cKDTree(positions[others]).query_ball_point(positions[keyframes], INSIDE_M)
-    index = np.repeat(np.arange(len(keyframes)), [len(each) for each in near])
-    pairs = np.stack([keyframes[index], others[np.concatenate([np.zeros(0, int), *near]).astype(int)]], axis=1)
-    closer = rounded(np.linalg.norm(positions[pairs[:, 0]] - positions[pairs[:, 1]], axis=1)) < INSIDE_M
-    index, pairs = index[closer], pairs[closer]
+    own, other = (cKDTree(positions[ids]) for ids in (keyframes, others))
+    near = own.sparse_distance_matrix(other, INSIDE_M, output_type="ndarray")
+    near = near[rounded(near["v"]) < INSIDE_M]
+    pairs = np.stack([keyframes[near["i"]], others[near["j"]]], axis=1)
     beyond = rounded(distances_from_crossed(doorways, map.floors, positions, pairs))
     divided = np.isfinite(beyond) & (beyond >= BEHIND_DOORWAY_M)
-    shallow = np.isin(np.arange(len(keyframes)), index)
-    return ~shallow, shallow & ~np.isin(np.arange(len(keyframes)), index[~divided])
+    shallow, undivided = (np.isin(np.arange(len(keyframes)), ids) for ids in (near["i"], near["i"][~divided]))
+    return ~shallow, shallow & ~undivided
