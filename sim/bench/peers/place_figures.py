@@ -160,7 +160,12 @@ def precision_recall(found: Sequence[PlaceFigures]) -> PrecisionRecall:
     best, right = (np.concatenate([getattr(each, name) for each in found]) for name in ("best", "right"))
     order = np.argsort(-best, kind="stable")[: int(np.isfinite(best).sum())]
     true = np.cumsum(right[order])
-    distinct = np.append(best[order][:-1] != best[order][1:], True)[: len(order)]  # equal scores are answered together
+    last = is_last_of_equal(best[order])
     precision = true / np.arange(1, len(order) + 1)
     recall = true / max(sum(each.row.possible_1 for each in found), 1)
-    return PrecisionRecall(precision[distinct], recall[distinct])
+    return PrecisionRecall(precision[last], recall[last])
+
+
+def is_last_of_equal(scores: Float64[np.ndarray, "k"]) -> Bool[np.ndarray, "k"]:
+    """Return which of some sorted scores differ from the next one. Queries with equal scores are answered together."""
+    return np.append(scores[:-1] != scores[1:], True)[: len(scores)]

@@ -14,7 +14,7 @@ import numpy as np
 from sim.baselines.places.by_embedding import EmbeddingSimilarity, SequenceMatching
 from sim.baselines.places.lexis_places import LabelledRoom, RevisitProbability
 from sim.baselines.places.place_method import PlaceMethod
-from sim.bench.peers.place_figures import REQUIRED, ranked
+from sim.bench.peers.place_figures import REQUIRED, is_last_of_equal, ranked
 from sim.bench.peers.place_methods import bag_of_words, vlad
 from sim.bench.peers.place_walks import PlaceWalk
 
@@ -106,6 +106,5 @@ def best_least(method: PlaceMethod, walks: Sequence[PlaceWalk]) -> tuple[float, 
         return np.inf, 0.0
     answered = np.arange(1, len(order) + 1)
     f1 = np.mean([2 * np.cumsum(hits[order] >= n) / (answered + (there >= n).sum()) for n in REQUIRED], axis=0)
-    distinct = np.append(best[order][:-1] != best[order][1:], True)  # equal scores are answered together
-    f1 = np.where(distinct, f1, 0.0)
+    f1 = np.where(is_last_of_equal(best[order]), f1, 0.0)
     return float(best[order][f1.argmax()]), float(f1.max())
