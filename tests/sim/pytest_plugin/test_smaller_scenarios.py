@@ -21,6 +21,18 @@ from worlds.spec import HouseSpec
 pytest_plugins = ["pytester"]
 
 
+@pytest.fixture
+def search_by(monkeypatch):
+    """Returns a function after which the search for smaller scenarios takes the steps of these names only."""
+
+    def search_by(*names):
+        steps = {name: sim.harness.shrinking.reductions.STEPS[name] for name in names}
+        reduce = partial(sim.harness.shrinking.reducer.reduce, steps=steps)
+        monkeypatch.setattr(sim.harness.shrinking.reducer, "reduce", reduce)
+
+    return search_by
+
+
 def test_a_scenario_that_cannot_run_is_not_one_that_passes(pytester, inner, monkeypatch):
     room = {"id": "a", "label": "kitchen", "polygon_m": [[0, 0], [1.2, 0], [1.2, 1.2], [0, 1.2]]}
     cupboard = HouseSpec.from_json(json.dumps({"storeys": [{"rooms": [room]}]}))  # valid, but there is nowhere to walk to
@@ -33,9 +45,8 @@ def test_a_scenario_that_cannot_run_is_not_one_that_passes(pytester, inner, monk
     assert "1 candidate, 0 steps" in why
 
 
-def test_a_failure_is_stored_in_the_smallest_scenario_with_what_mends_it(pytester, inner, monkeypatch):
-    steps = {name: sim.harness.shrinking.reductions.STEPS[name] for name in ("drop drift", "shorten the tour")}
-    monkeypatch.setattr(sim.harness.shrinking.reducer, "reduce", partial(sim.harness.shrinking.reducer.reduce, steps=steps))
+def test_a_failure_is_stored_in_the_smallest_scenario_with_what_mends_it(pytester, inner, search_by):
+    search_by("drop drift", "shorten the tour")
     pytester.makepyfile(test_slam=SLAM + DRIFTS)
     result = inner()
     result.assert_outcomes(failed=1)
@@ -55,9 +66,8 @@ def test_a_failure_is_stored_in_the_smallest_scenario_with_what_mends_it(pyteste
     result.stdout.fnmatch_lines([f"in the original scenario: AssertionError: assert {original_said} > 2.0"])
 
 
-def test_a_search_that_removes_all_furniture_says_how_to_keep_it(pytester, inner, monkeypatch):
-    steps = {"drop furniture": sim.harness.shrinking.reductions.STEPS["drop furniture"]}
-    monkeypatch.setattr(sim.harness.shrinking.reducer, "reduce", partial(sim.harness.shrinking.reducer.reduce, steps=steps))
+def test_a_search_that_removes_all_furniture_says_how_to_keep_it(pytester, inner, search_by):
+    search_by("drop furniture")
     pytester.makepyfile(test_slam=SLAM + DRIFTS)
     inner().assert_outcomes(failed=1)
     (folder,) = (pytester.path / ".lexis-failures").iterdir()
@@ -91,9 +101,10 @@ class TestLoops:
 """
 
 
-def test_a_test_relative_to_the_odometry_is_shrunk_to_a_scenario_that_a_mended_slam_passes(pytester, inner, monkeypatch):
-    steps = {name: sim.harness.shrinking.reductions.STEPS[name] for name in ("drop rooms", "drop drift", "shorten the tour")}
-    monkeypatch.setattr(sim.harness.shrinking.reducer, "reduce", partial(sim.harness.shrinking.reducer.reduce, steps=steps))
+def test_a_test_relative_to_the_odometry_is_shrunk_to_a_scenario_that_a_mended_slam_passes(
+    pytester, inner, search_by, monkeypatch
+):
+    search_by("drop rooms", "drop drift", "shorten the tour")
     pytester.makepyfile(test_slam=SLAM + RELATIVE)
     inner().assert_outcomes(failed=1)
     (folder,) = (pytester.path / ".lexis-failures").iterdir()
@@ -126,9 +137,8 @@ def test_house(scenario, slam):
 """
 
 
-def test_the_test_passes_with_the_reference_in_the_smallest_scenario(pytester, inner, monkeypatch):
-    steps = {name: sim.harness.shrinking.reductions.STEPS[name] for name in ("drop rooms", "shorten the tour")}
-    monkeypatch.setattr(sim.harness.shrinking.reducer, "reduce", partial(sim.harness.shrinking.reducer.reduce, steps=steps))
+def test_the_test_passes_with_the_reference_in_the_smallest_scenario(pytester, inner, search_by, monkeypatch):
+    search_by("drop rooms", "shorten the tour")
     pytester.makepyfile(test_slam=SLAM + REFERENCE)
     told, left_out = (
         "reference: test_slam:Silent passes in this scenario",
@@ -170,9 +180,8 @@ def test_rooms(run, house):
 """
 
 
-def test_a_test_that_is_skipped_in_a_smaller_scenario_does_not_pass_there(pytester, inner, monkeypatch):
-    steps = {"drop rooms": sim.harness.shrinking.reductions.STEPS["drop rooms"]}
-    monkeypatch.setattr(sim.harness.shrinking.reducer, "reduce", partial(sim.harness.shrinking.reducer.reduce, steps=steps))
+def test_a_test_that_is_skipped_in_a_smaller_scenario_does_not_pass_there(pytester, inner, search_by):
+    search_by("drop rooms")
     pytester.makepyfile(test_slam=SLAM + SKIPPED)
     inner().assert_outcomes(failed=1)
     (folder,) = (pytester.path / ".lexis-failures").iterdir()
