@@ -1,4 +1,7 @@
-"""Which straight lines between keyframes go through a narrow passage (`lexis.sight.passages`)."""
+"""Tests whether the straight line between two keyframes goes through a doorway or another narrow passage.
+
+`lexis.sight.passages` finds these passages.
+"""
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int
