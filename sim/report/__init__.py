@@ -5,10 +5,10 @@
 `loop_candidates` (why loop candidates were accepted or refused) and floor plans (`house_plan`). `table` makes a table of the
 figures.
 
-A plan is drawn as marks (`drawing`) by `plan`, `symbols` and `overlay`, and becomes SVG (`svg`) or a raster image (`png`).
-`inline_image` encodes camera images for the page. `palette` gives every label and room a colour. `drive_picture` draws a
-drive of the robot. `frame_picture` shows the camera's image at a frame, and on the plan what was true and estimated there,
-with a `legend`.
+A plan is drawn as marks (`drawing`) by `plan`, `symbols`, `rulers` and `overlay`, and becomes SVG (`svg`) or a raster image
+(`png`). `inline_image` encodes camera images for the page. `palette` gives every label and room a colour. `drive_picture`
+draws a drive of the robot. `frame_picture` shows the camera's image at a frame, and on the plan what was true and estimated
+there, with a `legend`.
 """
 
 import lazy_loader

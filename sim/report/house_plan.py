@@ -16,6 +16,7 @@ from sim.report.legend import LegendEntry, with_legend
 from sim.report.palette import label_colours
 from sim.report.plan import plan_drawing, titled
 from sim.report.png import joined_pictures, to_image
+from sim.report.rulers import with_rulers
 from sim.report.svg import side_by_side
 from worlds.house import House
 from worlds.parts import Part
@@ -45,13 +46,13 @@ def floor_plans(house: House) -> tuple[FloorPlan, ...]:
 
 
 def plan_png(house: House) -> bytes:
-    """Draw the plans of all storeys side by side, the lowest on the left, and return the bytes of a PNG file."""
-    return encoded(plan_image(house), ".png")
+    """Draw the plans of all storeys with rulers, side by side, the lowest on the left. Return the bytes of a PNG file."""
+    return encoded(_joined(_drawings(house, has_rulers=True), _PIXELS_PER_METRE), ".png")
 
 
 def plan_svg(house: House) -> str:
-    """Draw the plans of all storeys side by side, the lowest on the left, and return the text of an SVG file."""
-    return side_by_side(_drawings(house))
+    """Draw the plans of all storeys with rulers, side by side, the lowest on the left. Return the text of an SVG file."""
+    return side_by_side(_drawings(house, has_rulers=True))
 
 
 def plan_image(
@@ -61,7 +62,10 @@ def plan_image(
 
     `marks` are further marks by the level of the storey on whose plan they are drawn.
     """
-    drawings = [drawing.with_marks(marks.get(level, ())) for level, drawing in enumerate(_drawings(house))]
+    return _joined([plan.with_marks(marks.get(level, ())) for level, plan in enumerate(_drawings(house))], pixels_per_metre)
+
+
+def _joined(drawings: Sequence[Drawing], pixels_per_metre: int) -> UInt8[np.ndarray, "h w 3"]:
     scale = min(_scale(drawing, pixels_per_metre) for drawing in drawings)
     return joined_pictures([to_image(drawing, pixels_per_metre=scale) for drawing in drawings])
 
@@ -88,10 +92,12 @@ def _scale(drawing: Drawing, pixels_per_metre: int) -> int:
     return int(min(pixels_per_metre, np.sqrt(_MOST_PIXELS / area)))
 
 
-def _drawings(house: House, names_labels: bool = True) -> list[Drawing]:
+def _drawings(house: House, names_labels: bool = True, has_rulers: bool = False) -> list[Drawing]:
     plans = floor_plans(house)
     colours = label_colours(room.label for plan in plans for room in plan.rooms)
     drawings = [plan_drawing(plan, colours, names_labels) for plan in plans]
+    if has_rulers:
+        drawings = [with_rulers(drawing, plan) for drawing, plan in zip(drawings, plans, strict=True)]
     return [titled(drawing) for drawing in drawings] if len(drawings) > 1 else drawings
 
 

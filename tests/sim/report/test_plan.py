@@ -18,6 +18,7 @@ from sim.report.house_plan import floor_plans, plan_png, plan_svg
 from sim.report.palette import label_colours
 from sim.report.plan import plan_drawing
 from sim.report.png import to_image
+from sim.report.rulers import with_rulers
 from sim.report.svg import to_svg
 from sim.report.symbols import NAMES, opening_marks
 from worlds.house import build_house
@@ -59,6 +60,22 @@ def test_the_scale_bar_and_the_legend_fit_beside_the_smallest_room():
         text_m = 0.58 * mark.size * len(mark.text) if mark.kind == "text" else 0.0
         rightmost = max(rightmost, float(mark.points[:, 0].max()) + text_m)
     assert rightmost <= drawing.high[0]
+
+
+def test_rulers_state_the_coordinates_of_what_is_beside_them():
+    room = PlannedRoom("r", "kitchen", np.array([[-3.5, -12.0], [4.5, -12.0], [4.5, 2.0], [-3.5, 2.0]]))
+    plan = FloorPlan(0, 0.0, (room,))
+    before = plan_drawing(plan, COLOURS)
+    drawing = with_rulers(before, plan)
+    added = drawing.marks[len(before.marks) :]
+    middles = [(m.text, *(m.points[0] + [0.58 * m.size * len(m.text) / 2, 0.0])) for m in added if m.kind == "text"]
+    above = [(float(text), x) for text, x, y in middles if y > 2.0]
+    beside = [(float(text), y) for text, x, y in middles if x < -3.5]
+    assert above == [(n, pytest.approx(n)) for n in range(-2, 5, 2)]
+    assert beside == [(n, pytest.approx(n)) for n in range(-12, 3, 2)]
+    assert sum(mark.kind == "line" for mark in added) == len(range(-3, 5)) + len(range(-12, 3))
+    for mark in added:
+        assert (drawing.low <= mark.points).all() and (mark.points <= drawing.high).all()
 
 
 def test_a_lift_has_a_cross_on_every_storey():
