@@ -11,7 +11,7 @@ import jinja2
 
 from lexis.files.replace import replaced_file
 from sim.report.confusion import confusion
-from sim.report.data import NO_LABEL, UNKNOWN, FloorPlan, ReportData, SampleFrame
+from sim.report.data import NO_LABEL, UNKNOWN, ReportData, SampleFrame
 from sim.report.drawing import Drawing
 from sim.report.figures import PLACES, SECTIONS, figure, figures, shown
 from sim.report.findings import findings
@@ -19,7 +19,7 @@ from sim.report.inline_image import data_uri
 from sim.report.loop_candidates import candidate_lists, reason_counts
 from sim.report.overlay import describe, run_marks
 from sim.report.palette import estimated_room_colours, label_colours, true_room_colours
-from sim.report.plan import plan_drawing
+from sim.report.plan import LETTER_M, plan_drawing
 from sim.report.svg import styles_css, to_svg
 from sim.report.timeline import LEFT, WIDTH, positions, timeline_svg
 from sim.wording import joined
@@ -32,9 +32,10 @@ _ENVIRONMENT = jinja2.Environment(
     undefined=jinja2.StrictUndefined,
 )
 
-_LEAST_PAGE_M, _MOST_PAGE_M = 17.0, 36.0
+_LEAST_PAGE_M, _MOST_PAGE_M = 17.0, 28.0
 """The width of the page shows at least the first length of a house [m], since larger plans would look coarse. Plans stand
-side by side only if their total width is at most the second length [m], since smaller plans could not be read."""
+side by side only if their total width is at most the second length [m], since the letters on smaller plans could not be
+read. The letters on a single plan that is wider are larger."""
 
 _ABOUT = ("slam", "encoder", "odometry", "fidelity")
 _HEADLINES = (
@@ -68,7 +69,7 @@ def render_report(data: ReportData) -> str:
     """Render the report as the text of an HTML page."""
     result, estimated = data.result, _without_nulls(data.result)
     colours = label_colours([*data.shown_labels, *(room.label for plan in data.plans for room in plan.rooms)])
-    drawings = [_drawing(data, plan, colours) for plan in data.plans]
+    drawings = _drawings(data, colours)
     right, wrong = _samples(data)
     is_labelled = data.keyframes.is_labelled
     return _ENVIRONMENT.get_template("report.html").render(
@@ -103,10 +104,18 @@ def render_report(data: ReportData) -> str:
     )
 
 
-def _drawing(data: ReportData, plan: FloorPlan, colours: Mapping[str, str]) -> Drawing:
-    """Draw a storey and the run on it. A page can show the colours of estimated rooms if there are also labels."""
+def _drawings(data: ReportData, colours: Mapping[str, str]) -> list[Drawing]:
+    """Draw every storey and the run on it. A page can show the colours of estimated rooms if there are also labels."""
     room_colours = true_room_colours(data.keyframes) if data.keyframes.is_labelled else {}
-    return plan_drawing(plan, colours, room_colours=room_colours).with_marks(run_marks(data, plan.level, colours))
+    marks = [run_marks(data, plan.level, colours) for plan in data.plans]
+
+    def drawn(letter_m: float) -> list[Drawing]:
+        plans = (plan_drawing(plan, colours, room_colours=room_colours, letter_m=letter_m) for plan in data.plans)
+        return [plan.with_marks(more) for plan, more in zip(plans, marks, strict=True)]
+
+    drawings = drawn(LETTER_M)
+    enlarged = _shown_m(drawings) / _MOST_PAGE_M
+    return drawings if enlarged <= 1.0 else drawn(enlarged * LETTER_M)
 
 
 def _about(result: Mapping[str, Any]) -> list[str]:
@@ -171,13 +180,18 @@ def _note(result: Mapping[str, Any], section: str, form: str) -> str:
 
 
 def _widths(drawings: Sequence[Drawing]) -> list[float]:
-    """Return the width of each plan as a share of the page's width [%].
+    """Return the width of each plan as a share of the page's width [%]. All plans have the same scale."""
+    metres = _shown_m(drawings)
+    return [97 * float(drawing.high[0] - drawing.low[0]) / metres for drawing in drawings]
 
-    All plans have the same scale. They stand side by side if they are then large enough to read.
+
+def _shown_m(drawings: Sequence[Drawing]) -> float:
+    """Return the length that the width of the page shows [m].
+
+    Plans stand side by side if they are then large enough to read.
     """
     widths = [float(drawing.high[0] - drawing.low[0]) for drawing in drawings]
-    metres = max(sum(widths), _LEAST_PAGE_M) if sum(widths) <= _MOST_PAGE_M else max(*widths, _LEAST_PAGE_M)
-    return [97 * width / metres for width in widths]
+    return max(sum(widths) if sum(widths) <= _MOST_PAGE_M else max(widths), _LEAST_PAGE_M)
 
 
 def _present(data: ReportData) -> list[str]:

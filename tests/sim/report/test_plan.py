@@ -78,6 +78,12 @@ def test_rulers_state_the_coordinates_of_what_is_beside_them():
         assert (drawing.low <= mark.points).all() and (mark.points <= drawing.high).all()
 
 
+def test_letters_are_as_high_as_asked_for_where_they_fit(plan):
+    usual, larger = (plan_drawing(plan, COLOURS, letter_m=metres) for metres in (0.26, 0.5))
+    for before, after in zip(*([m for m in d.marks if m.kind == "text"] for d in (usual, larger)), strict=True):
+        assert before.text == after.text and before.size < after.size <= 0.5
+
+
 def test_a_lift_has_a_cross_on_every_storey():
     house = build_house(variant(sample_house("home", 100), climb="lift"))
     shafts = [Polygon(room.polygon_m) for storey in house.spec.storeys for room in storey.rooms if room.climb == "lift"]
