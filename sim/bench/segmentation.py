@@ -1,4 +1,4 @@
-"""`lexis-sim bench segmentation`: measures labels, rooms, floors, loops, and plans that a robot drives, in preset houses."""
+"""`lexis-sim bench segmentation`: measures labels, rooms, places, loops, and plans that a robot drives, in preset houses."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass
@@ -15,7 +15,7 @@ from sim.harness.loops import edge_truth
 
 @dataclass(frozen=True)
 class SegmentationRow:
-    """The figures of a run in one house: labels, rooms, floors, loops and plans."""
+    """The figures of a run in one house: labels, rooms, floors, places, loops and plans."""
 
     baseline: float | None
     """Label accuracy before refinement."""
@@ -29,6 +29,9 @@ class SegmentationRow:
     """Absolute trajectory error of the odometry [m]."""
     ate_m: float | None
     """Absolute trajectory error of the optimised trajectory [m]."""
+    place_recall: float | None
+    """Share of the revisits for which place recognition proposes an earlier keyframe at the same place; None without
+    revisits. See `lexis.evaluation.place_recognition.MatchCounts` for N = 1."""
     false_loops: int
     trusted_false_loops: int
     """Number of false loop edges that are trusted after the optimisation."""
@@ -36,6 +39,10 @@ class SegmentationRow:
     """Share of revisits with a true loop edge; None if there were no revisits."""
     plans: float | None
     """Share of plans whose drive reached the goal; None if there were no plans."""
+    spl: float | None
+    """Success weighted by path length of the plans."""
+    touched: int | None
+    """Number of drives that ended in a collision."""
 
 
 def run_houses(
@@ -51,6 +58,7 @@ def run_houses(
         result = evaluate(finished, try_plans(finished))
         loops, is_true = finished.estimate.loops, edge_truth(finished)
         assert loops is not None and loops.weights is not None
+        places = result.place_recognition["1"]
         yield (
             own.seed,
             SegmentationRow(
@@ -60,10 +68,13 @@ def run_houses(
                 result.floors.accuracy,
                 result.trajectory.ate_odometry_m,
                 result.trajectory.ate_m,
+                places.tp / places.possible if places.tp is not None and places.possible else None,
                 int((~is_true).sum()),
                 int(is_trusted(loops.weights[~is_true]).sum()),
                 result.loops.recall,
                 result.planning.success,
+                result.planning.spl,
+                result.planning.collisions,
             ),
         )
 

@@ -249,7 +249,7 @@ BENCHMARKS = (
     Action(
         "segmentation",
         printing(_segmentation),
-        "labels, rooms, loops and plans of whole runs, one row per house",
+        "labels, rooms, places, loops and plans of whole runs, one row per house",
         "lexis-sim bench segmentation --preset home --houses 5 --fidelity features",
         (
             PRESET,

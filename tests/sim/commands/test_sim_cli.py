@@ -164,7 +164,7 @@ def test_a_house_that_cannot_be_built_fails_its_check(tmp_path, capsys):
 
 
 def test_a_benchmark_shows_a_figure_that_a_house_does_not_have(monkeypatch, capsys):
-    row = SegmentationRow(0.5, 0.5, 0.5, 1.0, 0.2, 0.1, 0, 0, loop_recall=None, plans=1.0)
+    row = SegmentationRow(0.5, 0.5, 0.5, 1.0, 0.2, 0.1, 1.0, 0, 0, loop_recall=None, plans=1.0, spl=0.9, touched=0)
     monkeypatch.setattr("sim.bench.segmentation.run_houses", lambda scenario, seeds, *rest: ((seed, row) for seed in seeds))
     assert status_of(["bench", "segmentation", "--houses", "2"]) == 0
     assert "–" in capsys.readouterr().out
