@@ -4,8 +4,8 @@ At each step:
 
 1. Advance the progress along the route to the point nearest to the robot.
 2. If the straight line to the look-ahead point on the route has enough clearance, steer to this point. Otherwise, plan a
-   local path in the map of recent scans (`LocalMap`). Steer to the farthest of the path's next cells to which the straight
-   line has enough clearance.
+   local path in the map of recent scans (`LocalMap`). Steer to the farthest cell of the path to which the straight line has
+   enough clearance.
 3. Turn in proportion to the heading error. The larger this error, the slower the robot drives. Stop in front of obstacles.
 """
 
@@ -31,8 +31,6 @@ _KEEP_M = RADIUS_M + 0.05
 """Clearance that the straight line to the next target on a local path has, if possible [m]."""
 LEAST_M = RADIUS_M + 0.03
 """Distance that the robot's centre keeps from obstacles on local paths [m], except if no such path exists."""
-_REACH = 6
-"""Number of cells of the local path within which the next target lies."""
 _EASY_M = RADIUS_M + 0.15
 """Clearance that is enough to follow the route itself [m]. With less clearance, a local path is planned."""
 _CLOSE_M = RADIUS_M + 0.02
@@ -115,7 +113,7 @@ class Controller:
         if len(self._path) < 2:
             return None
         following = self._path[nearest + 1 :] if nearest + 1 < len(self._path) else self._path[-1:]
-        for target in following[_REACH::-2]:
+        for target in following[::-2]:
             if self._map.clearance(here, target) >= _KEEP_M:
                 return np.asarray(target)
         return np.asarray(following[0])

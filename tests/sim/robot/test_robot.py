@@ -124,6 +124,26 @@ def test_the_robot_tries_another_detour_where_the_first_one_ends(stands_m):
     np.testing.assert_allclose([pose.x, pose.y], [3.0, 0.0], atol=0.12)
 
 
+@pytest.mark.parametrize("degrees", [0.0, 22.5, 45.0])
+def test_the_robot_drives_straight_past_what_stands_close_to_its_route_on_both_sides(degrees):
+    """Local paths prefer more clearance than the straight line has, and wind between the pieces of furniture."""
+    ahead = np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
+    aside = np.array([-ahead[1], ahead[0]])
+    side = np.linspace(0.3, 1.0, 15)[:, None] * aside
+    pieces = np.concatenate([x * ahead + (-1.0) ** i * side for i, x in enumerate(np.arange(1.0, 5.5, 0.8))])
+    controller = Controller(np.append([[0.0, 0.0], 6.0 * ahead], np.zeros((2, 1)), axis=1))
+    pose = DeadReckoning(0.0, 0.0, np.radians(degrees), OdometryConfig(), np.random.default_rng(0))
+    driven_m = 0.0
+    while (motion := controller.step(pose)) is not None:
+        pose.advance(*motion)
+        cos, sin = np.cos(pose.yaw), np.sin(pose.yaw)
+        hits = (pieces - (pose.x, pose.y)) @ np.array([[cos, -sin], [sin, cos]])
+        controller.see(hits[np.linalg.norm(hits, axis=1) < 3.0], pose, 0.0)
+        assert np.linalg.norm(hits, axis=1).min() > RADIUS_M
+        driven_m += motion[0]
+    assert 5.9 <= driven_m <= 6.0
+
+
 @pytest.mark.parametrize("away_m", [0.26, 0.3, 0.6])
 def test_no_path_leads_through_a_wall(away_m):
     around = LocalMap(LEAST_M)
