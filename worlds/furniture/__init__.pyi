@@ -45,6 +45,7 @@ from .shapes import ball as ball
 from .shapes import box as box
 from .shapes import cone as cone
 from .shapes import cylinder as cylinder
+from .shapes import ends as ends
 from .shapes import fronts as fronts
 from .shapes import inset as inset
 from .shapes import legs as legs

@@ -5,7 +5,7 @@ from numpy.random import Generator
 from worlds.furniture.kinds import AgainstWall, OnFloor, OnTop, OnWall, Parts, Size
 from worlds.furniture.palette import BLACK, BRIGHT, CHROME, FRONTS, GLASS, LINEN, STEEL, WHITE, WHITES, WOODS, pick
 from worlds.furniture.registry import furniture
-from worlds.furniture.shapes import about, ball, box, cylinder, fronts, inset, legs, shelf_unit, split, stocked
+from worlds.furniture.shapes import about, ball, box, cylinder, ends, fronts, inset, legs, shelf_unit, split, stocked
 
 _WATER = (0.6, 0.8, 0.88)
 
@@ -25,8 +25,8 @@ def bathtub(s: Size, rng: Generator) -> Parts:
     x, y = s.x, s.y
     return (
         box(x, y, (0.0, 0.38), white, "ceramic"),
-        *(box(i, y, (0.38, rim), white, "ceramic") for i in ((x[0], x[0] + 0.1), (x[1] - 0.1, x[1]))),
-        *(box(inset(x, 0.1), j, (0.38, rim), white, "ceramic") for j in ((y[0], y[0] + 0.08), (y[1] - 0.08, y[1]))),
+        *(box(i, y, (0.38, rim), white, "ceramic") for i in ends(x, 0.1)),
+        *(box(inset(x, 0.1), j, (0.38, rim), white, "ceramic") for j in ends(y, 0.08)),
         box(inset(x, 0.1), inset(y, 0.08), (0.38, 0.42), _WATER, "glass"),
         cylinder(about(s.right - 0.2, 0.04), (s.back + 0.02, s.back + 0.06), (rim, s.height), CHROME, "metal"),
         box(about(s.right - 0.2, 0.04), (s.back + 0.02, s.back + 0.18), (s.height - 0.06, s.height - 0.02), CHROME, "metal"),
@@ -46,14 +46,9 @@ def bathtub(s: Size, rng: Generator) -> Parts:
 def shower(s: Size, rng: Generator) -> Parts:
     """A shower: a tray, two glass walls in a metal frame, a tiled back wall and a shower head."""
     frame = pick(rng, (CHROME, BLACK))
-    posts = [
-        box(x, y, s.z, frame, "metal")
-        for x in ((s.left, s.left + 0.03), (s.right - 0.03, s.right))
-        for y in ((s.back, s.back + 0.03), (s.front - 0.03, s.front))
-    ]
     return (
         box(s.x, s.y, (0.0, 0.12), WHITE, "ceramic"),
-        *posts,
+        *legs(s, s.height, 0.03, frame, "metal", margin=0.0),
         box(inset(s.x, 0.03), (s.front - 0.025, s.front - 0.01), (0.12, 0.9), GLASS, "glass"),
         box((s.left + 0.01, s.left + 0.02), inset(s.y, 0.03), (0.12, s.height), GLASS, "glass"),
         box(s.x, (s.front - 0.03, s.front), (s.height - 0.03, s.height), frame, "metal"),

@@ -5,7 +5,21 @@ from numpy.random import Generator
 from worlds.furniture.kinds import AgainstWall, Around, OnFloor, OnTop, OnWall, Parts, Size
 from worlds.furniture.palette import BLACK, BRIGHT, FRONTS, GLASS, LINEN, STEEL, UPHOLSTERY, WHITE, WOODS, pick
 from worlds.furniture.registry import furniture
-from worlds.furniture.shapes import about, ball, box, cone, cylinder, fronts, inset, legs, shelf_unit, spaced, split, stocked
+from worlds.furniture.shapes import (
+    about,
+    ball,
+    box,
+    cone,
+    cylinder,
+    ends,
+    fronts,
+    inset,
+    legs,
+    shelf_unit,
+    spaced,
+    split,
+    stocked,
+)
 from worlds.parts import Colour, Part
 
 
@@ -215,16 +229,13 @@ def cot(s: Size, rng: Generator) -> Parts:
     frame = pick(rng, (WHITE, *WOODS))
     bars = [
         box(x, about(y, 0.025), (0.35, s.height - 0.04), frame, "wood")
-        for x in ((s.left, s.left + 0.03), (s.right - 0.03, s.right))
+        for x in ends(s.x, 0.03)
         for y in spaced(s.back + 0.1, s.front - 0.1, 7)
     ]
     return (
         *legs(s, s.height, 0.05, frame, margin=0.0),
-        *(
-            box(x, s.y, (s.height - 0.05, s.height), frame, "wood")
-            for x in ((s.left, s.left + 0.04), (s.right - 0.04, s.right))
-        ),
-        *(box(s.x, y, (0.3, s.height), frame, "wood") for y in ((s.back, s.back + 0.03), (s.front - 0.03, s.front))),
+        *(box(x, s.y, (s.height - 0.05, s.height), frame, "wood") for x in ends(s.x, 0.04)),
+        *(box(s.x, y, (0.3, s.height), frame, "wood") for y in ends(s.y, 0.03)),
         box(inset(s.x, 0.03), inset(s.y, 0.03), (0.35, 0.47), pick(rng, LINEN), "fabric"),
         box(inset(s.x, 0.12), (s.back + 0.06, s.back + 0.3), (0.47, 0.54), WHITE, "fabric"),
         *bars,

@@ -21,7 +21,7 @@ from worlds.furniture.palette import (
     pick,
 )
 from worlds.furniture.registry import furniture
-from worlds.furniture.shapes import about, ball, box, cone, cylinder, inset, split
+from worlds.furniture.shapes import about, ball, box, cone, cylinder, ends, inset, split
 from worlds.labels import LIVED_IN_LABELS
 
 _WORK_AND_PUBLIC = ("office", "meeting room", "open-plan office", "classroom", "laboratory", "lobby", "gym", "print room")
@@ -65,7 +65,7 @@ def _curtains(s: Size, rng: Generator) -> Parts:
     cloth, hung = pick(rng, (*LINEN, *UPHOLSTERY, *BRIGHT)), (s.front - 0.03, s.front)
     folds = [
         box(x, (hung[0] + rng.uniform(0.0, 0.015), hung[1]), (0.04, s.height - 0.03), cloth, "fabric")
-        for side in ((s.left, s.left + 0.22), (s.right - 0.22, s.right))
+        for side in ends(s.x, 0.22)
         for x in split(side, 3, 0.008)
     ]
     return (box(s.x, hung, (s.height - 0.04, s.height), pick(rng, (BLACK, *WOODS))), *folds)

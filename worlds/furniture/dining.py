@@ -5,7 +5,7 @@ from numpy.random import Generator
 from worlds.furniture.kinds import Around, OnCeiling, OnFloor, OnTop, Parts, Size
 from worlds.furniture.palette import BLACK, BRIGHT, DARK_WOODS, GLASS, LAMP, LINEN, STEEL, UPHOLSTERY, WHITE, WOODS, pick
 from worlds.furniture.registry import furniture
-from worlds.furniture.shapes import about, ball, box, cone, cylinder, fronts, inset, legs, moved, shelf_unit, stocked
+from worlds.furniture.shapes import about, ball, box, cone, cylinder, ends, fronts, inset, legs, moved, shelf_unit, stocked
 
 
 @furniture(
@@ -51,10 +51,7 @@ def dining_chair(s: Size, rng: Generator) -> Parts:
         box(inset(s.x, 0.05), (s.back + 0.005, s.back + 0.03), (z, z + 0.07), wood, "wood")
         for z in (0.58, 0.72, s.height - 0.1)
     ]
-    posts = [
-        box(x, (s.back, s.back + 0.04), (0.4, s.height), wood, "wood")
-        for x in ((s.left, s.left + 0.04), (s.right - 0.04, s.right))
-    ]
+    posts = [box(x, (s.back, s.back + 0.04), (0.4, s.height), wood, "wood") for x in ends(s.x, 0.04)]
     return (
         *legs(s, 0.42, 0.04, wood, margin=0.0),
         box(s.x, s.y, (0.42, 0.47), seat, "fabric"),

@@ -5,7 +5,7 @@ from numpy.random import Generator
 from worlds.furniture.kinds import AgainstWall, OnFloor, OnTop, OnWall, Parts, Size
 from worlds.furniture.palette import BLACK, BRIGHT, CHROME, DARK_WOODS, GLASS, METALS, STONES, UPHOLSTERY, WHITE, WOODS, pick
 from worlds.furniture.registry import furniture
-from worlds.furniture.shapes import about, ball, box, cylinder, inset, legs, shelf_unit, split
+from worlds.furniture.shapes import about, ball, box, cylinder, ends, inset, legs, shelf_unit, split
 from worlds.parts import Part
 
 
@@ -201,7 +201,7 @@ def reception_desk(s: Size, rng: Generator) -> Parts:
         box(s.x, (0.0, s.front), (0.0, s.height - 0.04), front, "wood"),
         box(s.x, (-0.05, s.front), (s.height - 0.04, s.height), pick(rng, STONES), "marble"),
         box(s.x, (s.back, 0.0), (0.7, 0.74), WHITE, "wood"),
-        *(box(x, (s.back, 0.0), (0.0, 0.7), front, "wood") for x in ((s.left, s.left + 0.05), (s.right - 0.05, s.right))),
+        *(box(x, (s.back, 0.0), (0.0, 0.7), front, "wood") for x in ends(s.x, 0.05)),
         box(about(0.0, 0.8), (s.front - 0.005, s.front), (0.45, 0.8), pick(rng, BRIGHT), "label"),
         box(about(0.4, 0.5), about(-0.2, 0.04), (0.74, 1.04), BLACK, "screen"),
     )
@@ -243,10 +243,7 @@ def phone(s: Size, rng: Generator) -> Parts:
     return (
         box(s.x, s.y, (0.0, 0.06), tone, "keyboard"),
         box(s.x, (s.back, s.back + 0.06), (0.06, s.height), tone),
-        *(
-            ball(x, (s.back, s.back + 0.07), (0.05, s.height), tone)
-            for x in ((s.left, s.left + 0.07), (s.right - 0.07, s.right))
-        ),
+        *(ball(x, (s.back, s.back + 0.07), (0.05, s.height), tone) for x in ends(s.x, 0.07)),
     )
 
 

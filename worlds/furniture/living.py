@@ -20,7 +20,7 @@ from worlds.furniture.palette import (
     pick,
 )
 from worlds.furniture.registry import furniture
-from worlds.furniture.shapes import about, box, cone, cylinder, fronts, inset, legs, shelf_unit, split, stocked
+from worlds.furniture.shapes import about, box, cone, cylinder, ends, fronts, inset, legs, shelf_unit, split, stocked
 
 
 @furniture(
@@ -43,7 +43,7 @@ def sofa(s: Size, rng: Generator) -> Parts:
     return (
         box(s.x, s.y, (0.06, 0.3), cloth, "fabric"),
         box(s.x, (s.back, s.back + 0.2), (0.3, s.height), cloth, "fabric"),
-        *(box(x, s.y, (0.3, 0.62), cloth, "fabric") for x in ((s.left, s.left + arm), (s.right - arm, s.right))),
+        *(box(x, s.y, (0.3, 0.62), cloth, "fabric") for x in ends(s.x, arm)),
         *(box(x, (s.back + 0.2, s.front), (0.3, 0.45), cloth, "fabric") for x in seats),
         *(box(x, (s.back + 0.18, s.back + 0.32), (0.45, s.height - 0.04), cloth, "fabric") for x in seats),
         *pillows,
@@ -66,7 +66,7 @@ def armchair(s: Size, rng: Generator) -> Parts:
     return (
         box(s.x, s.y, (0.08, 0.3), cloth, "fabric"),
         box(s.x, (s.back, s.back + 0.2), (0.3, s.height), cloth, "fabric"),
-        *(box(x, s.y, (0.3, 0.6), cloth, "fabric") for x in ((s.left, s.left + 0.15), (s.right - 0.15, s.right))),
+        *(box(x, s.y, (0.3, 0.6), cloth, "fabric") for x in ends(s.x, 0.15)),
         box(inset(s.x, 0.15), (s.back + 0.2, s.front), (0.3, 0.44), cloth, "fabric"),
         box(inset(s.x, 0.2), (s.back + 0.2, s.back + 0.32), (0.44, 0.74), pick(rng, (*BRIGHT, *LINEN)), "fabric"),
         *legs(s, 0.08, 0.05, BLACK),
@@ -205,10 +205,7 @@ def fireplace(s: Size, rng: Generator) -> Parts:
     """A fireplace: a brick surround with logs, a fire and a mantelpiece."""
     brick = pick(rng, ((0.6, 0.32, 0.25), *STONES))
     return (
-        *(
-            box(x, (s.back, s.front - 0.04), (0.0, s.height - 0.06), brick, "brick")
-            for x in ((s.left + 0.04, s.left + 0.3), (s.right - 0.3, s.right - 0.04))
-        ),
+        *(box(x, (s.back, s.front - 0.04), (0.0, s.height - 0.06), brick, "brick") for x in ends(s.x, 0.3, margin=0.04)),
         box(inset(s.x, 0.3), (s.back, s.front - 0.04), (0.72, s.height - 0.06), brick, "brick"),
         box(inset(s.x, 0.3), (s.back, s.back + 0.06), (0.0, 0.72), BLACK),
         *(cylinder(about(x, 0.12), about(0.0, 0.12), (0.0, 0.15), WALNUT, "wood") for x in (-0.12, 0.0, 0.12)),
@@ -224,10 +221,7 @@ def piano(s: Size, rng: Generator) -> Parts:
     return (
         box(s.x, (s.back, s.back + 0.32), s.z, black, "wood"),
         box(s.x, (s.back + 0.3, s.front), (0.6, 0.72), black, "wood"),
-        *(
-            box(x, (s.front - 0.08, s.front), (0.0, 0.6), black, "wood")
-            for x in ((s.left, s.left + 0.06), (s.right - 0.06, s.right))
-        ),
+        *(box(x, (s.front - 0.08, s.front), (0.0, 0.6), black, "wood") for x in ends(s.x, 0.06)),
         box(inset(s.x, 0.08), (s.front - 0.18, s.front - 0.02), (0.72, 0.735), WHITE, "keyboard"),
         box(about(0.0, 0.5), (s.back + 0.32, s.back + 0.35), (0.78, s.height - 0.02), WHITE, "scribble"),
     )

@@ -5,7 +5,7 @@ from numpy.random import Generator
 from worlds.furniture.kinds import AgainstWall, Around, OnFloor, OnTop, OnWall, Parts, Size
 from worlds.furniture.palette import BLACK, BRIGHT, CHROME, GREY, METALS, PAPER, STEEL, UPHOLSTERY, WHITE, WOODS, pick
 from worlds.furniture.registry import furniture
-from worlds.furniture.shapes import about, box, cylinder, fronts, inset, legs, shelf_unit, split, stocked
+from worlds.furniture.shapes import about, box, cylinder, ends, fronts, inset, legs, shelf_unit, split, stocked
 
 _DESKS = ("desk", "double desk")
 
@@ -77,19 +77,13 @@ def office_chair(s: Size, rng: Generator) -> Parts:
     return (
         box(s.x, about(0.0, 0.06), (0.03, 0.08), BLACK),
         box(about(0.0, 0.06), s.y, (0.03, 0.08), BLACK),
-        *(cylinder(x, about(0.0, 0.06), (0.0, 0.06), BLACK) for x in ((s.left, s.left + 0.06), (s.right - 0.06, s.right))),
+        *(cylinder(x, about(0.0, 0.06), (0.0, 0.06), BLACK) for x in ends(s.x, 0.06)),
         cylinder(about(0.0, 0.06), about(0.0, 0.06), (0.08, 0.42), CHROME, "metal"),
         box(inset(s.x, 0.07), inset(s.y, 0.06), (0.42, 0.51), cloth, "fabric"),
         box(inset(s.x, 0.09), (s.back + 0.02, s.back + 0.09), (0.55, s.height), cloth, "fabric"),
         box(about(0.0, 0.08), (s.back, s.back + 0.03), (0.42, 0.75), BLACK),
-        *(
-            box(x, (-0.15, 0.14), (0.64, 0.67), BLACK)
-            for x in ((s.left + 0.02, s.left + 0.08), (s.right - 0.08, s.right - 0.02))
-        ),
-        *(
-            box(x, about(-0.05, 0.04), (0.45, 0.64), BLACK)
-            for x in ((s.left + 0.03, s.left + 0.07), (s.right - 0.07, s.right - 0.03))
-        ),
+        *(box(x, (-0.15, 0.14), (0.64, 0.67), BLACK) for x in ends(s.x, 0.08, margin=0.02)),
+        *(box(x, about(-0.05, 0.04), (0.45, 0.64), BLACK) for x in ends(s.x, 0.07, margin=0.03)),
     )
 
 
@@ -414,8 +408,8 @@ def flip_chart(s: Size, rng: Generator) -> Parts:
     return (
         box(inset(s.x, 0.02), about(0.0, 0.03), (0.75, s.height), STEEL, "metal"),
         box(inset(s.x, 0.04), (0.015, 0.03), (0.82, s.height - 0.04), WHITE, "scribble"),
-        *(box(x, s.y, (0.0, 0.03), BLACK) for x in ((s.left, s.left + 0.03), (s.right - 0.03, s.right))),
-        *(box(x, about(0.0, 0.03), (0.0, 0.8), BLACK) for x in ((s.left, s.left + 0.03), (s.right - 0.03, s.right))),
+        *(box(x, s.y, (0.0, 0.03), BLACK) for x in ends(s.x, 0.03)),
+        *(box(x, about(0.0, 0.03), (0.0, 0.8), BLACK) for x in ends(s.x, 0.03)),
     )
 
 

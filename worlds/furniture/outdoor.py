@@ -5,7 +5,7 @@ from numpy.random import Generator
 from worlds.furniture.kinds import AgainstWall, Around, OnFloor, OnTop, Parts, Size
 from worlds.furniture.palette import BLACK, BRIGHT, GREEN, LINEN, METALS, RED, STEEL, STONES, TERRACOTTA, WHITE, WOODS, pick
 from worlds.furniture.registry import furniture
-from worlds.furniture.shapes import about, ball, box, cone, cylinder, inset, legs, split
+from worlds.furniture.shapes import about, ball, box, cone, cylinder, ends, inset, legs, split
 from worlds.parts import Part
 
 _GREENS = (GREEN, (0.32, 0.52, 0.2), (0.2, 0.38, 0.22), (0.42, 0.55, 0.22))
@@ -112,7 +112,7 @@ def garden_chair(s: Size, rng: Generator) -> Parts:
         *legs(s, 0.62, 0.045, paint, margin=0.0),
         *(box(s.x, y, (0.4, 0.43), paint, "wood") for y in split(inset(s.y, 0.02), 4, 0.02)),
         *(box(x, (s.back, s.back + 0.03), (0.45, s.height), paint, "wood") for x in split(inset(s.x, 0.05), 4, 0.03)),
-        *(box(x, s.y, (0.62, 0.65), paint, "wood") for x in ((s.left, s.left + 0.05), (s.right - 0.05, s.right))),
+        *(box(x, s.y, (0.62, 0.65), paint, "wood") for x in ends(s.x, 0.05)),
     )
 
 
@@ -131,7 +131,7 @@ def garden_bench(s: Size, rng: Generator) -> Parts:
         *legs(s, 0.62, 0.06, wood, margin=0.0),
         *(box(s.x, y, (0.4, 0.43), wood, "wood") for y in split(inset(s.y, 0.03), 5, 0.02)),
         *(box(s.x, (s.back, s.back + 0.04), z, wood, "wood") for z in split((0.5, s.height), 3, 0.04)),
-        *(box(x, s.y, (0.6, 0.64), wood, "wood") for x in ((s.left, s.left + 0.06), (s.right - 0.06, s.right))),
+        *(box(x, s.y, (0.6, 0.64), wood, "wood") for x in ends(s.x, 0.06)),
     )
 
 
@@ -240,10 +240,7 @@ def swing(s: Size, rng: Generator) -> Parts:
     paint = pick(rng, BRIGHT)
     return (
         *legs(s, s.height - 0.06, 0.07, paint, "metal", margin=0.0),
-        *(
-            box(x, s.y, (s.height - 0.13, s.height - 0.06), paint, "metal")
-            for x in ((s.left, s.left + 0.07), (s.right - 0.07, s.right))
-        ),
+        *(box(x, s.y, (s.height - 0.13, s.height - 0.06), paint, "metal") for x in ends(s.x, 0.07)),
         box(s.x, about(0.0, 0.07), (s.height - 0.07, s.height), paint, "metal"),
         *(box(about(x, 0.02), about(0.0, 0.02), (0.5, s.height - 0.06), BLACK) for x in (-0.22, 0.22)),
         box(about(0.0, 0.5), about(0.0, 0.22), (0.46, 0.5), pick(rng, BRIGHT), "wood"),
@@ -255,8 +252,8 @@ def sandpit(s: Size, rng: Generator) -> Parts:
     """A sandpit: a frame of boards with sand, a bucket and a sand castle."""
     wood = pick(rng, WOODS)
     return (
-        *(box(x, s.y, (0.0, 0.18), wood, "wood") for x in ((s.left, s.left + 0.08), (s.right - 0.08, s.right))),
-        *(box(s.x, y, (0.0, 0.18), wood, "wood") for y in ((s.back, s.back + 0.08), (s.front - 0.08, s.front))),
+        *(box(x, s.y, (0.0, 0.18), wood, "wood") for x in ends(s.x, 0.08)),
+        *(box(s.x, y, (0.0, 0.18), wood, "wood") for y in ends(s.y, 0.08)),
         box(inset(s.x, 0.06), inset(s.y, 0.06), (0.0, 0.12), (0.86, 0.75, 0.52), "carpet"),
         cone(about(-0.15, 0.3), about(0.1, 0.3), (0.12, s.height), (0.86, 0.75, 0.52), "carpet"),
         cylinder(about(0.25, 0.16), about(-0.2, 0.16), (0.12, s.height), pick(rng, BRIGHT)),

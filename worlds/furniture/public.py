@@ -18,7 +18,7 @@ from worlds.furniture.palette import (
     pick,
 )
 from worlds.furniture.registry import furniture
-from worlds.furniture.shapes import about, ball, box, cone, cylinder, fronts, inset, legs, split
+from worlds.furniture.shapes import about, ball, box, cone, cylinder, ends, fronts, inset, legs, split
 from worlds.parts import Part
 
 
@@ -29,14 +29,8 @@ def treadmill(s: Size, rng: Generator) -> Parts:
     return (
         box(s.x, s.y, (0.0, 0.16), paint, "metal"),
         box(inset(s.x, 0.14), (s.back + 0.3, s.front), (0.16, 0.18), BLACK, "carpet"),
-        *(
-            box(x, (s.back + 0.05, s.back + 0.15), (0.16, 1.1), paint, "metal")
-            for x in ((s.left, s.left + 0.06), (s.right - 0.06, s.right))
-        ),
-        *(
-            box(x, (s.back + 0.1, s.back + 0.7), (0.95, 1.0), BLACK)
-            for x in ((s.left, s.left + 0.05), (s.right - 0.05, s.right))
-        ),
+        *(box(x, (s.back + 0.05, s.back + 0.15), (0.16, 1.1), paint, "metal") for x in ends(s.x, 0.06)),
+        *(box(x, (s.back + 0.1, s.back + 0.7), (0.95, 1.0), BLACK) for x in ends(s.x, 0.05)),
         box(s.x, (s.back, s.back + 0.14), (1.05, s.height), BLACK),
         box(inset(s.x, 0.15), (s.back + 0.14, s.back + 0.15), (1.1, s.height - 0.04), GREY, "screen"),
     )
@@ -54,7 +48,7 @@ def exercise_bike(s: Size, rng: Generator) -> Parts:
     """An exercise bike: a flywheel, a saddle and handles."""
     paint = pick(rng, BRIGHT)
     return (
-        *(box(s.x, y, (0.0, 0.08), BLACK) for y in ((s.back, s.back + 0.1), (s.front - 0.1, s.front))),
+        *(box(s.x, y, (0.0, 0.08), BLACK) for y in ends(s.y, 0.1)),
         box(about(0.0, 0.08), s.y, (0.04, 0.12), paint, "metal"),
         *(
             box(about(0.0, 0.12), about(s.back + 0.3, 0.5 * f), about(0.4, 0.5 * g), paint, "metal")
@@ -80,10 +74,7 @@ def weight_rack(s: Size, rng: Generator) -> Parts:
                 box(x, y, about(z, 0.13), tone) for y in ((s.back + 0.06, s.back + 0.16), (s.front - 0.14, s.front - 0.04))
             ]
     return (
-        *(
-            box(x, inset(s.y, 0.03), (0.0, 0.78), METALS[1], "metal")
-            for x in ((s.left, s.left + 0.05), (s.right - 0.05, s.right))
-        ),
+        *(box(x, inset(s.y, 0.03), (0.0, 0.78), METALS[1], "metal") for x in ends(s.x, 0.05)),
         *(box(s.x, inset(s.y, 0.05), (z, z + 0.04), METALS[1], "metal") for z in (0.23, 0.69)),
         *bells,
     )
@@ -95,7 +86,7 @@ def weight_bench(s: Size, rng: Generator) -> Parts:
     red = pick(rng, (BLACK, BRIGHT[0]))
     plates = [
         box(x, about(s.back + 0.2, 0.36 * f), about(s.height - 0.2, 0.36 * g), BLACK, "label")
-        for x in ((s.left, s.left + 0.12), (s.right - 0.12, s.right))
+        for x in ends(s.x, 0.12)
         for f, g in ((1.0, 0.5), (0.5, 1.0), (0.8, 0.8))
     ]
     return (
@@ -147,7 +138,7 @@ def wall_bars(s: Size, rng: Generator) -> Parts:
     """Wall bars for gymnastics: horizontal rungs between two posts."""
     wood = pick(rng, WOODS)
     return (
-        *(box(x, s.y, s.z, wood, "wood") for x in ((s.left, s.left + 0.05), (s.right - 0.05, s.right))),
+        *(box(x, s.y, s.z, wood, "wood") for x in ends(s.x, 0.05)),
         *(box(s.x, (s.front - 0.05, s.front - 0.01), z, wood, "wood") for z in split(inset(s.z, 0.05), 10, 0.15)),
     )
 
@@ -270,10 +261,7 @@ def school_chair(s: Size, rng: Generator) -> Parts:
         *legs(s, 0.42, 0.025, STEEL, "metal"),
         box(s.x, inset(s.y, 0.02), (0.42, 0.45), WOODS[3], "wood"),
         box(s.x, (s.back, s.back + 0.025), (0.58, s.height), WOODS[3], "wood"),
-        *(
-            box(x, (s.back, s.back + 0.025), (0.42, 0.6), STEEL)
-            for x in ((s.left + 0.02, s.left + 0.045), (s.right - 0.045, s.right - 0.02))
-        ),
+        *(box(x, (s.back, s.back + 0.025), (0.42, 0.6), STEEL) for x in ends(s.x, 0.045, margin=0.02)),
     )
 
 
@@ -446,7 +434,7 @@ def fume_hood(s: Size, rng: Generator) -> Parts:
         box(s.x, (s.back, s.front - 0.025), (0.0, 0.9), body, "metal"),
         *fronts(s.x, (0.05, 0.85), s.front - 0.004, 2, 1, body, STEEL, "metal"),
         box(s.x, (s.back, s.back + 0.05), (0.9, s.height), body, "metal"),
-        *(box(x, s.y, (0.9, s.height), body, "metal") for x in ((s.left, s.left + 0.08), (s.right - 0.08, s.right))),
+        *(box(x, s.y, (0.9, s.height), body, "metal") for x in ends(s.x, 0.08)),
         box(s.x, s.y, (1.8, s.height), body, "metal"),
         box(inset(s.x, 0.08), (s.front - 0.06, s.front - 0.04), (1.25, 1.8), GLASS, "glass"),
         box(inset(s.x, 0.08), inset(s.y, 0.05), (0.9, 0.93), (0.3, 0.32, 0.34), "marble"),

@@ -43,6 +43,12 @@ def inset(interval: Range, by: float) -> Range:
     return interval[0] + by, interval[1] - by
 
 
+def ends(interval: Range, depth: float, margin: float = 0.0) -> tuple[Range, Range]:
+    """Return the two parts of the interval within `depth` of its lower and its upper end, without the outer `margin`."""
+    low, high = interval
+    return (low + margin, low + depth), (high - depth, high - margin)
+
+
 def split(interval: Range, count: int, gap: float = 0.0) -> list[Range]:
     """Return the interval divided into `count` equal pieces with gaps of `gap` between them."""
     step = (interval[1] - interval[0] + gap) / count
@@ -57,8 +63,7 @@ def spaced(low: float, high: float, count: int) -> list[float]:
 def legs(s: Size, top: float, thickness: float, colour: Colour, material: str = "wood", margin: float = 0.02) -> Parts:
     """Return four legs near the corners, from the floor up to the height `top`."""
     x, y = inset(s.x, margin), inset(s.y, margin)
-    ends = [((a[0], a[0] + thickness), (a[1] - thickness, a[1])) for a in (x, y)]
-    return tuple(box(i, j, (0.0, top), colour, material) for i in ends[0] for j in ends[1])
+    return tuple(box(i, j, (0.0, top), colour, material) for i in ends(x, thickness) for j in ends(y, thickness))
 
 
 def fronts(
@@ -97,7 +102,7 @@ def fronts(
 
 def shelf_unit(s: Size, shelves: int, colour: Colour, material: str = "wood", board: float = 0.03) -> Parts:
     """Return the boards of a shelf: two sides, a back, and boards that form `shelves` compartments, open to the front."""
-    sides = [box(x, s.y, s.z, colour, material) for x in ((s.left, s.left + board), (s.right - board, s.right))]
+    sides = [box(x, s.y, s.z, colour, material) for x in ends(s.x, board)]
     back = box(s.x, (s.back, s.back + 0.015), s.z, colour, material)
     levels = [i * (s.height - board) / shelves for i in range(shelves + 1)]
     return (*sides, back, *(box(inset(s.x, board), s.y, (z, z + board), colour, material) for z in levels))

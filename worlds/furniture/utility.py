@@ -19,7 +19,7 @@ from worlds.furniture.palette import (
     pick,
 )
 from worlds.furniture.registry import furniture
-from worlds.furniture.shapes import about, box, cylinder, fronts, inset, legs, shelf_unit, split, stocked
+from worlds.furniture.shapes import about, box, cylinder, ends, fronts, inset, legs, shelf_unit, split, stocked
 from worlds.parts import Part
 
 _MACHINES = ("washing machine", "tumble dryer")
@@ -141,10 +141,7 @@ def drying_rack(s: Size, rng: Generator) -> Parts:
     ]
     return (
         *legs(s, s.height - 0.02, 0.02, CHROME, "metal", margin=0.0),
-        *(
-            box(x, s.y, (s.height - 0.03, s.height - 0.01), CHROME)
-            for x in ((s.left, s.left + 0.02), (s.right - 0.02, s.right))
-        ),
+        *(box(x, s.y, (s.height - 0.03, s.height - 0.01), CHROME) for x in ends(s.x, 0.02)),
         *clothes,
     )
 
@@ -302,7 +299,7 @@ def cardboard_boxes(s: Size, rng: Generator) -> Parts:
 def ladder(s: Size, rng: Generator) -> Parts:
     """A folded ladder that stands against the wall."""
     metal = pick(rng, (CHROME, WOODS[0], BRIGHT[1]))
-    rails = [box(x, s.y, s.z, metal, "metal") for x in ((s.left, s.left + 0.04), (s.right - 0.04, s.right))]
+    rails = [box(x, s.y, s.z, metal, "metal") for x in ends(s.x, 0.04)]
     return (
         *rails,
         *(box(s.x, inset(s.y, 0.02), about(z, 0.03), metal, "metal") for z in (0.3, 0.6, 0.9, 1.2, 1.5, s.height - 0.15)),
@@ -380,27 +377,18 @@ def car(s: Size, rng: Generator) -> Parts:
     # An upright wheel, as three boxes that make an octagon.
     wheels = [
         box(x, about(y, 0.64 * f), about(0.32, 0.64 * g), BLACK)
-        for x in ((s.left, s.left + 0.2), (s.right - 0.2, s.right))
+        for x in ends(s.x, 0.2)
         for y in (s.back + 0.75, s.front - 0.75)
         for f, g in ((1.0, 0.42), (0.42, 1.0), (0.8, 0.8))
     ]
-    lights = [
-        box(x, (s.front - 0.04, s.front), (0.62, 0.78), (1.0, 0.98, 0.85))
-        for x in ((s.left + 0.1, s.left + 0.45), (s.right - 0.45, s.right - 0.1))
-    ]
-    tails = [
-        box(x, (s.back, s.back + 0.04), (0.65, 0.8), RED)
-        for x in ((s.left + 0.08, s.left + 0.4), (s.right - 0.4, s.right - 0.08))
-    ]
+    lights = [box(x, (s.front - 0.04, s.front), (0.62, 0.78), (1.0, 0.98, 0.85)) for x in ends(s.x, 0.45, margin=0.1)]
+    tails = [box(x, (s.back, s.back + 0.04), (0.65, 0.8), RED) for x in ends(s.x, 0.4, margin=0.08)]
     cabin_y = (s.back + 0.35, s.front - 1.25)
     return (
         box(inset(s.x, 0.02), inset(s.y, 0.03), (0.25, 0.92), paint, "metal"),
         box(inset(s.x, 0.14), cabin_y, (0.92, s.height - 0.06), (0.2, 0.25, 0.3), "glass"),
         box(inset(s.x, 0.12), inset(cabin_y, 0.08), (s.height - 0.06, s.height), paint, "metal"),
-        *(
-            box(about(0.0, 0.5), y, (0.4, 0.52), WHITE, "label")
-            for y in ((s.back, s.back + 0.03), (s.front - 0.03, s.front))
-        ),
+        *(box(about(0.0, 0.5), y, (0.4, 0.52), WHITE, "label") for y in ends(s.y, 0.03)),
         box(inset(s.x, 0.3), (s.front - 0.035, s.front - 0.005), (0.55, 0.68), BLACK, "keyboard"),
         *wheels,
         *lights,
@@ -467,11 +455,7 @@ def lawn_mower(s: Size, rng: Generator) -> Parts:
     return (
         box(inset(s.x, 0.05), (s.front - 0.7, s.front), (0.1, 0.3), paint, "metal"),
         cylinder(about(0.0, 0.3), about(s.front - 0.3, 0.3), (0.3, 0.45), BLACK, "metal"),
-        *(
-            cylinder(x, about(y, 0.2), (0.0, 0.2), BLACK)
-            for x in ((s.left, s.left + 0.07), (s.right - 0.07, s.right))
-            for y in (s.front - 0.12, s.front - 0.6)
-        ),
+        *(cylinder(x, about(y, 0.2), (0.0, 0.2), BLACK) for x in ends(s.x, 0.07) for y in (s.front - 0.12, s.front - 0.6)),
         *(box(about(x, 0.03), (s.back, s.back + 0.03), (0.25, s.height), BLACK) for x in (-0.2, 0.2)),
         *(box(about(x, 0.03), (s.back, s.front - 0.6), (0.25, 0.28), BLACK) for x in (-0.2, 0.2)),
         box(about(0.0, 0.43), (s.back, s.back + 0.03), (s.height - 0.03, s.height), BLACK),
