@@ -50,6 +50,7 @@ from .shapes import fronts as fronts
 from .shapes import inset as inset
 from .shapes import legs as legs
 from .shapes import moved as moved
+from .shapes import octagon as octagon
 from .shapes import shelf_unit as shelf_unit
 from .shapes import spaced as spaced
 from .shapes import split as split

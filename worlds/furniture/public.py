@@ -18,7 +18,7 @@ from worlds.furniture.palette import (
     pick,
 )
 from worlds.furniture.registry import furniture
-from worlds.furniture.shapes import about, ball, box, cone, cylinder, ends, fronts, inset, legs, split
+from worlds.furniture.shapes import about, ball, box, cone, cylinder, ends, fronts, inset, legs, octagon, split
 from worlds.parts import Part
 
 
@@ -50,10 +50,7 @@ def exercise_bike(s: Size, rng: Generator) -> Parts:
     return (
         *(box(s.x, y, (0.0, 0.08), BLACK) for y in ends(s.y, 0.1)),
         box(about(0.0, 0.08), s.y, (0.04, 0.12), paint, "metal"),
-        *(
-            box(about(0.0, 0.12), about(s.back + 0.3, 0.5 * f), about(0.4, 0.5 * g), paint, "metal")
-            for f, g in ((1.0, 0.5), (0.5, 1.0), (0.8, 0.8))
-        ),
+        *(box(about(0.0, 0.12), y, z, paint, "metal") for y, z in octagon(s.back + 0.3, 0.4, 0.5, narrow=0.5)),
         box(about(0.0, 0.06), about(s.front - 0.3, 0.06), (0.1, 0.9), CHROME, "metal"),
         box(about(0.0, 0.22), about(s.front - 0.3, 0.26), (0.9, 0.98), BLACK),
         box(about(0.0, 0.06), about(s.back + 0.2, 0.06), (0.5, s.height - 0.1), CHROME, "metal"),
@@ -84,11 +81,8 @@ def weight_rack(s: Size, rng: Generator) -> Parts:
 def weight_bench(s: Size, rng: Generator) -> Parts:
     """A padded bench under a bar with weights."""
     red = pick(rng, (BLACK, BRIGHT[0]))
-    plates = [
-        box(x, about(s.back + 0.2, 0.36 * f), about(s.height - 0.2, 0.36 * g), BLACK, "label")
-        for x in ends(s.x, 0.12)
-        for f, g in ((1.0, 0.5), (0.5, 1.0), (0.8, 0.8))
-    ]
+    disc = octagon(s.back + 0.2, s.height - 0.2, 0.36, narrow=0.5)
+    plates = [box(x, y, z, BLACK, "label") for x in ends(s.x, 0.12) for y, z in disc]
     return (
         box(about(0.0, 0.3), inset(s.y, 0.03), (0.38, 0.46), red, "fabric"),
         *(

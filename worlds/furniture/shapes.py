@@ -60,6 +60,19 @@ def spaced(low: float, high: float, count: int) -> list[float]:
     return [low + i * (high - low) / (count - 1) for i in range(count)]
 
 
+def octagon(
+    u: float, v: float, diameter: float, narrow: float = 0.42, diagonal: float = 0.8
+) -> tuple[tuple[Range, Range], ...]:
+    """Return three rectangles that together look like a disc, each as its intervals along two axes, u and v.
+
+    Wheels are built from them, because all cylinders stand upright. The disc has its centre at (`u`, `v`). Two of the
+    rectangles are as long as the `diameter`, and `narrow` times as wide; the third is a square with sides of `diagonal`
+    times the diameter.
+    """
+    shares = (1.0, narrow), (narrow, 1.0), (diagonal, diagonal)
+    return tuple((about(u, diameter * along_u), about(v, diameter * along_v)) for along_u, along_v in shares)
+
+
 def legs(s: Size, top: float, thickness: float, colour: Colour, material: str = "wood", margin: float = 0.02) -> Parts:
     """Return four legs near the corners, from the floor up to the height `top`."""
     x, y = inset(s.x, margin), inset(s.y, margin)

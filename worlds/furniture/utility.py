@@ -19,20 +19,17 @@ from worlds.furniture.palette import (
     pick,
 )
 from worlds.furniture.registry import furniture
-from worlds.furniture.shapes import about, box, cylinder, ends, fronts, inset, legs, shelf_unit, split, stocked
-from worlds.parts import Part
+from worlds.furniture.shapes import about, box, cylinder, ends, fronts, inset, legs, octagon, shelf_unit, split, stocked
+from worlds.parts import Colour, Part
 
 _MACHINES = ("washing machine", "tumble dryer")
 
 
-def _machine(s: Size, body: tuple[float, float, float], door: tuple[float, float, float]) -> Parts:
-    # Cylinders always stand upright, so the round door is approximated by boxes.
+def _machine(s: Size, body: Colour, door: Colour) -> Parts:
     middle = 0.42
     rings = [
-        box(about(0.0, 0.36 * f), (s.front - 0.03, s.front - 0.004 * i), about(middle, 0.36 * g), tone, material)
-        for i, (f, g, tone, material) in enumerate(
-            ((1.0, 0.6, CHROME, "metal"), (0.6, 1.0, CHROME, "metal"), (0.84, 0.84, CHROME, "metal")), start=1
-        )
+        box(x, (s.front - 0.03, s.front - 0.004 * i), z, CHROME, "metal")
+        for i, (x, z) in enumerate(octagon(0.0, middle, 0.36, narrow=0.6, diagonal=0.84), start=1)
     ]
     return (
         box(s.x, (s.back, s.front - 0.025), s.z, body, "metal"),
@@ -374,12 +371,11 @@ def workbench(s: Size, rng: Generator) -> Parts:
 def car(s: Size, rng: Generator) -> Parts:
     """A car: body, cabin, four wheels, lights and number plates."""
     paint = pick(rng, (*BRIGHT[:4], STEEL, WHITE, BLACK))
-    # An upright wheel, as three boxes that make an octagon.
     wheels = [
-        box(x, about(y, 0.64 * f), about(0.32, 0.64 * g), BLACK)
+        box(x, y, z, BLACK)
         for x in ends(s.x, 0.2)
-        for y in (s.back + 0.75, s.front - 0.75)
-        for f, g in ((1.0, 0.42), (0.42, 1.0), (0.8, 0.8))
+        for axle in (s.back + 0.75, s.front - 0.75)
+        for y, z in octagon(axle, 0.32, 0.64)
     ]
     lights = [box(x, (s.front - 0.04, s.front), (0.62, 0.78), (1.0, 0.98, 0.85)) for x in ends(s.x, 0.45, margin=0.1)]
     tails = [box(x, (s.back, s.back + 0.04), (0.65, 0.8), RED) for x in ends(s.x, 0.4, margin=0.08)]
@@ -408,11 +404,8 @@ def bicycle(s: Size, rng: Generator) -> Parts:
     paint = pick(rng, BRIGHT)
     parts: list[Part] = []
     for middle in (s.left + 0.33, s.right - 0.33):
-        # An upright wheel as an octagon of three boxes.
-        parts += [
-            box(about(middle, 0.64 * f), about(0.0, 0.035), about(0.33, 0.64 * g), BLACK, "metal")
-            for f, g in ((1.0, 0.42), (0.42, 1.0), (0.76, 0.76))
-        ]
+        disc = octagon(middle, 0.33, 0.64, diagonal=0.76)
+        parts += [box(x, about(0.0, 0.035), z, BLACK, "metal") for x, z in disc]
         parts.append(box(about(middle, 0.42), about(0.0, 0.038), about(0.33, 0.42), (0.8, 0.8, 0.8), "metal"))
     return (
         *parts,
