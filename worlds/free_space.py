@@ -14,6 +14,8 @@ from shapely import STRtree
 
 from worlds.house import House
 from worlds.labels import STAIRS
+from worlds.placed import Placed
+from worlds.walls import Wall
 
 BODY_LOW_M = 0.05
 """Obstacles that end at or below this height above the walked surface, such as rugs, do not stop a body [m]."""
@@ -38,6 +40,23 @@ class Obstacles:
     """Rotation of each box about z, counter-clockwise [rad]."""
     span: Float64[np.ndarray, "n 2"]
     """Heights of each box's lower and upper end in W [m]."""
+
+    @staticmethod
+    def of(rows: Sequence[tuple[float, ...]]) -> "Obstacles":
+        """Return boxes given as rows (x and y of the centre, width, depth, yaw, heights of both ends), in m and rad."""
+        table = np.array(rows, dtype=np.float64).reshape(-1, 7)
+        return Obstacles(table[:, :2], table[:, 2:4], table[:, 4], table[:, 5:])
+
+    @staticmethod
+    def around(things: Sequence[Placed]) -> "Obstacles":
+        """Return the box that each object fills."""
+        poses = ((thing.position, thing.size, thing.yaw) for thing in things)
+        return Obstacles.of([(x, y, width, depth, yaw, z, z + height) for (x, y, z), (width, depth, height), yaw in poses])
+
+    @staticmethod
+    def of_walls(walls: Sequence[Wall]) -> "Obstacles":
+        """Return each wall as a box."""
+        return Obstacles.of([(*_centred(wall.bounds), 0.0, wall.bottom_m, wall.top_m) for wall in walls])
 
     @cached_property
     def footprints(self) -> STRtree:
@@ -86,27 +105,20 @@ class Obstacles:
 
 def solid_obstacles(house: House, leaves: bool = True) -> Obstacles:
     """Return the solid objects of a house as boxes: walls, fences, solid furniture and, if `leaves`, the door leaves."""
-    rows = [(*_box(wall.bounds), 0.0, wall.bottom_m, wall.top_m) for wall in house.walls]
-    for thing in (*(piece for piece in house.furniture if piece.solid), *(house.leaves if leaves else ())):
-        (x, y, z), (width, depth, height) = thing.position, thing.size
-        rows.append((x, y, width, depth, thing.yaw, z, z + height))
-    return _obstacles(rows)
+    pieces = [piece for piece in house.furniture if piece.solid]
+    return Obstacles.of_walls(house.walls).and_also(Obstacles.around([*pieces, *(house.leaves if leaves else ())]))
 
 
 def stair_wells(house: House) -> Obstacles:
     """Return each stairwell as a box, from its lowest floor to its highest ceiling; there is no floor to walk on inside."""
-    return _obstacles([(*_box(r.polygon.bounds), 0.0, r.floor_m, r.ceiling_m) for r in house.rooms if r.label == STAIRS])
+    stairs = [room for room in house.rooms if room.label == STAIRS]
+    return Obstacles.of([(*_centred(room.polygon.bounds), 0.0, room.floor_m, room.ceiling_m) for room in stairs])
 
 
-def _box(bounds: Sequence[float]) -> tuple[float, float, float, float]:
+def _centred(bounds: Sequence[float]) -> tuple[float, float, float, float]:
     """Convert a rectangle (x0, y0, x1, y1) to (x of the centre, y of the centre, width, depth)."""
     x0, y0, x1, y1 = bounds
     return (x0 + x1) / 2, (y0 + y1) / 2, x1 - x0, y1 - y0
-
-
-def _obstacles(rows: Sequence[tuple[float, ...]]) -> Obstacles:
-    table = np.array(rows, dtype=np.float64).reshape(-1, 7)
-    return Obstacles(table[:, :2], table[:, 2:4], table[:, 4], table[:, 5:])
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,6 @@ from shapely.geometry import MultiPoint, Polygon
 
 from sim.faults.closing_doors import built_leaves
 from worlds.checks.collisions import overlaps
-from worlds.checks.furniture_checks import boxes_around
 from worlds.free_space import Obstacles
 from worlds.furniture.catalogue import kind_of
 from worlds.furniture.kinds import OnCeiling, OnWall
@@ -64,7 +63,7 @@ def with_furniture_moved(
         piece = pieces[i]
         riders = [k for k, other in enumerate(pieces) if k != i and _rides(house, other, piece)]
         still = [other for k, other in enumerate(pieces) if k not in (i, *riders) and other.size[2] > FLAT_M]
-        obstacles = boxes_around([thing for thing in (*still, *leaves, *house.windows) if thing.storey == piece.storey])
+        obstacles = Obstacles.around([thing for thing in (*still, *leaves, *house.windows) if thing.storey == piece.storey])
         free = _free_of(house, piece, [leaf.swing for leaf in leaves if leaf.storey == piece.storey], path)
         for _ in range(_TRIES):
             angle, distance, turn = rng.uniform(-math.pi, math.pi), within_m * math.sqrt(rng.random()), rng.uniform(-1, 1)
@@ -92,7 +91,7 @@ def _rides(house: House, other: Furniture, piece: Furniture) -> bool:
 
 def _overlap(moved: Sequence[Furniture], obstacles: Obstacles) -> bool:
     """Return whether a moved piece or an object on it overlaps an obstacle."""
-    return len(overlaps(boxes_around(moved), obstacles, 0.0)) > 0
+    return len(overlaps(Obstacles.around(moved), obstacles, 0.0)) > 0
 
 
 def _free_of(house: House, piece: Furniture, swings: Sequence[Polygon], path: Float64[np.ndarray, "n 3"]) -> Geometry:

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
 from worlds.checks.collisions import outlines_over, overlaps
-from worlds.checks.furniture_checks import boxes_of
 from worlds.checks.plan_grid import NO_ROOM, PlanGrid
 from worlds.checks.reachability import unreachable_rooms
 from worlds.errors import HouseError
@@ -408,11 +407,11 @@ def test_reachability_agrees_with_the_walkable_graph():
             assert set(unreachable_rooms(changed, PlanGrid.of(changed.spec), 0.25)) == shut_out
 
 
-boxes = st.tuples(*[st.floats(-1, 1)] * 2, st.just(0.0), *[st.floats(0.05, 1.5)] * 2, st.just(1.0), st.floats(-3.2, 3.2))
+boxes = st.tuples(*[st.floats(-1, 1)] * 2, *[st.floats(0.05, 1.5)] * 2, st.floats(-3.2, 3.2), st.just(0.0), st.just(1.0))
 
 
 def outline(row):
-    x, y, _, w, d, _, yaw = row
+    x, y, w, d, yaw, *_ = row
     corners = np.array([[-w, -d], [w, -d], [w, d], [-w, d]]) / 2
     turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
     return corners @ turn + (x, y)
@@ -422,12 +421,12 @@ def outline(row):
 def test_overlaps_agree_with_polygons(a, b):
     one, other = Polygon(outline(a)), Polygon(outline(b))
     shrunk, grown = (bool(one.buffer(by, join_style="mitre").intersects(other)) for by in (-0.01, 0.01))
-    found = len(overlaps(boxes_of([a]), boxes_of([b]), 1e-9)) == 1
-    as_outline = len(outlines_over(outline(a)[None], np.array([[0.0, 1.0]]), boxes_of([b]), 1e-9)) == 1
+    found = len(overlaps(Obstacles.of([a]), Obstacles.of([b]), 1e-9)) == 1
+    as_outline = len(outlines_over(outline(a)[None], np.array([[0.0, 1.0]]), Obstacles.of([b]), 1e-9)) == 1
     assert found == as_outline
     assert shrunk <= found <= grown
-    apart = Obstacles(*(getattr(boxes_of([b]), name) for name in ("centre", "size", "yaw")), np.array([[1.0, 2.0]]))
-    assert len(overlaps(boxes_of([a]), apart, 1e-9)) == 0
+    above = Obstacles.of([(*b[:-2], 1.0, 2.0)])
+    assert len(overlaps(Obstacles.of([a]), above, 1e-9)) == 0
 
 
 def test_the_plan_grid_is_the_polygons():

@@ -1,7 +1,7 @@
 """Checks of furniture and door leaves: furniture collides with nothing, and nothing stands where a door leaf swings."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 from jaxtyping import Int
@@ -13,7 +13,6 @@ from worlds.furniture.placing.room_plan import FLAT_M
 from worlds.house import Furniture, House
 from worlds.labels import STAIRS
 from worlds.openings.doors import DoorLeaf
-from worlds.placed import Placed
 from worlds.walls import Wall, opening_span
 
 _TOLERANCE_M = 2e-3
@@ -25,8 +24,7 @@ _AT_ONCE = 64
 def furniture_problems(house: House, grid: PlanGrid) -> Iterator[str]:
     """Yield a message for every rule that furniture or a door leaf breaks. The message names the piece or leaf."""
     pieces, leaves = house.furniture, house.leaves
-    boxes, hung = boxes_around(pieces), boxes_around(leaves)
-    walls = boxes_of([_wall_row(wall) for wall in house.walls])
+    boxes, hung, walls = Obstacles.around(pieces), Obstacles.around(leaves), Obstacles.of_walls(house.walls)
     yield from _out_of_storey(house)
     outside = _outside_their_room(house, grid, boxes)
     for i in sorted(outside):
@@ -42,20 +40,9 @@ def furniture_problems(house: House, grid: PlanGrid) -> Iterator[str]:
     for i, j in overlaps(boxes, hung, _TOLERANCE_M).tolist():
         if thick[i]:
             yield f"{piece_name(pieces[i])} in {pieces[i].room!r} runs into {_leaf_name(house, leaves[j])} as it stands"
-    for i, j in overlaps(boxes, boxes_around(house.windows), _TOLERANCE_M).tolist():
+    for i, j in overlaps(boxes, Obstacles.around(house.windows), _TOLERANCE_M).tolist():
         yield f"{piece_name(pieces[i])} in {pieces[i].room!r} runs into {house.windows[j].id}"
     yield from _swings(house, boxes, hung, walls)
-
-
-def boxes_around(things: Sequence[Placed]) -> Obstacles:
-    """Return the box that each thing fills."""
-    return boxes_of([(*thing.position, *thing.size, thing.yaw) for thing in things])
-
-
-def boxes_of(rows: Sequence[tuple[float, ...]]) -> Obstacles:
-    """Return upright boxes, given as rows of (x, y, height of the underside, width, depth, height, yaw) [m, rad]."""
-    table = np.array(rows, dtype=np.float64).reshape(-1, 7)
-    return Obstacles(table[:, :2], table[:, 3:5], table[:, 6], np.stack([table[:, 2], table[:, 2] + table[:, 5]], axis=-1))
 
 
 def _clashes(boxes: Obstacles) -> Iterator[tuple[int, int]]:
@@ -119,8 +106,9 @@ def _on_the_stairs(house: House, boxes: Obstacles) -> Iterator[str]:
 def _stairs(house: House) -> tuple[list[str], Obstacles]:
     """Return all parts of all stairs as boxes, and for each part the room of its stairs."""
     parts = [(flight.room, part) for flight in house.stairs for part in flight.parts]
-    boxes = boxes_of([(*p.centre[:2], p.centre[2] - p.size[2] / 2, *p.size, p.yaw) for _, p in parts])
-    return [room for room, _ in parts], boxes
+    poses = ((part.centre, part.size, part.yaw) for _, part in parts)
+    rows = [(x, y, width, depth, yaw, z - height / 2, z + height / 2) for (x, y, z), (width, depth, height), yaw in poses]
+    return [room for room, _ in parts], Obstacles.of(rows)
 
 
 def _swings(house: House, boxes: Obstacles, hung: Obstacles, walls: Obstacles) -> Iterator[str]:
@@ -150,11 +138,6 @@ def _swings(house: House, boxes: Obstacles, hung: Obstacles, walls: Obstacles) -
         boundary = house.walls[j].boundary
         if (boundary.axis, boundary.at) != (axis, at):
             yield f"{_wall_name(house.walls[j])} is in the way of {_leaf_name(house, leaves[i])}"
-
-
-def _wall_row(wall: Wall) -> tuple[float, ...]:
-    x0, y0, x1, y1 = wall.bounds
-    return (x0 + x1) / 2, (y0 + y1) / 2, wall.bottom_m, x1 - x0, y1 - y0, wall.top_m - wall.bottom_m, 0.0
 
 
 def piece_name(piece: Furniture) -> str:
