@@ -3,6 +3,7 @@
 Distances are horizontal. An obstacle counts on a storey if it overlaps the heights that a standing body takes up.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -23,6 +24,8 @@ BODY_HIGH_M = 1.9
 """Height of the space that a body needs above the walked surface [m]; lintels are higher."""
 CLEARANCE_CAP_M = 1.0
 """Greatest distance to obstacles that is computed; larger distances are replaced by this value [m]."""
+STAIRS_LINK_M = 0.5
+"""Greatest distance between the end of a walking line (the path up stairs) and the free grid points joined to it [m]."""
 _PADDING_M = 0.3
 """Distance by which the grid extends beyond the rooms on every side [m]."""
 _TOLERANCE_M = 1e-6
@@ -151,6 +154,14 @@ def lattice(house: House, resolution_m: float) -> tuple[Float64[np.ndarray, "nx"
     x0, y0, x1, y1 = shapely.total_bounds([room.polygon for room in house.rooms])
     x = np.arange(x0 - _PADDING_M, x1 + _PADDING_M, resolution_m)
     return x, np.arange(y0 - _PADDING_M, y1 + _PADDING_M, resolution_m)
+
+
+def free_clearance(radius_m: float, resolution_m: float) -> float:
+    """Return the least distance from an obstacle at which a point of a grid counts as free for a body [m].
+
+    It is so large that the body also stays clear of obstacles on the straight line between two diagonal neighbours.
+    """
+    return math.hypot(radius_m, resolution_m / math.sqrt(2.0))
 
 
 def clearance_on(

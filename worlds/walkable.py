@@ -22,9 +22,17 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
 
-from worlds.checks.reachability import STAIRS_LINK_M
 from worlds.errors import WorldsError
-from worlds.free_space import CLEARANCE_CAP_M, FreeSpace, Obstacles, solid_obstacles, stair_wells, survey
+from worlds.free_space import (
+    CLEARANCE_CAP_M,
+    STAIRS_LINK_M,
+    FreeSpace,
+    Obstacles,
+    free_clearance,
+    solid_obstacles,
+    stair_wells,
+    survey,
+)
 from worlds.house import House
 from worlds.truth import room_at
 
@@ -84,8 +92,7 @@ class Walkable:
 
     @cached_property
     def _free(self) -> Bool[np.ndarray, "storeys nx ny"]:
-        # At this distance from an obstacle, even the line between two diagonal neighbours keeps the body's radius from it.
-        margin = math.hypot(self.radius_m, self.resolution_m / math.sqrt(2.0))
+        margin = free_clearance(self.radius_m, self.resolution_m)
         return (self.free_space.room >= 0) & (self.free_space.clearance >= margin)
 
     @cached_property

@@ -1,18 +1,13 @@
 """Reachability of rooms on foot: the connected parts of the free floor are found and joined by stairs."""
 
-import math
-
 import cv2
 import numpy as np
 from jaxtyping import Bool, Float64, Int
 
 from worlds.checks.plan_grid import NO_ROOM, PlanGrid
-from worlds.free_space import Obstacles, clearance_on, lattice, solid_obstacles, stair_wells
+from worlds.free_space import STAIRS_LINK_M, Obstacles, clearance_on, free_clearance, lattice, solid_obstacles, stair_wells
 from worlds.house import House
 
-STAIRS_LINK_M = 0.5
-"""Greatest distance between the end of a walking line (the path along a flight of stairs) and the free grid points that are
-joined to the end [m]."""
 _RESOLUTION_M = 0.1
 """Spacing of the grid points [m]."""
 
@@ -23,8 +18,8 @@ def unreachable_rooms(house: House, grid: PlanGrid, radius_m: float) -> tuple[st
     Doors count as open: their leaves are no obstacles. In a house without leaves, the result is all rooms except those in
     `Walkable.reachable_rooms`, but it is computed faster here, without a graph:
 
-    1. On a grid of points, find the points at which a body of `radius_m` [m] has space. They are inside a room, and so far
-       from obstacles and stairs that the step to a diagonal neighbour is free, too.
+    1. On a grid of points, find the points at which a body of `radius_m` [m] has space. They are inside a room, and at least
+       `free_clearance` from obstacles and stairs.
     2. Number the connected parts of these points on every storey.
     3. Renumber the parts, so that parts that are joined by stairs have the same number.
     4. A room is reachable if the part with most points has a point in the room. The room of a staircase is reachable if the
@@ -32,7 +27,7 @@ def unreachable_rooms(house: House, grid: PlanGrid, radius_m: float) -> tuple[st
     """
     x, y = lattice(house, _RESOLUTION_M)
     solids, wells = solid_obstacles(house, leaves=False), stair_wells(house)
-    margin = math.hypot(radius_m, _RESOLUTION_M / math.sqrt(2.0))
+    margin = free_clearance(radius_m, _RESOLUTION_M)
     rooms = grid.lattice(x, y)
     obstacles = [(solids.at_height(s.floor_m), wells.at_height(s.floor_m)) for s in house.storeys]
     clear = np.stack([clearance_on(x, y, groups, margin) >= margin for groups in obstacles])
