@@ -20,7 +20,6 @@ from shapely.geometry import Polygon
 from worlds.errors import HouseError, WorldsError
 from worlds.furniture.catalogue import kind_of
 from worlds.furniture.kinds import Size
-from worlds.furniture.placing.furnish import is_solid
 from worlds.labels import OUTDOOR_LABELS
 from worlds.openings.doors import DoorLeaf
 from worlds.openings.windows import Window
@@ -174,7 +173,7 @@ def _furniture(plan: StoreyPlan) -> Iterator[Furniture]:
 
 def _is_solid(piece: FurnitureSpec) -> bool:
     try:
-        return is_solid(piece.kind)
+        return kind_of(piece.kind).solid
     except WorldsError as error:
         raise HouseError(f"furniture {piece.id!r} in {piece.room!r}: {error}") from None
 

@@ -26,18 +26,13 @@ def check_kinds(catalogue: tuple[Kind, ...]) -> None:
     """Raise `WorldsError` if a kind names kinds that do not exist, or if it builds a piece that is not as declared."""
     names = {kind.name for kind in catalogue}
     for kind in catalogue:
-        for name in _named(kind):
+        for name in (*kind.hosts, *getattr(kind.place, "beside", ())):
             if name not in names:
                 raise WorldsError(
                     f"kind {kind.name!r}: its place names an unknown kind {name!r}{did_you_mean(name, names)}; "
                     "valid: a name in worlds.furniture.CATALOGUE"
                 )
         _check_sample(kind)
-
-
-def _named(kind: Kind) -> Iterator[str]:
-    for field in ("hosts", "above", "beside"):
-        yield from getattr(kind.place, field, ())
 
 
 @cache

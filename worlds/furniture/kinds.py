@@ -193,6 +193,14 @@ class Kind:
             if not _is_count(count):
                 raise self._error(f"the count in {label!r}", count, _COUNT)
 
+    @property
+    def hosts(self) -> tuple[str, ...]:
+        """Names of the kinds that a piece of this kind stands at or on, or hangs above; empty if it needs no host."""
+        match self.place:
+            case OnTop(hosts=names) | Around(hosts=names) | OnWall(above=names):
+                return names
+        return ()
+
     def is_required_in(self, label: str) -> bool:
         """Return whether rooms with `label` require a piece: their number is declared as a range from 1, such as (1, 2)."""
         count = self.rooms.get(label)

@@ -15,7 +15,7 @@ from worlds.errors import HouseError, WorldsError
 from worlds.furniture.catalogue import CATALOGUE
 from worlds.furniture.kinds import AgainstWall, OnFloor, OnTop, Size
 from worlds.furniture.palette import OAK
-from worlds.furniture.placing.furnish import furnish, is_solid
+from worlds.furniture.placing.furnish import furnish
 from worlds.furniture.placing.kept_free import PASSAGE_M
 from worlds.furniture.placing.room_plan import FLAT_M
 from worlds.furniture.registry import furniture
@@ -136,7 +136,7 @@ def test_solid_pieces_are_apart_in_plan_and_all_pieces_in_space(furnished):
         upright = [(piece, _footprint(piece)) for piece in inside if _heights(piece)[1] > FLAT_M]
         for (a, plan_a), (b, plan_b) in combinations(upright, 2):
             (low_a, high_a), (low_b, high_b) = _heights(a), _heights(b)
-            in_the_way = is_solid(a.kind) and is_solid(b.kind)
+            in_the_way = CATALOGUE[a.kind].solid and CATALOGUE[b.kind].solid
             if in_the_way or min(high_a, high_b) > max(low_a, low_b) + 1e-3:
                 assert plan_a.intersection(plan_b).area < 1e-3 * min(plan_a.area, plan_b.area), (a.id, b.id)
 
@@ -150,14 +150,14 @@ def test_openings_are_clear(furnished):
             if piece.room in opening.rooms:
                 footprint = _footprint(piece)
                 assert footprint.distance(line) > 0.05 or _heights(piece)[1] <= FLAT_M, f"{piece.id} stands in an opening"
-                if opening.width_m <= PASSAGE_M and is_solid(piece.kind):
+                if opening.width_m <= PASSAGE_M and CATALOGUE[piece.kind].solid:
                     assert footprint.intersection(zone).area < 1e-3, f"{piece.id} is in the way"
 
 
 def test_a_body_gets_from_opening_to_opening_and_about_the_room(case, furnished):
     (_, clutter), (storey, pieces) = case, furnished
     for room, polygon, inside in _rooms(storey, pieces):
-        solids = unary_union([_footprint(piece).buffer(BODY_M) for piece in inside if is_solid(piece.kind)])
+        solids = unary_union([_footprint(piece).buffer(BODY_M) for piece in inside if CATALOGUE[piece.kind].solid])
         free = polygon.buffer(-0.05 - BODY_M, join_style="mitre").difference(solids)
         regions = list(getattr(free, "geoms", [free]))
         doors = [LineString([o.start_m, o.end_m]).buffer(0.6) for o in storey.openings if room.id in o.rooms]
@@ -207,7 +207,7 @@ def test_nothing_higher_than_a_sill_stands_in_front_of_it():
         ]
         sill, top = 1.1, 2.1 if kind == "window" else 2.05 if kind == "counter" else math.inf
         assert not [piece for piece in before if _heights(piece)[1] > sill + 1e-6 and _heights(piece)[0] < top - 1e-6]
-        low += len([piece for piece in before if is_solid(piece.kind)])
+        low += len([piece for piece in before if CATALOGUE[piece.kind].solid])
     assert low > 5, "things stand below the sill"
 
 
@@ -245,7 +245,7 @@ def test_solid_pieces_are_square_to_the_walls(furnished):
     _, pieces = furnished
     for piece in pieces:
         quarters = piece.yaw_rad / (math.pi / 2)
-        assert not is_solid(piece.kind) or abs(quarters - round(quarters)) < 1e-9
+        assert not CATALOGUE[piece.kind].solid or abs(quarters - round(quarters)) < 1e-9
 
 
 def test_pieces_have_unique_names_and_stairs_are_bare(furnished):

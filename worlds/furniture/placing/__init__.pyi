@@ -1,4 +1,3 @@
-from .furnish import is_solid as is_solid
 from .piece import Piece as Piece
 from .room_plan import RoomPlan as RoomPlan
 from .room_shape import RoomShape as RoomShape

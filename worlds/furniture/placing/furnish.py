@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 from numpy.random import Generator
 
-from worlds.furniture.catalogue import CATALOGUE, kind_of
+from worlds.furniture.catalogue import CATALOGUE
 from worlds.furniture.kind_checks import check_kinds
 from worlds.furniture.kinds import AgainstWall, Around, Kind, OnCeiling, OnFloor, OnTop, OnWall, Place, Range, Size
 from worlds.furniture.placing.candidates import candidates
@@ -75,11 +75,6 @@ def furnish(
     return tuple(specs)
 
 
-def is_solid(kind: str) -> bool:
-    """Return whether pieces of `kind` block a walking person. Raises `WorldsError` for an unknown kind."""
-    return kind_of(kind).solid
-
-
 class _Furnisher:
     """Fills one room: first with everything that a usual home has, then with the additional pieces of a cluttered home."""
 
@@ -109,8 +104,7 @@ class _Furnisher:
         return self._pieces
 
     def _hosts(self, kind: Kind) -> Sequence[Piece | None]:
-        names = host_names(kind)
-        return [piece for name in names for piece in self._by_kind[name]] if names else (None,)
+        return [piece for name in kind.hosts for piece in self._by_kind[name]] if kind.hosts else (None,)
 
     def _appearances(self, kind: Kind, host: Piece | None) -> Iterator[tuple[float, int]]:
         return appearances(kind, self._plan.label, self._plan.shape.area_m2, self._draws(kind, 0, host))
@@ -231,16 +225,8 @@ def _room_kinds(label: str, catalogue: tuple[Kind, ...]) -> RoomKinds:
 
 
 def _by_host(kinds: Sequence[Kind]) -> dict[str, tuple[Kind, ...]]:
-    names = {name for kind in kinds for name in host_names(kind)}
-    return {name: tuple(kind for kind in kinds if name in host_names(kind)) for name in names}
-
-
-def host_names(kind: Kind) -> tuple[str, ...]:
-    """Return the names of the kinds that a piece of `kind` stands at or on, or hangs above; empty if it needs no host."""
-    match kind.place:
-        case OnTop(hosts=names) | Around(hosts=names) | OnWall(above=names):
-            return names
-    return ()
+    names = {name for kind in kinds for name in kind.hosts}
+    return {name: tuple(kind for kind in kinds if name in kind.hosts) for name in names}
 
 
 def _rank(kind: Kind, label: str) -> tuple[int, bool, bool, bool, float]:
