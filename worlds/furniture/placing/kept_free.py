@@ -30,9 +30,9 @@ class Space(NamedTuple):
 
     rectangle: Rectangle
     """Extent of the box in the plan [m]."""
-    low: float
+    bottom: float
     """Height of the underside of the box above the floor [m]."""
-    high: float
+    top: float
     """Height of the top of the box above the floor [m]."""
 
 
@@ -92,8 +92,8 @@ def _on_sides(shape: RoomShape, start: Point, end: Point) -> Iterator[tuple[Room
     return ((side, span) for side in shape.sides if (span := side.interval(a, b)) is not None)
 
 
-def _before(shape: RoomShape, start: Point, end: Point, low: float, high: float) -> list[Space]:
-    return [Space(side.rectangle(*span, SIGHT_DEPTH_M), low, high) for side, span in _on_sides(shape, start, end)]
+def _before(shape: RoomShape, start: Point, end: Point, bottom: float, top: float) -> list[Space]:
+    return [Space(side.rectangle(*span, SIGHT_DEPTH_M), bottom, top) for side, span in _on_sides(shape, start, end)]
 
 
 def _swings(shape: RoomShape, opening: OpeningSpec, leaf: LeafSpec) -> Iterator[tuple[Rectangle, Rectangle]]:

@@ -82,19 +82,19 @@ class RoomPlan:
         if pose.run is not None and pose.z == 0.0:
             self.at_wall[pose.run].append(piece)
 
-    def _obstacles(self, kind: Kind, low: float, high: float, host: Piece | None) -> list[Rectangle]:
-        if high > self.height_m + EPS_M:
-            return [self._inside]
-        if high <= FLAT_M:
+    def _obstacles(self, kind: Kind, bottom: float, top: float, host: Piece | None) -> list[Rectangle]:
+        """Return the rectangles that a piece of `kind` must not overlap if it reaches from `bottom` to `top` [m]."""
+        if top > self.height_m + EPS_M:
+            return [self._inside]  # the piece is too high for the room
+        if top <= FLAT_M:
             return self._notches + self._flat
-        low, high = low + EPS_M, high - EPS_M
-        taken = self._notches + [s.rectangle for s in self._spaces if s.low < high and s.high > low]
+        taken = self._notches + _between(self._spaces, bottom, top)
         if not kind.solid:
-            return taken + [s.rectangle for s in self._solids if s.low < high and s.high > low]
+            return taken + _between(self._solids, bottom, top)
         # A guest (such as a chair at a desk) may stand in the clearance of its host.
         guest_of = host if isinstance(kind.place, Around) else None
         zones = [zone for zone, owner in self._zones if owner is None or owner is not guest_of]
-        return taken + [s.rectangle for s in self._solids] + zones
+        return taken + [solid.rectangle for solid in self._solids] + zones
 
     def _is_free(self, place: Rectangle, obstacles: Iterable[Rectangle]) -> bool:
         x0, y0, x1, y1 = place
@@ -106,3 +106,8 @@ class RoomPlan:
             if x0 < c and x1 > a and y0 < d and y1 > b:
                 return False
         return True
+
+
+def _between(boxes: Sequence[Space], bottom: float, top: float) -> list[Rectangle]:
+    """Return the extents in the plan of the boxes that reach into the heights from `bottom` to `top` [m]."""
+    return [box.rectangle for box in boxes if box.bottom < top - EPS_M and box.top > bottom + EPS_M]
