@@ -30,6 +30,7 @@ from worlds.errors import HouseError
 from worlds.parts import Part
 from worlds.spec import HouseSpec, OpeningSpec, RoomSpec
 from worlds.stairs.cells import (
+    APPROACH_M,
     BODY_HALF_M,
     MIN_HEAD_ROOM_M,
     CellFrame,
@@ -45,8 +46,6 @@ from worlds.stairs.geometry import SLAB_THICKNESS_M, floor_beside_flight, rail_p
 from worlds.stairs.shafts import check_shafts, entrance, lift_line
 from worlds.stairs.spirals import Spiral, least_cell
 
-APPROACH_M = 0.4
-"""Distance from the room of the stairs at which the walking line begins and ends, outside of the room [m]."""
 _TOLERANCE_M = 1e-6
 
 
@@ -100,42 +99,45 @@ def _stairs(spec: HouseSpec, floors_m: Sequence[float], level: int, index: int) 
             return _spiral(spec, floors_m, level, room)
         case "lift":
             heights = floors_m[level], floors_m[level + 1]
-            line = lift_line(spec, level, (room, _above(spec, level, room)), heights, APPROACH_M)
+            line = lift_line(spec, level, (room, _above(spec, level, room)), heights)
             return Stairs(room.id, level, "lift", treads=(), floors=(), railing=(), walking_line=line)
 
 
 def _spiral(spec: HouseSpec, floors_m: Sequence[float], level: int, room: RoomSpec) -> Stairs:
     """Build the spiral up from storeys[`level`] in `room`. Raises `HouseError` if the room or an entrance is unsuitable."""
-    foot, head = (
-        entrance(spec, level, room, floors_m[level]),
-        entrance(spec, level + 1, _above(spec, level, room), floors_m[level + 1]),
-    )
+    floor_m = floors_m[level]
+    foot = entrance(spec, level, room, floor_m)
+    head = entrance(spec, level + 1, _above(spec, level, room), floors_m[level + 1])
     if (foot.inward != head.inward).any():
         raise HouseError(f"spiral {room.id!r}: its openings are in different sides; valid: all in one side of its room")
     x, y = foot.inward[:2].tolist()
     frame = frame_along("U", room, (x, y), (-y, x))
-    spiral = Spiral(frame.length, frame.width, floors_m[level + 1] - floors_m[level])
-    if not spiral.is_walkable:
-        length, width = least_cell(spiral.rise)
-        raise HouseError(
-            f"spiral {room.id!r}: {frame.length:.2f} x {frame.width:.2f} m is too small to rise {spiral.rise:.2f} m; "
-            f"valid: at least {length:.2f} m away from its openings and {width:.2f} m across"
-        )
-    if (head_room := spiral.rise - SLAB_THICKNESS_M) < MIN_HEAD_ROOM_M:
-        valid = f"a rise of at least {MIN_HEAD_ROOM_M + SLAB_THICKNESS_M:.2f} m"
-        raise HouseError(f"spiral {room.id!r}: the floor above leaves {head_room:.2f} m of head room; valid: {valid}")
+    spiral = Spiral(frame.length, frame.width, floors_m[level + 1] - floor_m)
+    _check_spiral(room.id, spiral)
     goes_on = any(is_same_cell(room, other) for storey in spec.storeys[level + 2 :] for other in storey.rooms)
     line = spiral.line(*(frame.plan(*end.middle[:2])[1] for end in (foot, head)))
-    line = [_outwards(line[1], line[0]), *line, _outwards(line[-2], line[-1])]
     return Stairs(
         room.id,
         level,
         "spiral",
-        spiral.steps(frame, floors_m[level]),
-        slab_parts(spiral.floors(), frame, floors_m[level]),
-        rail_parts(spiral.rails(goes_on), frame, floors_m[level]),
-        np.round([(*frame.world(u, v), floors_m[level] + z) for u, v, z in line], 9),
+        spiral.steps(frame, floor_m),
+        slab_parts(spiral.floors(), frame, floor_m),
+        rail_parts(spiral.rails(goes_on), frame, floor_m),
+        _walking_line(line, frame, floor_m),
     )
+
+
+def _check_spiral(name: str, spiral: Spiral) -> None:
+    """Raise `HouseError` if the room of a spiral is too small, or the next floor too low for a body to walk below it."""
+    if not spiral.is_walkable:
+        length, width = least_cell(spiral.rise)
+        raise HouseError(
+            f"spiral {name!r}: {spiral.length:.2f} x {spiral.width:.2f} m is too small to rise {spiral.rise:.2f} m; "
+            f"valid: at least {length:.2f} m away from its openings and {width:.2f} m across"
+        )
+    if (head_room := spiral.rise - SLAB_THICKNESS_M) < MIN_HEAD_ROOM_M:
+        valid = f"a rise of at least {MIN_HEAD_ROOM_M + SLAB_THICKNESS_M:.2f} m"
+        raise HouseError(f"spiral {name!r}: the floor above leaves {head_room:.2f} m of head room; valid: {valid}")
 
 
 def _above(spec: HouseSpec, level: int, room: RoomSpec) -> RoomSpec:
@@ -191,7 +193,6 @@ class _Site:
         if not self.is_lowest:
             extra = floor_beside_flight(self.foot, steps.foot, self.frame)
             beside, floors = beside + extra, [*floors, steps.foot, *(slab for slab, _ in extra)]
-        line = [_outwards(steps.line[1], steps.line[0]), *steps.line, _outwards(steps.line[-2], steps.line[-1])]
         return Stairs(
             self.room,
             self.storey,
@@ -199,21 +200,20 @@ class _Site:
             slab_parts(steps.treads, self.frame, self.floor_m),
             slab_parts(floors, self.frame, self.floor_m),
             rail_parts([*steps.rails, *(rail for _, rail in beside)], self.frame, self.floor_m),
-            # Rounded to the nanometre, so that points on a floor or landing are all at exactly the same height.
-            np.round([(*self.frame.world(u, v), self.floor_m + z) for u, v, z in line], 9),
+            _walking_line(steps.line, self.frame, self.floor_m),
         )
 
     def _check_size(self, steps: StairsLayout) -> None:
         if steps.is_walkable:
             return
-        kind, cell = self.frame.kind, self.frame
+        kind = self.frame.kind
         width_m = MIN_FLIGHT_WIDTH_M if kind == "L" else max(MIN_FLIGHT_WIDTH_M, steps.width_m)
         length, _ = cell_needed(kind, self.rise_m, width_m=width_m)
         _, width = cell_needed(kind, self.rise_m)
         raise HouseError(
-            f"stairs {self.room!r}: {cell.length:.2f} x {cell.width:.2f} m is too small for {kind} stairs that rise "
-            f"{self.rise_m:.2f} m from storeys[{self.storey}]; valid: at least {length:.2f} m along the first flight and "
-            f"{width:.2f} m across it, between the walls' centre lines"
+            f"stairs {self.room!r}: {self.frame.length:.2f} x {self.frame.width:.2f} m is too small for {kind} stairs "
+            f"that rise {self.rise_m:.2f} m from storeys[{self.storey}]; valid: at least {length:.2f} m along the first "
+            f"flight and {width:.2f} m across it, between the walls' centre lines"
         )
 
     def _check_opening(self, opening: OpeningSpec, place: Point, end: int) -> None:
@@ -235,6 +235,17 @@ class _Site:
                 f"stairs {self.room!r}: the opening that leads to them on storeys[{level}] is {top:.2f} m high, too low to "
                 f"walk through; valid: at least {MIN_HEAD_ROOM_M} m"
             )
+
+
+def _walking_line(inside: Sequence[Point], frame: CellFrame, floor_m: float) -> Float64[np.ndarray, "k 3"]:
+    """Return a walking line in W [m], lengthened at both ends so that it begins and ends outside the cell.
+
+    `inside` has the points of the line in the cell, in the coordinates of `frame` and above the lower floor, which is at the
+    height `floor_m` in W [m].
+    """
+    line = [_outwards(inside[1], inside[0]), *inside, _outwards(inside[-2], inside[-1])]
+    # Rounded to the nanometre, so that points on a floor or landing are all at exactly the same height.
+    return np.round([(*frame.world(u, v), floor_m + z) for u, v, z in line], 9)
 
 
 def _outwards(inside: Point, border: Point) -> Point:

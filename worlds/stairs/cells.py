@@ -14,6 +14,8 @@ from worlds.stairs.flights import StairsKind
 Bounds = tuple[float, float, float, float]
 MIN_HEAD_ROOM_M = 1.95
 """Least head room above every tread and landing, and least height of the openings to the stairs [m]."""
+APPROACH_M = 0.4
+"""Distance from the room of the stairs at which the walking line begins and ends, outside of the room [m]."""
 BODY_HALF_M = 0.3
 """Half the width of a body [m]. Openings to a flight must extend at least this far to either side of its middle line."""
 _TOLERANCE_M = 1e-6

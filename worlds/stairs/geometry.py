@@ -9,7 +9,7 @@ from worlds.stairs.cells import CellFrame
 from worlds.stairs.flights import INSET_M, Rail, Slab
 
 SLAB_THICKNESS_M = 0.3
-_WOOD = (0.62, 0.47, 0.33)
+WOOD: Colour = (0.62, 0.47, 0.33)
 _DARK_WOOD = (0.36, 0.26, 0.18)
 _RAIL_HEIGHT_M, _RAIL_M, _POST_M = 0.95, 0.05, 0.03
 _RAIL_DEPTH_M = 0.2
@@ -22,7 +22,7 @@ Interval = tuple[float, float]
 
 def slab_parts(slabs: Sequence[Slab], frame: CellFrame, floor_m: float) -> tuple[Part, ...]:
     """Return a box for each slab (step, landing or floor). `floor_m` is the height of the lower storey's floor in W [m]."""
-    return tuple(_box(frame, s.u, s.v, (floor_m + s.top - SLAB_THICKNESS_M, floor_m + s.top), _WOOD) for s in slabs)
+    return tuple(_box(frame, s.u, s.v, (floor_m + s.top - SLAB_THICKNESS_M, floor_m + s.top), WOOD) for s in slabs)
 
 
 def rail_parts(rails: Sequence[Rail], frame: CellFrame, floor_m: float) -> tuple[Part, ...]:

@@ -13,7 +13,7 @@ from jaxtyping import Float64
 from worlds.errors import HouseError
 from worlds.labels import STAIRS
 from worlds.spec import HouseSpec, RoomSpec
-from worlds.stairs.cells import BODY_HALF_M, MIN_HEAD_ROOM_M, bounds, cell_on, inward, middle, openings_of
+from worlds.stairs.cells import APPROACH_M, BODY_HALF_M, MIN_HEAD_ROOM_M, bounds, cell_on, inward, middle, openings_of
 
 MIN_SHAFT_M = 1.0
 """Least length and width of the shaft of a lift, between the centre lines of its walls [m]."""
@@ -37,7 +37,7 @@ class Entrance(NamedTuple):
 
 
 def lift_line(
-    spec: HouseSpec, level: int, cells: tuple[RoomSpec, RoomSpec], floors_m: tuple[float, float], approach_m: float
+    spec: HouseSpec, level: int, cells: tuple[RoomSpec, RoomSpec], floors_m: tuple[float, float]
 ) -> Float64[np.ndarray, "k 3"]:
     """Return the walking line of a lift in W [m], from outside of the lower entrance to outside of the upper entrance.
 
@@ -46,7 +46,6 @@ def lift_line(
         level: index of the lower storey.
         cells: the lift's cells on the lower and on the upper storey.
         floors_m: heights of these two storeys' floors in W [m].
-        approach_m: distance from the cell at which the line begins and ends [m].
 
     Raises:
         HouseError: the shaft is too small, or a cell has no suitable entrance.
@@ -61,7 +60,7 @@ def lift_line(
     stand = foot.at(min(_INSIDE_M, abs(float(foot.inward @ [x1 - x0, y1 - y0, 0.0])) / 2))
     below_exit = head.at(float((stand - head.middle) @ head.inward))
     ride = [stand, stand + [0.0, 0.0, floors_m[1] - floors_m[0]]]
-    line = np.round([foot.at(-approach_m), foot.middle, *ride, below_exit, head.middle, head.at(-approach_m)], 9)
+    line = np.round([foot.at(-APPROACH_M), foot.middle, *ride, below_exit, head.middle, head.at(-APPROACH_M)], 9)
     return np.array([line[0], *(b for a, b in pairwise(line) if (a != b).any())])
 
 

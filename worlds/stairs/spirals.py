@@ -21,6 +21,7 @@ from itertools import count, pairwise
 from worlds.parts import Colour, Part
 from worlds.stairs.cells import CellFrame
 from worlds.stairs.flights import INSET_M, MIN_TREAD_M, Point, Rail, Slab
+from worlds.stairs.geometry import WOOD
 
 MAX_RISER_M = 0.21
 """Greatest height of a riser of spiral stairs [m]."""
@@ -37,7 +38,6 @@ _LANDING_M = 0.8
 _THICKNESS_M = 0.06
 """Thickness of a step [m]."""
 _STEEL: Colour = (0.35, 0.36, 0.38)
-_WOOD: Colour = (0.62, 0.47, 0.33)
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ class Spiral:
             a, b = frame.world(*self.at(middle, angle))
             top = floor_m + (k + 1) * self.rise / self.risers
             size = (length, self.radius * self._step_rad, _THICKNESS_M)
-            parts.append(Part("box", (a, b, top - _THICKNESS_M / 2), size, _WOOD, "wood", math.atan2(b - y, a - x)))
+            parts.append(Part("box", (a, b, top - _THICKNESS_M / 2), size, WOOD, "wood", math.atan2(b - y, a - x)))
         pole = Part("cylinder", (x, y, floor_m + self.rise / 2), (2 * _POLE_M, 2 * _POLE_M, self.rise), _STEEL)
         return (*parts, pole)
 

@@ -14,8 +14,8 @@ from sim.tours.tour import plan_tour
 from worlds.errors import HouseError
 from worlds.house import build_house
 from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
-from worlds.stairs.build import APPROACH_M, build_stairs
-from worlds.stairs.cells import MIN_HEAD_ROOM_M
+from worlds.stairs.build import build_stairs
+from worlds.stairs.cells import APPROACH_M, MIN_HEAD_ROOM_M
 from worlds.stairs.flights import MAX_RISER_M, MIN_FLIGHT_WIDTH_M, MIN_TREAD_M, cell_needed, fit_stairs
 from worlds.truth import room_at
 from worlds.walkable import Walkable

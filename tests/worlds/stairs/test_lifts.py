@@ -10,7 +10,8 @@ from worlds.house import build_house
 from worlds.labels import STAIRS
 from worlds.presets import sample_house
 from worlds.spec import PASSABLE
-from worlds.stairs.build import APPROACH_M, build_stairs
+from worlds.stairs.build import build_stairs
+from worlds.stairs.cells import APPROACH_M
 from worlds.stairs.shafts import MIN_SHAFT_M
 from worlds.validation import validate
 from worlds.variant import variant
