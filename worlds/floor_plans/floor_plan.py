@@ -148,7 +148,7 @@ def _stairs(
     kind = style.stairs[int(rng.integers(len(style.stairs)))]
     rise, flipped = height_m + SLAB_M, bool(rng.integers(2))
     if kind is None:
-        # The cell of these stairs is as wide as the spine, which is therefore wide enough for two flights side by side.
+        # The stairs' room is as wide as the spine, which is therefore wide enough for two runs of steps side by side.
         depths = replace(depths, spine=min(max(depths.spine, 200), 240))
         # Without stairs or a second wing in between, the two north bands would be one.
         if not depths.cross and "north 0" in lengths:

@@ -63,14 +63,14 @@ class StairsBay:
     """The space that stairs take beside a corridor, in the coordinates of an `Edge`: u runs along it, v away from it [cm].
 
     The cell is the room of the stairs. L-shaped and straight stairs also need arms: pieces of corridor beside the cell, for
-    those ends of the flights that do not face the corridor.
+    those ends of the flight that do not face the corridor.
     """
 
     kind: StairsKind
     length: int
-    """Length of the cell, along the first flight [cm]."""
+    """Length of the cell, along the first run of steps [cm]."""
     width: int
-    """Width of the cell, across the first flight [cm]."""
+    """Width of the cell, across the first run of steps [cm]."""
     flipped: bool
     """Whether the stairs are mirrored, left for right as seen from the corridor."""
 

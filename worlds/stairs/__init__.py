@@ -1,4 +1,6 @@
-"""Stairs: the flights of steps in a house, which are built only where a person can walk them, spiral stairs, and lifts.
+"""Stairs: flights of steps and spiral stairs, which are built only where a person can walk them, and lifts.
+
+A flight joins one storey to the next. It consists of one or two straight runs of steps, with a landing between two runs.
 
 `cells` finds the rooms that stairs stand in and the openings that lead to them, `flights` fits straight, L- and U-shaped
 flights into such a room, `spirals` makes spiral stairs, `shafts` finds the entrances of spirals and lifts and the way

@@ -1,9 +1,9 @@
 """`build_stairs`: all flights of a house, each checked to be walkable.
 
-The rooms of a staircase, called its cells, cover the same rectangle of the plan on consecutive storeys. A flight joins each
-storey to the next. On the lower storey an opening of the cell leads to the foot of the flight, on the upper storey another
-opening leads to the head of the flight. The kind of stairs depends on the sides of the rectangle that these two openings lie
-in: U-shaped stairs for the same side, straight stairs for opposite sides, L-shaped stairs for adjacent sides.
+The rooms of a staircase are called its cells. They cover the same rectangle of the plan on consecutive storeys. A flight
+joins each storey to the next. An opening of the lower cell leads to the foot of the flight, and an opening of the upper cell
+to its head. The sides of the rectangle in which these two openings lie decide the kind of stairs: U-shaped stairs for the
+same side, straight stairs for opposite sides, L-shaped stairs for adjacent sides.
 
 For every flight, `build_stairs`
 
@@ -41,7 +41,7 @@ from worlds.stairs.cells import (
     is_same_cell,
     opening_that_leads,
 )
-from worlds.stairs.flights import MIN_FLIGHT_WIDTH_M, Point, StairsKind, StairsLayout, cell_needed, fit_stairs
+from worlds.stairs.flights import MIN_RUN_WIDTH_M, Point, StairsKind, StairsLayout, cell_needed, fit_stairs
 from worlds.stairs.geometry import SLAB_THICKNESS_M, floor_beside_flight, rail_parts, slab_parts
 from worlds.stairs.shafts import check_shafts, entrance, lift_line
 from worlds.stairs.spirals import Spiral, least_cell
@@ -61,13 +61,13 @@ class Stairs:
     treads: tuple[Part, ...]
     """Steps and landings, from the lowest to the highest; a lift has none, nor has it floors and a railing."""
     floors: tuple[Part, ...]
-    """Pieces of level floor in the stairs' room. One piece lies after the last riser. Another lies before the first riser,
-    except in the lowest stairs of a staircase, where the storey's own floor is. Where the opening at one of these two places
-    is wider than the flight, further pieces lie beside the flight."""
+    """Level pieces of floor in the stairs' room. One piece lies behind the last riser. Another piece lies in front of the
+    first riser; only the lowest flight of a staircase needs none, because it begins on the floor of the storey. Further
+    pieces lie beside the flight, if an opening is wider than the flight behind it."""
     railing: tuple[Part, ...]
     walking_line: Float64[np.ndarray, "k 3"]
-    """Path in W up the stairs [m], from the room in front of them on the lower storey to the room in front of them on the
-    upper storey. The path is straight along every flight, and passes the middle of each tread at the tread's height. In a
+    """Path up the stairs in W [m]. It begins in front of the stairs on the lower storey, and ends in front of them on the
+    upper storey. It is straight along every run of steps, and passes the middle of each tread at the tread's height. In a
     lift it rises vertically."""
 
     @property
@@ -207,13 +207,13 @@ class _Site:
         if steps.is_walkable:
             return
         kind = self.frame.kind
-        width_m = MIN_FLIGHT_WIDTH_M if kind == "L" else max(MIN_FLIGHT_WIDTH_M, steps.width_m)
+        width_m = MIN_RUN_WIDTH_M if kind == "L" else max(MIN_RUN_WIDTH_M, steps.width_m)
         length, _ = cell_needed(kind, self.rise_m, width_m=width_m)
         _, width = cell_needed(kind, self.rise_m)
         raise HouseError(
             f"stairs {self.room!r}: {self.frame.length:.2f} x {self.frame.width:.2f} m is too small for {kind} stairs "
             f"that rise {self.rise_m:.2f} m from storeys[{self.storey}]; valid: at least {length:.2f} m along the first "
-            f"flight and {width:.2f} m across it, between the walls' centre lines"
+            f"run of steps and {width:.2f} m across it, between the walls' centre lines"
         )
 
     def _check_opening(self, opening: OpeningSpec, place: Point, end: int) -> None:
@@ -273,16 +273,17 @@ def _check_head_room(stairs: Sequence[Stairs]) -> None:
 
 
 def _extents(parts: Sequence[Part]) -> Float64[np.ndarray, "2 n 3"]:
-    """Return two corners of each axis-aligned box: the one with the least and the one with the greatest coordinates [m]."""
+    """Return the corner with the least and the corner with the greatest coordinates of every box, in this order [m]."""
     centre, half = np.array([part.centre for part in parts]), np.array([part.size for part in parts]) / 2
     return np.stack([centre - half, centre + half])
 
 
 def _least_gap(lower: Float64[np.ndarray, "2 n 3"], upper: Float64[np.ndarray, "2 m 3"]) -> float:
-    """Return the least height from the top of a lower box to the underside of an upper box that overlaps it in plan [m].
+    """Return the least head room that boxes of an upper flight leave over boxes of a lower flight [m].
 
-    The boxes are given by their corners of least and greatest coordinates. Pairs in which the top of the upper box is no
-    higher than the top of the lower box are ignored. The result is infinite if no pair is left.
+    Both arguments are results of `_extents`. The head room is the height from the top of a lower box to the underside of an
+    upper box. Only those pairs of boxes count that overlap in the plan, and whose upper box ends above the lower box. If
+    there is no such pair, the result is infinite.
     """
     (low, high), (start, stop) = lower[:, :, None], upper[:, None]
     over = ((low < stop - _TOLERANCE_M) & (start < high - _TOLERANCE_M))[..., :2].all(axis=-1)

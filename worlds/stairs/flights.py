@@ -1,8 +1,9 @@
 """`fit_stairs`: straight, L- and U-shaped stairs in a rectangular cell, and the rules that make them walkable.
 
-Everything here concerns the stairs from one storey to the next, in the coordinates of their cell (their room) [m]. u points
-inwards from the side where the climb begins, and v is perpendicular to u; both are measured from wall centre lines. z is the
-height above the lower floor. In the drawings, the arrows point up the stairs.
+Everything here concerns one flight, the stairs from one storey to the next. It consists of one or two straight runs of
+steps, with a landing between two runs. Coordinates are those of the stairs' cell (their room) [m]: u points inwards from the
+side where the climb begins, and v is perpendicular to u; both are measured from wall centre lines. z is the height above the
+lower floor. In the drawings, the arrows point up the stairs.
 
     straight          L                     U
     +---------+       +------+--------+     +-------------+
@@ -25,9 +26,9 @@ StairsKind = Literal["straight", "L", "U"]
 
 MAX_RISER_M = 0.19
 MIN_TREAD_M = 0.22
-MIN_FLIGHT_WIDTH_M = 0.8
-"""Least width of a flight [m]. A landing is at least as long as its flight is wide."""
-MAX_FLIGHT_RISE_M = 3.7
+MIN_RUN_WIDTH_M = 0.8
+"""Least width of a run of steps [m]. A landing is at least as long as its run is wide."""
+MAX_RUN_RISE_M = 3.7
 """Greatest rise of straight stairs without a landing half way [m]."""
 OPEN_SIDE_M = 1.0
 """Greatest drop beside a step, landing or floor without a railing on that side [m]."""
@@ -36,7 +37,7 @@ INSET_M = WALL_THICKNESS_M / 2
 _USUAL_TREAD_M = 0.3
 """Greatest depth of a tread, however long the cell is [m]."""
 _USUAL_L_WIDTHS_M = (1.0, 0.9)
-"""Widths that are tried for the flights of an L-shape, in this order [m]; `MIN_FLIGHT_WIDTH_M` is the last resort."""
+"""Widths that are tried for the runs of an L-shape, in this order [m]; `MIN_RUN_WIDTH_M` is the last resort."""
 _USUAL_L_TREAD_M = 0.26
 """Least depth of the treads of an L-shape with one of these widths [m]. If the treads would be less deep, the next smaller
 width is tried."""
@@ -46,16 +47,16 @@ Point = tuple[float, float, float]
 
 
 def cell_needed(
-    kind: StairsKind, rise_m: float, tread_m: float = MIN_TREAD_M, width_m: float = MIN_FLIGHT_WIDTH_M
+    kind: StairsKind, rise_m: float, tread_m: float = MIN_TREAD_M, width_m: float = MIN_RUN_WIDTH_M
 ) -> tuple[float, float]:
-    """Return the least length (along the first flight) and the least width of a cell (a room) for stairs [m].
+    """Return the least length (along the first run of steps) and width of a cell (a room) for stairs [m].
 
     Both are measured between wall centre lines, and rounded up to the centimetre. `rise_m` is the height from floor to
-    floor. The treads are to be `tread_m` deep, and the flights `width_m` wide.
+    floor. The treads are to be `tread_m` deep, and the runs of steps `width_m` wide.
     """
     n = risers(kind, rise_m)
     if kind == "straight":
-        landing = width_m - tread_m if rise_m > MAX_FLIGHT_RISE_M else 0.0
+        landing = width_m - tread_m if rise_m > MAX_RUN_RISE_M else 0.0
         return _rounded_up(n * tread_m + landing), _rounded_up(width_m + 2 * INSET_M)
     first = (n + 1) // 2
     length = _rounded_up((first - 0.5) * tread_m + width_m + INSET_M)
@@ -65,7 +66,7 @@ def cell_needed(
 
 
 def risers(kind: StairsKind, rise_m: float) -> int:
-    """Return the number of risers of stairs that rise by `rise_m`. U-shapes have an even number, for two equal flights."""
+    """Return the number of risers of stairs that rise by `rise_m` [m]; an even number for U-shapes, with two equal runs."""
     if kind == "U":
         return 2 * math.ceil(rise_m / 2 / MAX_RISER_M - _TOLERANCE_M)
     return math.ceil(rise_m / MAX_RISER_M - _TOLERANCE_M)
@@ -102,7 +103,7 @@ class StairsLayout:
     tread_m: float
     """Depth of every tread [m]."""
     width_m: float
-    """Width of the flights [m]."""
+    """Width of the runs of steps [m]."""
     treads: tuple[Slab, ...]
     """Steps and landings, from the lowest to the highest."""
     foot: Slab
@@ -110,18 +111,18 @@ class StairsLayout:
     head: Slab
     """Floor in the cell (the room of the stairs) after the last riser, level with the upper storey."""
     line: tuple[Point, ...]
-    """Walking line from the side of the cell where the climb begins to the side where it ends. The line runs straight along
-    every flight, and passes the middle of each tread at the tread's height."""
+    """Walking line from the side of the cell where the climb begins to the side where it ends. The line is straight along
+    every run of steps, and passes the middle of each tread at the tread's height."""
     rails: tuple[Rail, ...]
 
     @property
     def is_walkable(self) -> bool:
-        """Whether treads are deep enough and flights wide enough to walk on. Risers and landings need no check."""
-        return self.tread_m >= MIN_TREAD_M - _TOLERANCE_M and self.width_m >= MIN_FLIGHT_WIDTH_M - _TOLERANCE_M
+        """Whether treads are deep enough and runs wide enough to walk on. Risers and landings need no check."""
+        return self.tread_m >= MIN_TREAD_M - _TOLERANCE_M and self.width_m >= MIN_RUN_WIDTH_M - _TOLERANCE_M
 
 
 def fit_stairs(kind: StairsKind, length: float, width: float, rise: float, above_void: bool) -> StairsLayout:
-    """Fit stairs into a room of `length` (along the first flight) by `width`, for a `rise` from floor to floor [m].
+    """Fit stairs into a room of `length` (along the first run of steps) by `width`, for a `rise` from floor to floor [m].
 
     Treads are as deep as the room allows, up to 0.3 m. If the room is too small, the result is not walkable. `above_void`
     says that there is no floor beside the stairs on the lower storey. L-shaped stairs then have railings along their whole
@@ -137,15 +138,15 @@ def fit_stairs(kind: StairsKind, length: float, width: float, rise: float, above
 
 
 @dataclass(frozen=True)
-class _Flight:
-    """A straight row of steps. It has one tread fewer than risers, because the last riser leads to a landing or floor."""
+class _Run:
+    """A straight run of steps. It has one tread fewer than risers, because the last riser leads to a landing or floor."""
 
     start: Point
     """Middle of the lower edge of the first riser [m]."""
     along: tuple[int, int]
     """Direction of the climb in (u, v)."""
     risers: int
-    """Number of risers of the flight."""
+    """Number of risers of the run."""
     riser: float
     """Height of each riser [m]."""
     tread: float
@@ -156,7 +157,7 @@ class _Flight:
         return [self.slab((i - 1) * self.tread, i * self.tread, i * self.riser) for i in range(1, self.risers)]
 
     def slab(self, begin: float, end: float, rise: float) -> Slab:
-        """Return a slab as wide as the flight, from `begin` to `end` behind the first riser, `rise` above the start [m]."""
+        """Return a slab as wide as the run, from `begin` to `end` behind the first riser, `rise` above the start [m]."""
         (u, v, z), (du, dv), half = self.start, self.along, self.width / 2
         us, vs = (u + du * begin, u + du * end), (v + dv * begin, v + dv * end)
         across_u, across_v = half * abs(dv), half * abs(du)
@@ -175,23 +176,23 @@ class _Flight:
 
 
 def _straight(length: float, width: float, rise: float) -> StairsLayout:
-    n, clear = risers("straight", rise), width - 2 * INSET_M  # the flight fills the width between the walls' faces
-    landing = clear if rise > MAX_FLIGHT_RISE_M else 0.0
+    n, clear = risers("straight", rise), width - 2 * INSET_M  # the run fills the width between the walls' faces
+    landing = clear if rise > MAX_RUN_RISE_M else 0.0
     steps = (n, 0) if not landing else ((n + 1) // 2, n // 2)
     riser, going = rise / n, n - (landing > 0.0)
     # Half a tread of floor is kept before the first riser and after the last, for the walking line to begin and end in.
     tread = min(_USUAL_TREAD_M, (length - landing) / going)
     begin = (length - landing - (going - 1) * tread) / 2
     middle = width / 2
-    flights = [_Flight((begin, middle, 0.0), (1, 0), steps[0], riser, tread, clear)]
-    treads, end = flights[0].treads(), begin + (steps[0] - 1) * tread
+    runs = [_Run((begin, middle, 0.0), (1, 0), steps[0], riser, tread, clear)]
+    treads, end = runs[0].treads(), begin + (steps[0] - 1) * tread
     if landing:
-        treads.append(flights[0].slab(end - begin, end - begin + landing, steps[0] * riser))
-        flights.append(_Flight((end + landing, middle, steps[0] * riser), (1, 0), steps[1], riser, tread, clear))
-        treads += flights[1].treads()
+        treads.append(runs[0].slab(end - begin, end - begin + landing, steps[0] * riser))
+        runs.append(_Run((end + landing, middle, steps[0] * riser), (1, 0), steps[1], riser, tread, clear))
+        treads += runs[1].treads()
     side = (INSET_M, width - INSET_M)
     foot, head = Slab((0.0, begin), side, 0.0), Slab((length - begin, length), side, rise)
-    line = _line((0.0, middle, 0.0), flights, (), (length, middle, rise))
+    line = _line((0.0, middle, 0.0), runs, (), (length, middle, rise))
     return StairsLayout(tread, clear, tuple(treads), foot, head, line, ())
 
 
@@ -201,13 +202,13 @@ def _u_shaped(length: float, width: float, rise: float) -> StairsLayout:
     tread = min(_USUAL_TREAD_M, (length - INSET_M - clear) / (n - 0.5))
     begin, edge = tread / 2, (n - 0.5) * tread
     near, far = INSET_M + clear / 2, INSET_M + 1.5 * clear
-    up = _Flight((begin, near, 0.0), (1, 0), n, riser, tread, clear)
-    back = _Flight((edge, far, rise / 2), (-1, 0), n, riser, tread, clear)
+    up = _Run((begin, near, 0.0), (1, 0), n, riser, tread, clear)
+    back = _Run((edge, far, rise / 2), (-1, 0), n, riser, tread, clear)
     landing = Slab((edge, length - INSET_M), (INSET_M, width - INSET_M), rise / 2)
     foot, head = Slab((0.0, begin), (INSET_M, width / 2), 0.0), Slab((0.0, begin), (width / 2, width - INSET_M), rise)
     turn = (edge + length - INSET_M) / 2
     line = _line((0.0, near, 0.0), [up, back], [(turn, near, rise / 2), (turn, far, rise / 2)], (0.0, far, rise))
-    # The first flight falls as the second rises: beside its k-th step the drop is 2 k risers.
+    # The first run falls as the second rises: beside its k-th step the drop is 2 k risers.
     open_sided = [slab for slab in (*back.treads(), head) if 2 * (slab.top - rise / 2) > OPEN_SIDE_M]
     rails = [_rail(slab.u, (slab.v[0],) * 2, slab.top) for slab in open_sided]
     return StairsLayout(tread, clear, (*up.treads(), landing, *back.treads()), foot, head, line, tuple(rails))
@@ -215,15 +216,15 @@ def _u_shaped(length: float, width: float, rise: float) -> StairsLayout:
 
 def _l_shaped(length: float, width: float, rise: float, above_void: bool) -> StairsLayout:
     n = risers("L", rise)
-    for clear in (*_USUAL_L_WIDTHS_M, MIN_FLIGHT_WIDTH_M):
+    for clear in (*_USUAL_L_WIDTHS_M, MIN_RUN_WIDTH_M):
         first, tread = _split(length - INSET_M - clear, width - INSET_M - clear, n)
         if tread >= _USUAL_L_TREAD_M:
             break
     riser, tread, low = rise / n, min(_USUAL_TREAD_M, tread), first * rise / n
     corner, middle = length - INSET_M - clear, INSET_M + clear / 2
     begin, end = corner - (first - 1) * tread, INSET_M + clear + (n - first - 1) * tread
-    up = _Flight((begin, middle, 0.0), (1, 0), first, riser, tread, clear)
-    across = _Flight((corner + clear / 2, INSET_M + clear, low), (0, 1), n - first, riser, tread, clear)
+    up = _Run((begin, middle, 0.0), (1, 0), first, riser, tread, clear)
+    across = _Run((corner + clear / 2, INSET_M + clear, low), (0, 1), n - first, riser, tread, clear)
     landing = Slab((corner, corner + clear), (INSET_M, INSET_M + clear), low)
     foot, head = Slab((0.0, begin), landing.v, 0.0), Slab(landing.u, (end, width), rise)
     line = _line((0.0, middle, 0.0), [up, across], [(corner + clear / 2, middle, low)], (corner + clear / 2, width, rise))
@@ -234,18 +235,18 @@ def _l_shaped(length: float, width: float, rise: float, above_void: bool) -> Sta
 
 
 def _split(first_m: float, second_m: float, n: int) -> tuple[int, float]:
-    """Divide the `n` risers of an L-shape between its two flights so that treads are as deep as possible.
+    """Divide the `n` risers of an L-shape between its two runs so that treads are as deep as possible.
 
-    Return the number of risers in the first flight, and the depth of the treads [m]. `first_m` and `second_m` are the
-    lengths available to the two flights [m].
+    Return the number of risers in the first run, and the depth of the treads [m]. `first_m` and `second_m` are the
+    lengths available to the two runs [m].
     """
     depth = {k: min(first_m / (k - 0.5), second_m / (n - k - 0.5)) for k in range(2, n - 1)}
     first = max(depth, key=lambda k: depth[k])
     return first, depth[first]
 
 
-def _line(start: Point, flights: Sequence[_Flight], turns: Sequence[Point], end: Point) -> tuple[Point, ...]:
-    first, *others = [flight.line() for flight in flights]
+def _line(start: Point, runs: Sequence[_Run], turns: Sequence[Point], end: Point) -> tuple[Point, ...]:
+    first, *others = [run.line() for run in runs]
     points = [start, *first, *turns, *(point for line in others for point in line), end]
     return tuple([*(a for a, b in pairwise(points) if math.dist(a, b) > _TOLERANCE_M), end])
 

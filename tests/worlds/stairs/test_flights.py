@@ -16,7 +16,7 @@ from worlds.house import build_house
 from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
 from worlds.stairs.build import build_stairs
 from worlds.stairs.cells import APPROACH_M, MIN_HEAD_ROOM_M
-from worlds.stairs.flights import MAX_RISER_M, MIN_FLIGHT_WIDTH_M, MIN_TREAD_M, cell_needed, fit_stairs
+from worlds.stairs.flights import MAX_RISER_M, MIN_RUN_WIDTH_M, MIN_TREAD_M, cell_needed, fit_stairs
 from worlds.truth import room_at
 from worlds.walkable import Walkable
 
@@ -108,7 +108,7 @@ def height_on(line, xy):
 def test_a_cell_as_large_as_needed_has_walkable_stairs(kind, height, more):
     rise = height + 0.3
     width = cell_needed(kind, rise)[1] + more[1]
-    clear = {"straight": width - 0.1, "U": width / 2 - 0.05, "L": MIN_FLIGHT_WIDTH_M}[kind]
+    clear = {"straight": width - 0.1, "U": width / 2 - 0.05, "L": MIN_RUN_WIDTH_M}[kind]
     length = cell_needed(kind, rise, width_m=clear)[0] + more[0]
     steps = fit_stairs(kind, length, width, rise, above_void=True)
     assert steps.is_walkable
@@ -276,7 +276,7 @@ def test_a_low_door_to_the_stairs_is_refused():
 
 
 def test_what_an_opening_leaves_beside_the_flight_has_a_floor_and_a_rail():
-    """Upstairs the whole front of the cell is open; the half above the first flight is a drop."""
+    """Upstairs the whole front of the cell is open; the half above the first run of steps is a drop."""
     front = ("south", "stairs", (2.05, 2.0), (3.75, 2.0))
     wide, narrow = (stairs_of(house("U", ways=ways))[0] for ways in ({"down": front}, {}))
     more = set(wide.floors) - set(narrow.floors)
