@@ -62,12 +62,17 @@ class Obstacles:
         return Obstacles.of([(*_centred(wall.bounds), 0.0, wall.bottom_m, wall.top_m) for wall in walls])
 
     @cached_property
-    def footprints(self) -> STRtree:
-        """Spatial index of the boxes' outlines in the plan; item i of the index is box i."""
+    def corners(self) -> Float64[np.ndarray, "n 4 2"]:
+        """Corners of each box in the plan, counter-clockwise, in W [m]."""
         corners = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]) * self.size[:, None, :]
         cos, sin = np.cos(self.yaw)[:, None], np.sin(self.yaw)[:, None]
         x, y = cos * corners[..., 0] - sin * corners[..., 1], sin * corners[..., 0] + cos * corners[..., 1]
-        return STRtree(shapely.polygons(np.stack([x, y], axis=-1) + self.centre[:, None, :]))
+        return np.asarray(np.stack([x, y], axis=-1) + self.centre[:, None, :])
+
+    @cached_property
+    def footprints(self) -> STRtree:
+        """Spatial index of the boxes' outlines in the plan; item i of the index is box i."""
+        return STRtree(np.asarray(shapely.polygons(self.corners)))
 
     def at_height(self, surface_m: float) -> "Obstacles":
         """Return the boxes that can collide with a body standing on a surface at height `surface_m` in W [m]."""

@@ -21,7 +21,7 @@ def overlaps(a: Obstacles, b: Obstacles, tolerance_m: float) -> Pairs:
     The result is exact for boxes with any yaw. A box without thickness counts as a line, which overlaps a box if it reaches
     more than `tolerance_m` into the box.
     """
-    i, j = _near(_corners(a), _corners(b), tolerance_m).T
+    i, j = _near(a.corners, b.corners, tolerance_m).T
     meet = _at_one_height(a.span[i], b.span[j], tolerance_m)
     i, j = i[meet], j[meet]
     axes_a, axes_b = _axes(a)[i], _axes(b)[j]
@@ -40,14 +40,14 @@ def outlines_over(
     The bodies are upright prisms. `outlines` has the corners of each body's base, a convex polygon in the plan, clockwise or
     counter-clockwise; `spans` has the heights of each body's bottom and top [m].
     """
-    i, j = _near(outlines, corners := _corners(boxes), tolerance_m).T
+    i, j = _near(outlines, boxes.corners, tolerance_m).T
     meet = _at_one_height(spans[i], boxes.span[j], tolerance_m)
     i, j = i[meet], j[meet]
     sides = np.roll(outlines[i], -1, axis=1) - outlines[i]
     normals = np.stack([-sides[..., 1], sides[..., 0]], axis=-1)
     normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-12)
     axes = np.concatenate([normals, _axes(boxes)[j]], axis=1)
-    one, other = (np.einsum("kad,kvd->kav", axes, shape) for shape in (outlines[i], corners[j]))
+    one, other = (np.einsum("kad,kvd->kav", axes, shape) for shape in (outlines[i], boxes.corners[j]))
     depth = np.minimum(one.max(axis=2), other.max(axis=2)) - np.maximum(one.min(axis=2), other.min(axis=2))
     meet = (depth > tolerance_m).all(axis=1)
     return np.stack([i[meet], j[meet]], axis=1)
@@ -72,11 +72,6 @@ def _axes(boxes: Obstacles) -> Float64[np.ndarray, "n 2 2"]:
     """Return two unit vectors for every box, along its width and along its depth."""
     cos, sin = np.cos(boxes.yaw), np.sin(boxes.yaw)
     return np.stack([cos, sin, -sin, cos], axis=-1).reshape(-1, 2, 2)
-
-
-def _corners(boxes: Obstacles) -> Float64[np.ndarray, "n 4 2"]:
-    signs = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
-    return np.asarray(boxes.centre[:, None] + (signs * boxes.size[:, None]) @ _axes(boxes))
 
 
 def _reach(
