@@ -19,6 +19,9 @@ _LEAST_GARDEN = 200
 _MARGIN = 60
 """Least length of outer wall left on either side of a balcony that is narrower than the wall [cm]."""
 
+_Back = tuple[PlacedBay, int]
+"""A bay (a main room with its small rooms) with a free outer wall, and the number of its main room."""
+
 
 def add_outdoors(
     draft: StoreyDraft,
@@ -30,57 +33,69 @@ def add_outdoors(
 ) -> None:
     """Add the programme's garden and balcony, if it has them, each with an opening requested to a room that leads there.
 
-    A bay is a main room with its small rooms. `hosts` are the numbers of the main rooms of the bays in `placed`, in the same
-    order.
+    `hosts` are the numbers of the main rooms of the bays in `placed`, in the same order.
 
-    1. The bays with free outer walls are collected. In a plan with a second wing these are the bays in the south and along
-       that wing, because the north bands (rows of rooms) lie in the corners between the wings.
-    2. The balcony adjoins the bay whose main room suits best (a living room first); if there is a garden, bays in the south
-       are considered last. The balcony is as wide as a bay of less than 6.2 m; on a wider bay it is 5 m wide, in the middle.
-    3. The garden takes the whole south side. If the balcony has to be there too, the balcony gets a part of the first bay's
-       width, and the garden starts where the balcony ends. If this leaves too little for the garden, the balcony stands at
-       the west end of the spine, the strip between the bands.
-    4. The garden is entered from a living room, dining room or kitchen in the south. If none of these is in the south, the
-       garden is entered from any main room there.
+    Garden and balcony adjoin bays with free outer walls. In a plan with a second wing these are the bays in the south and
+    along that wing, because the north bands (rows of rooms) lie in the corners between the wings.
     """
-    depth, edge, first = shell.depths.south, shell.edge("south"), 0
     open_bands = ("south", "west", "east") if shell.depths.cross else ("south", "north 0", "north 1", "north 2")
     backs = [(p, host) for p, host in zip(placed, hosts, strict=True) if p.band in open_bands]
-    end = max((p.start + p.width + p.wrap for p, _ in backs if p.band == "south"), default=0)
+    south = [(p, host) for p, host in backs if p.band == "south"]
+    first, end = 0, max((p.start + p.width + p.wrap for p, _ in south), default=0)
     if programme.balcony:
-        backs.sort(key=lambda pair: _balcony_rank(pair, programme.garden))
-        p, host = backs[0]
-        # A bay that is only a little wider than the widest balcony gets a balcony along its whole width.
-        wide = p.width if p.width < _WIDEST_BALCONY + 2 * _MARGIN else _WIDEST_BALCONY
-        start = p.start + (p.width - wide) // 2
-        if programme.garden and p.band == "south":
-            # Every bay that faces the outside is in the south, so balcony and garden share that side.
-            p, host = next(pair for pair in backs if pair[0].band == "south" and pair[0].start == 0)
-            start, wide = 0, max(_LEAST_BALCONY, p.width // 3)
-            first = wide
-        out, away = shell.depths.of(p.band), int(rng.integers(140, 191))
-        place = shell.edge(p.band).rect(start, out, start + wide, out + away)
-        if first and end - first < _LEAST_GARDEN:
-            # The south is too short for both. The balcony moves to the west end of the spine, where nothing else stands.
-            first, place = 0, (-away, 0, 0, shell.depths.spine)
-        balcony = draft.add("balcony", [place])
-        draft.link(_way_out(draft, balcony, host), balcony)
+        first = _add_balcony(draft, shell, backs, end if programme.garden else None, rng)
     if programme.garden:
-        south = [(p, host) for p, host in backs if p.band == "south"]
-        garden = draft.add("garden", [edge.rect(first, depth, end, depth + int(rng.integers(360, 461)))])
-        ranked = sorted(south, key=lambda pair: _balcony_rank(pair, False))
-        best = [host for p, host in ranked if p.bay.labels[0] in _LEADING_OUTSIDE[:3]] or [host for _, host in ranked]
-        draft.link(_way_out(draft, garden, best[int(rng.integers(len(best)))]), garden, "cased")
+        _add_garden(draft, shell, south, (first, end), rng)
 
 
-def _balcony_rank(pair: tuple[PlacedBay, int], south_last: bool) -> tuple[bool, int]:
-    """Return a sort key: bays whose main rooms suit a balcony come first; with `south_last`, bays in the south come last.
+def _add_balcony(
+    draft: StoreyDraft, shell: Shell, backs: Sequence[_Back], garden_end: int | None, rng: np.random.Generator
+) -> int:
+    """Add a balcony to one of the bays `backs`, which have free outer walls. Return where the garden may begin [cm].
 
-    `pair` is a bay (a main room with its small rooms) and the number of its main room.
+    `garden_end` is the east end of the south side, to which a garden reaches [cm]; None if there is no garden. The result
+    is measured along the south side, too.
+
+    The balcony adjoins the bay whose main room suits best; bays in the south come last if there is a garden. It is as wide
+    as a bay of less than 6.2 m, and on a wider bay it is 5 m wide, in the middle. If only the south is left, balcony and
+    garden share it: the balcony gets a part of the first bay's width, and the garden begins where the balcony ends. If this
+    leaves too little for the garden, the balcony stands at the west end of the spine, the strip between the bands.
     """
-    label = pair[0].bay.labels[0]
-    rank = _LEADING_OUTSIDE.index(label) if label in _LEADING_OUTSIDE else len(_LEADING_OUTSIDE)
-    return south_last and pair[0].band == "south", rank
+    p, host = min(backs, key=lambda back: (garden_end is not None and back[0].band == "south", _outdoor_rank(back)))
+    # A bay that is only a little wider than the widest balcony gets a balcony along its whole width.
+    wide = p.width if p.width < _WIDEST_BALCONY + 2 * _MARGIN else _WIDEST_BALCONY
+    start, garden_start = p.start + (p.width - wide) // 2, 0
+    if garden_end is not None and p.band == "south":
+        p, host = next(back for back in backs if back[0].band == "south" and back[0].start == 0)
+        start, wide = 0, max(_LEAST_BALCONY, p.width // 3)
+        garden_start = wide
+    out, away = shell.depths.of(p.band), int(rng.integers(140, 191))
+    place = shell.edge(p.band).rect(start, out, start + wide, out + away)
+    if garden_end is not None and garden_start and garden_end - garden_start < _LEAST_GARDEN:
+        garden_start, place = 0, (-away, 0, 0, shell.depths.spine)
+    balcony = draft.add("balcony", [place])
+    draft.link(_way_out(draft, balcony, host), balcony)
+    return garden_start
+
+
+def _add_garden(
+    draft: StoreyDraft, shell: Shell, south: Sequence[_Back], span: tuple[int, int], rng: np.random.Generator
+) -> None:
+    """Add a garden along the part `span` of the south side, from its start to its end [cm].
+
+    It is entered from a living room, dining room or kitchen in the south, or else from any main room there.
+    """
+    (start, end), depth = span, shell.depths.south
+    garden = draft.add("garden", [shell.edge("south").rect(start, depth, end, depth + int(rng.integers(360, 461)))])
+    ranked = sorted(south, key=_outdoor_rank)
+    best = [host for p, host in ranked if p.bay.labels[0] in _LEADING_OUTSIDE[:3]] or [host for _, host in ranked]
+    draft.link(_way_out(draft, garden, best[int(rng.integers(len(best)))]), garden, "cased")
+
+
+def _outdoor_rank(back: _Back) -> int:
+    """Return a sort key: bays whose main rooms should lead outside come first, the most suitable label first of all."""
+    label = back[0].bay.labels[0]
+    return _LEADING_OUTSIDE.index(label) if label in _LEADING_OUTSIDE else len(_LEADING_OUTSIDE)
 
 
 def _way_out(draft: StoreyDraft, outside: int, host: int) -> int:
