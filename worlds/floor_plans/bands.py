@@ -68,7 +68,7 @@ def assign(
        there, too.
     3. `distribute` shares the other groups among the bands. On the ground storey, the bands have the planned `lengths`
        [cm]; on an upper storey, they have the lengths of the storey below, on which they stand.
-    4. The groups of each band are put in order; the comments in the code give the reason for each step.
+    4. `_put_in_order` puts the groups of each band into their order along the band.
     """
     storeys: list[BandedStorey] = []
     for k, programme in enumerate(programmes):
@@ -80,20 +80,27 @@ def assign(
         allowed = dict(lengths) if k == 0 else _lengths_above(storeys[-1], shell)
         bands = distribute(groups, allowed, shell.depths, _reserved_bands(groups))
         for inside in bands.values():
-            # The order along a band is random, except for the rules below. The sorts are stable: they keep the random order
-            # of the groups that they do not tell apart.
-            rng.shuffle(inside)
-            if shell.at_end and inside:
-                # The last bay may have to reach past the spine's end, beside the stairs (`_widths` widens it). A group that
-                # ends with a narrow room does not come last, because that room would become many times too wide.
-                inside.sort(key=lambda group: bay_width(group.bays[-1], 420) >= 300)
-            # A garage comes first, in most plans at a corner of the building, rather than between two living rooms.
-            inside.sort(key=lambda group: group.bays[0].labels[0] != "garage")
-            if shell.at_end and inside:
-                # The last bay touches the spine with a part of its front only; that part must be the host's, for its door.
-                inside[-1] = replace(inside[-1], bays=(*inside[-1].bays[:-1], inside[-1].bays[-1].with_front()))
+            _put_in_order(inside, shell.at_end, rng)
         storeys.append(BandedStorey({band: bands.get(band, []) for band in lengths}, slot))
     return storeys
+
+
+def _put_in_order(groups: list[BayGroup], stairs_at_end: bool, rng: np.random.Generator) -> None:
+    """Put the groups of bays of a band into the order in which they stand along the band; the list is changed in place.
+
+    The order is random, except that a garage comes first. `stairs_at_end` says that stairs stand at the spine's end, so that
+    the last bay may have to reach past that end.
+    """
+    # The sorts are stable: they keep the random order of the groups that they do not tell apart.
+    rng.shuffle(groups)
+    if stairs_at_end:
+        # `_widths` widens the last bay. A narrow room does not come last, because it would become many times too wide.
+        groups.sort(key=lambda group: bay_width(group.bays[-1], 420) >= 300)
+    # In most plans, the first place is at a corner of the building. A garage belongs there, not between two living rooms.
+    groups.sort(key=lambda group: group.bays[0].labels[0] != "garage")
+    if stairs_at_end and groups:
+        # The last bay touches the spine with a part of its front only; that part must be the host's, for its door.
+        groups[-1] = replace(groups[-1], bays=(*groups[-1].bays[:-1], groups[-1].bays[-1].with_front()))
 
 
 def _lengths_above(storey: BandedStorey, shell: Shell) -> dict[Band, int]:
@@ -177,8 +184,7 @@ def measured(shell: Shell, storeys: Sequence[BandedStorey]) -> Shell:
        that does so on one storey also does so on all storeys below, which bear it. The last rooms of these bands get wider,
        so the shell is measured a third time.
     4. `Shell.flush` removes small steps between the ends of bands.
-    5. From the top storey downwards, every band is stretched to its length in the shell, if the factor is at most
-       `_STRETCH`. It is also made at least as long as the band above, which stands on it.
+    5. `_stretch` stretches the bands of all storeys to their lengths in the shell.
     """
     shell = replace(shell, lengths=_longest(shell, storeys))
     for storey in storeys:
@@ -192,6 +198,15 @@ def measured(shell: Shell, storeys: Sequence[BandedStorey]) -> Shell:
             storey.past_spine = frozenset(passed)
         shell = replace(shell, lengths=_longest(shell, storeys))
     shell = shell.flush()
+    _stretch(storeys, shell)
+    return shell
+
+
+def _stretch(storeys: Sequence[BandedStorey], shell: Shell) -> None:
+    """Stretch the bands of all storeys to their lengths in the shell, but none by a factor above `_STRETCH`.
+
+    The storeys are visited from the top downwards, because a band is at least as long as the band above, which stands on it.
+    """
     above: dict[Band, int] = {}
     for storey in reversed(storeys):
         storey.lengths = {}
@@ -206,7 +221,6 @@ def measured(shell: Shell, storeys: Sequence[BandedStorey]) -> Shell:
                 whole = shell.length
             storey.lengths[band] = max(own, whole, above.get(band, 0)) if own else 0
         above = storey.lengths
-    return shell
 
 
 def _longest(shell: Shell, storeys: Sequence[BandedStorey]) -> dict[Band, int]:
