@@ -98,9 +98,9 @@ def closed(task: Task) -> Gaps:
     if doors or not ways:
         return doors
     for spans in (free_spans(task.part.walls, task.blocked), free_spans(task.part.walls, ())):
-        span = max(spans, key=lambda span: span[2] - span[1], default=None)
-        if span is not None and span[2] - span[1] >= MIN_DOOR_M:
-            return (_in_span("door", task, span, min(_DOOR_M, span[2] - span[1])),)
+        span = max(spans, key=lambda span: span.length, default=None)
+        if span is not None and span.length >= MIN_DOOR_M:
+            return (_in_span("door", task, span, min(_DOOR_M, span.length)),)
     widest = max(ways, key=lambda gap: gap.width)
     margin = min(_DOOR_CORNER_M, max(0.0, (widest.width - MIN_DOOR_M) / 2))
     low, high = round(widest.low + margin, 6), round(widest.high - margin, 6)
@@ -128,8 +128,8 @@ def _wall_removed(task: Task) -> Gaps:
 def _framed(kind: OpeningKind) -> Callable[[Task], Gaps | None]:
     def form(task: Task) -> Gaps | None:
         """Return a wide opening under a lintel or an arch, in the longest straight stretch; None if it is too short."""
-        span = (task.main, task.main.low + CORNER_M, task.main.high - CORNER_M)
-        most, least = min(_MAX_FRAMED_M, span[2] - span[1]), 1.0 if kind == "arch" else MIN_DOOR_M
+        span = FreeSpan(task.main, task.main.low + CORNER_M, task.main.high - CORNER_M)
+        most, least = min(_MAX_FRAMED_M, span.length), 1.0 if kind == "arch" else MIN_DOOR_M
         if most < least:
             return None
         height = _height(kind, task)
@@ -158,7 +158,7 @@ def _half_wall(task: Task) -> Gaps | None:
     (a, b, c) = (round(cut, 6) for cut in cuts)
     return (
         _open_gap(task, wall, min(a, b), max(a, b)),
-        make_opening("half wall", (wall, wall.low, wall.high), min(b, c), max(b, c), height),
+        make_opening("half wall", wall, min(b, c), max(b, c), height),
     )
 
 
@@ -170,27 +170,28 @@ def _hatch(kind: OpeningKind, sill: float, narrow_door: bool = False) -> Callabl
         """
         doors = closed(task)
         if narrow_door and doors:
-            span = (task.main, task.main.low + _DOOR_CORNER_M, task.main.high)
-            doors = (make_opening("door", span, round(span[1], 6), round(span[1] + MIN_DOOR_M, 6), task.part.height_m),)
+            start = task.main.low + _DOOR_CORNER_M
+            ends = round(start, 6), round(start + MIN_DOOR_M, 6)
+            doors = (make_opening("door", task.main, *ends, task.part.height_m),)
         spans = free_spans(task.part.walls, doors, _HATCH_CORNER_M)
-        span = max(spans, key=lambda span: span[2] - span[1], default=(task.main, 0.0, 0.0))
-        if span[2] - span[1] < _MIN_HATCH_M or (doors and doors[-1].high > span[0].high):
+        span = max(spans, key=lambda span: span.length, default=FreeSpan(task.main, 0.0, 0.0))
+        if span.length < _MIN_HATCH_M or (doors and doors[-1].high > span.wall.high):
             return None
         # The area of a hatch is proportional to its width, so a hatch of 1 m gives the area per metre.
-        hatch = replace(make_opening(kind, span, 0.0, 1.0, task.part.height_m), sill=sill)
+        hatch = replace(make_opening(kind, span.wall, 0.0, 1.0, task.part.height_m), sill=sill)
         width = task.area / area_of([hatch], task.part)
-        placed = _in_span(kind, task, span, min(max(width, _MIN_HATCH_M), span[2] - span[1]))
+        placed = _in_span(kind, task, span, min(max(width, _MIN_HATCH_M), span.length))
         return (*doors, replace(placed, sill=sill))
 
     return form
 
 
 def _open_gap(task: Task, wall: Boundary, low: float, high: float) -> OpeningDraft:
-    return make_opening("open", (wall, wall.low, wall.high), low, high, task.part.height_m)
+    return make_opening("open", wall, low, high, task.part.height_m)
 
 
 def _height(kind: OpeningKind, task: Task) -> float:
-    return make_opening(kind, (task.main, 0.0, 0.0), 0.0, 0.0, task.part.height_m).height
+    return make_opening(kind, task.main, 0.0, 0.0, task.part.height_m).height
 
 
 def _in_span(kind: OpeningKind, task: Task, span: FreeSpan, width: float) -> OpeningDraft:
@@ -199,11 +200,11 @@ def _in_span(kind: OpeningKind, task: Task, span: FreeSpan, width: float) -> Ope
     Width and position are rounded to 1 cm where possible. The opening must not reach past the ends of the span, which are
     not always whole centimetres.
     """
-    start, stop = round(span[1], 6), round(span[2], 6)
+    start, stop = round(span.low, 6), round(span.high, 6)
     width = min(round(width, 2), round(stop - start, 6))
     low = min(round(start + task.draw * (stop - start - width), 2), round(stop - width, 6))
     low = max(low, start)
-    return make_opening(kind, span, low, round(low + width, 6), task.part.height_m)
+    return make_opening(kind, span.wall, low, round(low + width, 6), task.part.height_m)
 
 
 FORMS: dict[str, Callable[[Task], Gaps | None]] = {

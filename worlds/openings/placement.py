@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 from numpy.random import Generator, default_rng
 
@@ -33,8 +34,20 @@ _DOORLESS = 0.06
 _DRAWS = 7
 """Number of random numbers that each link uses."""
 
-FreeSpan = tuple[Boundary, float, float]
-"""A stretch of a wall between two rooms without an opening: the wall, and the coordinates of both ends along it [m]."""
+
+class FreeSpan(NamedTuple):
+    """A stretch of a wall between two rooms without an opening."""
+
+    wall: Boundary
+    low: float
+    """Lower end of the stretch along the wall [m]."""
+    high: float
+    """Upper end of the stretch along the wall [m]."""
+
+    @property
+    def length(self) -> float:
+        """Length of the stretch [m]."""
+        return self.high - self.low
 
 
 def place_openings(layout: StoreyLayout, rng: Generator) -> tuple[OpeningSpec, ...]:
@@ -85,17 +98,17 @@ def _place(
     opening fits.
     """
     if link.kind == "open":
-        wide = [span for span in free_spans(walls, gaps, 0.0, 0.0) if span[2] - span[1] >= MIN_OPEN_M]
+        wide = [span for span in free_spans(walls, gaps, 0.0, 0.0) if span.length >= MIN_OPEN_M]
         if not wide:
             raise _too_short(link, walls)
-        return [make_opening("open", span, span[1], span[2], storey_m) for span in wide]
+        return [make_opening("open", span.wall, span.low, span.high, storey_m) for span in wide]
     spans = free_spans(walls, gaps)
     if link.kind in PASSABLE:
         return [_place_passable(link, walls, spans, storey_m, draws)]
     way_in = Link(link.rooms, "cased" if draws[4] < 0.5 else "door")
     found = [_place_passable(way_in, walls, spans, storey_m, draws)] if alone else []
     beside = free_spans(walls, [*gaps, *found])
-    room_for = max((high - low for _, low, high in beside), default=0.0)
+    room_for = max((span.length for span in beside), default=0.0)
     if room_for >= _MIN_LOOK_THROUGH_M:
         found.append(_fit(link.kind, beside, room_for, storey_m, draws))
     elif not found:
@@ -110,7 +123,7 @@ def _place_passable(
 
     Raises `WorldsError` if no door fits either.
     """
-    longest = max((high - low for _, low, high in spans), default=0.0) + 1e-9
+    longest = max((span.length for span in spans), default=0.0) + 1e-9
     kind: OpeningKind = link.kind if longest >= _WIDTHS_M[link.kind][0] else "door"
     if longest < MIN_DOOR_M:
         raise _too_short(link, walls)
@@ -127,16 +140,16 @@ def _fit(
     """
     least, most = _WIDTHS_M[kind]
     width = min(round(least + draws[0] * (most - least), 2), math.floor(longest * 100 + 1e-6) / 100)
-    fitting = [span for span in spans if span[2] - span[1] >= width - 1e-9]
+    fitting = [span for span in spans if span.length >= width - 1e-9]
     span = _by_length(fitting, draws[1])
-    slack = max(0.0, span[2] - span[1] - width)
+    slack = max(0.0, span.length - width)
     # Doors are placed near corners: their leaves then open against a wall, and the room keeps its longest stretch of wall.
     shift = draws[2] * slack if kind != "door" or draws[3] < 0.3 else min(slack, 0.15 * draws[2])
-    start = span[1] + shift if draws[3] < 0.65 else span[1] + slack - shift
+    start = span.low + shift if draws[3] < 0.65 else span.low + slack - shift
     # Round up to the centimetre grid, but not past the last grid point at which the opening fits into the span.
-    low = min(math.ceil(round(start, 6) * 100 - 1e-6), math.floor(round(span[2] - width, 6) * 100 + 1e-6)) / 100
-    low = max(low, round(span[1], 6))
-    return make_opening(kind, span, low, round(low + width, 6), storey_m)
+    low = min(math.ceil(round(start, 6) * 100 - 1e-6), math.floor(round(span.high - width, 6) * 100 + 1e-6)) / 100
+    low = max(low, round(span.low, 6))
+    return make_opening(kind, span.wall, low, round(low + width, 6), storey_m)
 
 
 def _by_length(spans: Sequence[FreeSpan], share: float) -> FreeSpan:
@@ -145,21 +158,20 @@ def _by_length(spans: Sequence[FreeSpan], share: float) -> FreeSpan:
     `share` in [0, 1) is the position of the point as a share of the total length. With a random share, each span is chosen
     in proportion to its length.
     """
-    left = share * sum(high - low for _, low, high in spans)
+    left = share * sum(span.length for span in spans)
     for span in spans:
-        left -= span[2] - span[1]
+        left -= span.length
         if left <= 0.0:
             return span
     return spans[-1]
 
 
-def make_opening(kind: OpeningKind, span: FreeSpan, low: float, high: float, storey_m: float) -> OpeningDraft:
-    """Return an opening in the wall of `span`, with the usual height of its kind.
+def make_opening(kind: OpeningKind, wall: Boundary, low: float, high: float, storey_m: float) -> OpeningDraft:
+    """Return an opening in a wall, with the usual height of its kind.
 
     `low` and `high` are the coordinates of the opening's ends along the wall [m]. The ceiling is `storey_m` above the floor
     [m], and the upper edge of the opening stays at least 5 cm below the ceiling.
     """
-    wall = span[0]
     crown = {"arch": 2.3, "cased": 2.1}.get(kind, 2.05)
     rooms = (str(wall.rooms[0]), str(wall.rooms[1]))
     return OpeningDraft(rooms, kind, wall.axis, wall.at, low, high, min(crown, round(storey_m - 0.05, 3)))
@@ -177,10 +189,10 @@ def free_spans(
             if high + apart_m <= start or low - apart_m >= stop:
                 continue
             if low - apart_m > start:
-                spans.append((wall, start, low - apart_m))
+                spans.append(FreeSpan(wall, start, low - apart_m))
             start = max(start, high + apart_m)
         if stop > start:
-            spans.append((wall, start, stop))
+            spans.append(FreeSpan(wall, start, stop))
     return spans
 
 
