@@ -17,6 +17,8 @@ from worlds.errors import HouseError
 from worlds.spec import OpeningSpec, RoomSpec, StoreySpec
 
 WALL_THICKNESS_M = 0.1
+HALF_WALL_M = WALL_THICKNESS_M / 2
+"""Distance from the centre line of a wall to its face [m]."""
 FENCE_HEIGHT_M = 1.5
 """Height of walls that have no indoor room on either side [m]."""
 ARCH_STRIPS = 12
@@ -84,8 +86,9 @@ class Wall:
     @property
     def bounds(self) -> tuple[float, float, float, float]:
         """The rectangle that the wall covers in the plan, as (x0, y0, x1, y1) [m]."""
-        (x0, y0), (x1, y1), half = self.start, self.end, WALL_THICKNESS_M / 2
-        return (x0, y0 - half, x1, y1 + half) if self.boundary.axis == 0 else (x0 - half, y0, x1 + half, y1)
+        (x0, y0), (x1, y1) = self.start, self.end
+        dx, dy = (0.0, HALF_WALL_M) if self.boundary.axis == 0 else (HALF_WALL_M, 0.0)
+        return x0 - dx, y0 - dy, x1 + dx, y1 + dy
 
     @property
     def footprint(self) -> Polygon:
@@ -194,9 +197,8 @@ def wall_extent(piece: Boundary, meeting: set[tuple[float, float]]) -> tuple[flo
 
     The wall is half a thickness longer than the piece at each end that lies in `meeting`, the result of `corners`.
     """
-    half = WALL_THICKNESS_M / 2
-    low = piece.low - half if piece.point(piece.low) in meeting else piece.low
-    return low, piece.high + half if piece.point(piece.high) in meeting else piece.high
+    low = piece.low - HALF_WALL_M if piece.point(piece.low) in meeting else piece.low
+    return low, piece.high + HALF_WALL_M if piece.point(piece.high) in meeting else piece.high
 
 
 def wall_spans(opening: OpeningSpec | None, height_m: float) -> list[tuple[float, float]]:

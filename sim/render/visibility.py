@@ -21,7 +21,7 @@ from jaxtyping import Float64
 from lexis.types import Intrinsics, Pose
 from worlds.house import House
 from worlds.rectangles import tiles
-from worlds.walls import WALL_THICKNESS_M
+from worlds.walls import HALF_WALL_M
 
 Cells = frozenset[int]
 """A set of visibility cells, as indices into `House.rooms`. The index `len(House.rooms)` is the cell of the outdoors."""
@@ -128,7 +128,7 @@ class Visibility:
 
     def _gaps(self, house: House) -> Iterator[tuple[_Box, int, int]]:
         for level, pieces in enumerate(house.boundaries):
-            floor, around = house.storeys[level].floor_m, WALL_THICKNESS_M / 2 + _MARGIN_M
+            floor, around = house.storeys[level].floor_m, HALF_WALL_M + _MARGIN_M
             for boundary, opening in pieces:
                 if opening is None:
                     continue

@@ -20,8 +20,9 @@ from sim.report.rulers import with_rulers
 from sim.report.svg import side_by_side
 from worlds.house import House
 from worlds.parts import Part
+from worlds.rectangles import grown
 from worlds.spec import RoomSpec
-from worlds.walls import WALL_THICKNESS_M
+from worlds.walls import HALF_WALL_M
 
 _PIXELS_PER_METRE = 60
 _PLAN_PX = (480, 640)
@@ -162,8 +163,7 @@ def _outline(polygon: Polygon) -> Float64[np.ndarray, "corners 2"]:
 def _cabin(room: RoomSpec) -> list[Float64[np.ndarray, "3 2"]]:
     """Return the usual symbol of a lift, a rectangle with both diagonals, as four triangles that fill the shaft."""
     x0, y0, x1, y1 = Polygon(room.polygon_m).bounds
-    half = WALL_THICKNESS_M / 2
-    corners = _outline(box(x0 + half, y0 + half, x1 - half, y1 - half))
+    corners = _outline(box(*grown((x0, y0, x1, y1), -HALF_WALL_M)))
     return [np.array([a, b, corners.mean(axis=0)]) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
 
 

@@ -9,7 +9,7 @@ from sim.report.data import PlannedLeaf, PlannedOpening
 from sim.report.drawing import Mark
 from worlds.arches import arch_drop, arch_rise
 from worlds.spec import OpeningKind
-from worlds.walls import WALL_THICKNESS_M
+from worlds.walls import HALF_WALL_M
 
 NAMES: dict[OpeningKind, str] = {
     "door": "doorway",
@@ -22,7 +22,6 @@ NAMES: dict[OpeningKind, str] = {
 """Name of each kind of opening in the legend and in tooltips."""
 WINDOW, WITH_LEAF = "window", "door with a leaf"
 """Further names in the legend."""
-_HALF = WALL_THICKNESS_M / 2
 _HEAD_M = 0.18
 """Length of the head of an arrow [m]."""
 
@@ -34,16 +33,16 @@ def opening_marks(opening: PlannedOpening) -> Iterator[Mark]:
         case "open":
             yield Mark("line", "open", ends, text=text)
         case "door":
-            for side in (-_HALF, _HALF):
+            for side in (-HALF_WALL_M, HALF_WALL_M):
                 yield Mark("line", "door", _beside(ends, side), text=text)
         case "half wall":
-            yield Mark("polygon", "low-wall", _band(ends, _HALF), text=text)
+            yield Mark("polygon", "low-wall", _band(ends, HALF_WALL_M), text=text)
         case "counter":
-            yield Mark("polygon", "low-wall", _band(ends, 2 * _HALF), text=text)
-            for side in (-_HALF, _HALF):
+            yield Mark("polygon", "low-wall", _band(ends, 2 * HALF_WALL_M), text=text)
+            for side in (-HALF_WALL_M, HALF_WALL_M):
                 yield Mark("line", "overhead", _beside(ends, side), text=text)
         case _:
-            for side in (-_HALF, _HALF):
+            for side in (-HALF_WALL_M, HALF_WALL_M):
                 yield Mark("line", "overhead", _beside(ends, side), text=text)
             if opening.kind == "arch":
                 yield Mark("line", "overhead", _turned_down(ends), text=text)
@@ -78,12 +77,12 @@ def _sample_leaf(ends: Float64[np.ndarray, "2 2"]) -> PlannedLeaf:
     length, hinge = 0.3, ends.mean(axis=0) - 0.15
     angle = np.linspace(0.0, np.pi / 2, 9)
     arc = hinge + length * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return PlannedLeaf(_band(np.array([hinge, arc[-1]]), _HALF / 2), arc)
+    return PlannedLeaf(_band(np.array([hinge, arc[-1]]), HALF_WALL_M / 2), arc)
 
 
 def window_marks(ends: Float64[np.ndarray, "2 2"]) -> Iterator[Mark]:
     """Yield the marks of a window: a rectangle as thick as the wall, and a line for the pane."""
-    yield Mark("polygon", "window", _band(ends, _HALF), text=WINDOW)
+    yield Mark("polygon", "window", _band(ends, HALF_WALL_M), text=WINDOW)
     yield Mark("line", "pane", ends, text=WINDOW)
 
 
@@ -105,4 +104,6 @@ def _turned_down(ends: Float64[np.ndarray, "2 2"]) -> Float64[np.ndarray, "k 2"]
     width = float(np.linalg.norm(ends[1] - ends[0]))
     shares = (1.0 - np.cos(np.linspace(0.0, np.pi, 17))) / 2
     height = [arch_rise(width) - arch_drop(width, (share - 0.5) * width) for share in shares]
-    return np.asarray(ends[0] + np.outer(shares, ends[1] - ends[0]) + np.outer(_HALF + np.array(height), _across(ends)))
+    return np.asarray(
+        ends[0] + np.outer(shares, ends[1] - ends[0]) + np.outer(HALF_WALL_M + np.array(height), _across(ends))
+    )

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
 
-from worlds.walls import WALL_THICKNESS_M
+from worlds.walls import HALF_WALL_M
 
 StairsKind = Literal["straight", "L", "U"]
 
@@ -32,8 +32,6 @@ MAX_RUN_RISE_M = 3.7
 """Greatest rise of straight stairs without a landing half way [m]."""
 OPEN_SIDE_M = 1.0
 """Greatest drop beside a step, landing or floor without a railing on that side [m]."""
-INSET_M = WALL_THICKNESS_M / 2
-"""Distance from a wall's centre line to its face [m]."""
 _USUAL_TREAD_M = 0.3
 """Greatest depth of a tread, however long the cell is [m]."""
 _USUAL_L_WIDTHS_M = (1.0, 0.9)
@@ -57,12 +55,12 @@ def cell_needed(
     n = risers(kind, rise_m)
     if kind == "straight":
         landing = width_m - tread_m if rise_m > MAX_RUN_RISE_M else 0.0
-        return _rounded_up(n * tread_m + landing), _rounded_up(width_m + 2 * INSET_M)
+        return _rounded_up(n * tread_m + landing), _rounded_up(width_m + 2 * HALF_WALL_M)
     first = (n + 1) // 2
-    length = _rounded_up((first - 0.5) * tread_m + width_m + INSET_M)
+    length = _rounded_up((first - 0.5) * tread_m + width_m + HALF_WALL_M)
     if kind == "U":
-        return length, _rounded_up(2 * width_m + 2 * INSET_M)
-    return length, _rounded_up((n - first - 0.5) * tread_m + width_m + INSET_M)
+        return length, _rounded_up(2 * width_m + 2 * HALF_WALL_M)
+    return length, _rounded_up((n - first - 0.5) * tread_m + width_m + HALF_WALL_M)
 
 
 def risers(kind: StairsKind, rise_m: float) -> int:
@@ -176,7 +174,7 @@ class _Run:
 
 
 def _straight(length: float, width: float, rise: float) -> StairsLayout:
-    n, clear = risers("straight", rise), width - 2 * INSET_M  # the run fills the width between the walls' faces
+    n, clear = risers("straight", rise), width - 2 * HALF_WALL_M  # the run fills the width between the walls' faces
     landing = clear if rise > MAX_RUN_RISE_M else 0.0
     steps = (n, 0) if not landing else ((n + 1) // 2, n // 2)
     riser, going = rise / n, n - (landing > 0.0)
@@ -190,23 +188,24 @@ def _straight(length: float, width: float, rise: float) -> StairsLayout:
         treads.append(runs[0].slab(end - begin, end - begin + landing, steps[0] * riser))
         runs.append(_Run((end + landing, middle, steps[0] * riser), (1, 0), steps[1], riser, tread, clear))
         treads += runs[1].treads()
-    side = (INSET_M, width - INSET_M)
+    side = (HALF_WALL_M, width - HALF_WALL_M)
     foot, head = Slab((0.0, begin), side, 0.0), Slab((length - begin, length), side, rise)
     line = _line((0.0, middle, 0.0), runs, (), (length, middle, rise))
     return StairsLayout(tread, clear, tuple(treads), foot, head, line, ())
 
 
 def _u_shaped(length: float, width: float, rise: float) -> StairsLayout:
-    n, clear = risers("U", rise) // 2, (width - 2 * INSET_M) / 2
+    n, clear = risers("U", rise) // 2, (width - 2 * HALF_WALL_M) / 2
     riser = rise / (2 * n)
-    tread = min(_USUAL_TREAD_M, (length - INSET_M - clear) / (n - 0.5))
+    tread = min(_USUAL_TREAD_M, (length - HALF_WALL_M - clear) / (n - 0.5))
     begin, edge = tread / 2, (n - 0.5) * tread
-    near, far = INSET_M + clear / 2, INSET_M + 1.5 * clear
+    near, far = HALF_WALL_M + clear / 2, HALF_WALL_M + 1.5 * clear
     up = _Run((begin, near, 0.0), (1, 0), n, riser, tread, clear)
     back = _Run((edge, far, rise / 2), (-1, 0), n, riser, tread, clear)
-    landing = Slab((edge, length - INSET_M), (INSET_M, width - INSET_M), rise / 2)
-    foot, head = Slab((0.0, begin), (INSET_M, width / 2), 0.0), Slab((0.0, begin), (width / 2, width - INSET_M), rise)
-    turn = (edge + length - INSET_M) / 2
+    landing = Slab((edge, length - HALF_WALL_M), (HALF_WALL_M, width - HALF_WALL_M), rise / 2)
+    foot = Slab((0.0, begin), (HALF_WALL_M, width / 2), 0.0)
+    head = Slab((0.0, begin), (width / 2, width - HALF_WALL_M), rise)
+    turn = (edge + length - HALF_WALL_M) / 2
     line = _line((0.0, near, 0.0), [up, back], [(turn, near, rise / 2), (turn, far, rise / 2)], (0.0, far, rise))
     # The first run falls as the second rises: beside its k-th step the drop is 2 k risers.
     open_sided = [slab for slab in (*back.treads(), head) if 2 * (slab.top - rise / 2) > OPEN_SIDE_M]
@@ -217,15 +216,15 @@ def _u_shaped(length: float, width: float, rise: float) -> StairsLayout:
 def _l_shaped(length: float, width: float, rise: float, above_void: bool) -> StairsLayout:
     n = risers("L", rise)
     for clear in (*_USUAL_L_WIDTHS_M, MIN_RUN_WIDTH_M):
-        first, tread = _split(length - INSET_M - clear, width - INSET_M - clear, n)
+        first, tread = _split(length - HALF_WALL_M - clear, width - HALF_WALL_M - clear, n)
         if tread >= _USUAL_L_TREAD_M:
             break
     riser, tread, low = rise / n, min(_USUAL_TREAD_M, tread), first * rise / n
-    corner, middle = length - INSET_M - clear, INSET_M + clear / 2
-    begin, end = corner - (first - 1) * tread, INSET_M + clear + (n - first - 1) * tread
+    corner, middle = length - HALF_WALL_M - clear, HALF_WALL_M + clear / 2
+    begin, end = corner - (first - 1) * tread, HALF_WALL_M + clear + (n - first - 1) * tread
     up = _Run((begin, middle, 0.0), (1, 0), first, riser, tread, clear)
-    across = _Run((corner + clear / 2, INSET_M + clear, low), (0, 1), n - first, riser, tread, clear)
-    landing = Slab((corner, corner + clear), (INSET_M, INSET_M + clear), low)
+    across = _Run((corner + clear / 2, HALF_WALL_M + clear, low), (0, 1), n - first, riser, tread, clear)
+    landing = Slab((corner, corner + clear), (HALF_WALL_M, HALF_WALL_M + clear), low)
     foot, head = Slab((0.0, begin), landing.v, 0.0), Slab(landing.u, (end, width), rise)
     line = _line((0.0, middle, 0.0), [up, across], [(corner + clear / 2, middle, low)], (corner + clear / 2, width, rise))
     lowest = -math.inf if above_void else OPEN_SIDE_M

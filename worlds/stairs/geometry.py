@@ -6,7 +6,8 @@ from collections.abc import Iterator, Sequence
 from worlds.parts import Colour, Part
 from worlds.spec import OpeningSpec
 from worlds.stairs.cells import CellFrame
-from worlds.stairs.flights import INSET_M, Rail, Slab
+from worlds.stairs.flights import Rail, Slab
+from worlds.walls import HALF_WALL_M
 
 SLAB_THICKNESS_M = 0.3
 WOOD: Colour = (0.62, 0.47, 0.33)
@@ -41,7 +42,7 @@ def floor_beside_flight(opening: OpeningSpec, floor: Slab, frame: CellFrame) -> 
     """
     (ua, va), (ub, vb) = frame.plan(*opening.start_m), frame.plan(*opening.end_m)
     if abs(va - vb) > abs(ua - ub):
-        depth, inner = ((0.0, INSET_M), INSET_M) if ua < frame.length / 2 else _far_side(frame.length)
+        depth, inner = ((0.0, HALF_WALL_M), HALF_WALL_M) if ua < frame.length / 2 else _far_side(frame.length)
         rest = _beside((min(va, vb), max(va, vb)), floor.v)
         return [(Slab(depth, v, floor.top), Rail((inner, v[0], floor.top), (inner, v[1], floor.top))) for v in rest]
     depth, inner = _far_side(frame.width)
@@ -50,7 +51,7 @@ def floor_beside_flight(opening: OpeningSpec, floor: Slab, frame: CellFrame) -> 
 
 
 def _far_side(end: float) -> tuple[Interval, float]:
-    return (end - INSET_M, end), end - INSET_M
+    return (end - HALF_WALL_M, end), end - HALF_WALL_M
 
 
 def _beside(whole: Interval, part: Interval) -> list[Interval]:

@@ -20,8 +20,9 @@ from itertools import count, pairwise
 
 from worlds.parts import Colour, Part
 from worlds.stairs.cells import CellFrame
-from worlds.stairs.flights import INSET_M, MIN_TREAD_M, Point, Rail, Slab
+from worlds.stairs.flights import MIN_TREAD_M, Point, Rail, Slab
 from worlds.stairs.geometry import WOOD
+from worlds.walls import HALF_WALL_M
 
 MAX_RISER_M = 0.21
 """Greatest height of a riser of spiral stairs [m]."""
@@ -54,7 +55,7 @@ class Spiral:
     @property
     def radius(self) -> float:
         """Radius of the outer edge of the steps [m]: the largest that leaves the floor in front of the entrances."""
-        return min(self.width / 2 - INSET_M, (self.length - INSET_M - MIN_FRONT_M) / 2)
+        return min(self.width / 2 - HALF_WALL_M, (self.length - HALF_WALL_M - MIN_FRONT_M) / 2)
 
     @property
     def walking_radius(self) -> float:
@@ -64,7 +65,7 @@ class Spiral:
     @property
     def centre(self) -> tuple[float, float]:
         """Place (u, v) of the pole [m]."""
-        return self.length - INSET_M - self.radius, self.width / 2
+        return self.length - HALF_WALL_M - self.radius, self.width / 2
 
     @property
     def front_m(self) -> float:
@@ -122,7 +123,7 @@ class Spiral:
     def floors(self) -> list[Slab]:
         """Return the floor in front of the entrances on the upper storey, and the landing between it and the pole."""
         (u, v), half = self.centre, _LANDING_M / 2
-        across = (INSET_M, self.width - INSET_M)
+        across = (HALF_WALL_M, self.width - HALF_WALL_M)
         return [
             Slab((0.0, self.front_m), across, self.rise),
             Slab((self.front_m, u - _POLE_M), (v - half, v + half), self.rise),
@@ -136,8 +137,8 @@ class Spiral:
         (u, v), half, edge, top = self.centre, _LANDING_M / 2, self.front_m, self.rise
         beside_landing = Rail((edge, v + half, top), (u - _POLE_M, v + half, top))
         return [
-            Rail((edge, INSET_M, top), (edge, v - half, top)),
-            Rail((edge, v + half, top), (edge, self.width - INSET_M, top)),
+            Rail((edge, HALF_WALL_M, top), (edge, v - half, top)),
+            Rail((edge, v + half, top), (edge, self.width - HALF_WALL_M, top)),
             *([] if goes_on else [beside_landing]),
         ]
 
@@ -161,5 +162,5 @@ def least_cell(rise_m: float) -> tuple[float, float]:
     The length is measured from the entrances inwards, the width along their side.
     """
     diameters = (2 * MIN_RADIUS_M + k / 100 for k in count())
-    cells = ((round(d + INSET_M + MIN_FRONT_M, 2), round(d + 2 * INSET_M, 2)) for d in diameters)
+    cells = ((round(d + HALF_WALL_M + MIN_FRONT_M, 2), round(d + 2 * HALF_WALL_M, 2)) for d in diameters)
     return next(cell for cell in cells if Spiral(*cell, rise_m).is_walkable)

@@ -16,14 +16,13 @@ from worlds.house import House
 from worlds.labels import STAIRS
 from worlds.rectangles import cells_inside
 from worlds.spec import OpeningSpec
-from worlds.walls import WALL_THICKNESS_M, Boundary
+from worlds.walls import HALF_WALL_M, Boundary
 
 NOTHING = -1
 """Value of `ShellGrid.owner` for cells below the ground, where no surface is visible."""
 _MARGIN_M = 1.0
 _DECIMALS = 6
 _TOLERANCE_M = 1e-6
-_HALF = WALL_THICKNESS_M / 2
 _Cells = tuple[slice, slice, slice]
 _Box = tuple[float, float, float, float, float, float]
 """Bounds x0, y0, x1, y1, z0, z1 [m]."""
@@ -103,7 +102,7 @@ def _gap(house: House, level: int, boundary: Boundary, opening: OpeningSpec, roo
     low = min(low, high)
     spring = min(opening.height_m - arch_rise(opening.width_m), high) if opening.kind == "arch" else high
     (x0, y0), (x1, y1) = boundary.point(boundary.low), boundary.point(boundary.high)
-    dx, dy = (0.0, _HALF) if boundary.axis == 0 else (_HALF, 0.0)
+    dx, dy = (0.0, HALF_WALL_M) if boundary.axis == 0 else (HALF_WALL_M, 0.0)
     plan = x0 - dx, y0 - dy, x1 + dx, y1 + dy
     return _Gap(boundary.axis, room, (*plan, floor + low, floor + high), (*plan, floor + spring, floor + high))
 

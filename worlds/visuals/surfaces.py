@@ -19,13 +19,12 @@ from jaxtyping import Float64, Int
 
 from worlds.house import House
 from worlds.visuals.shell_grid import NOTHING, ShellGrid, shell_grid
-from worlds.walls import WALL_THICKNESS_M, Boundary, arch_curve
+from worlds.walls import HALF_WALL_M, WALL_THICKNESS_M, Boundary, arch_curve
 
 SurfaceKind = Literal["wall", "floor", "ceiling"]
 OUTSIDE = "(outside)"
 """Stands for the outside of the house where a room id is expected. It cannot equal a room id, since no id has brackets."""
 SURFACE_KINDS: tuple[SurfaceKind, ...] = get_args(SurfaceKind)
-_HALF = WALL_THICKNESS_M / 2
 _TOLERANCE_M = 1e-6
 _Point = tuple[float, float]
 
@@ -218,7 +217,7 @@ def _room_on(house: House, boundary: Boundary, side: int) -> int:
 def _spandrels(house: House) -> Iterator[tuple[_Plane, _Outline]]:
     for boundary, curve, top in _arches(house):
         for side, facing in ((0, -1), (1, 1)):
-            plane = _room_on(house, boundary, side), 1 - boundary.axis, facing, round(boundary.at + facing * _HALF, 6)
+            plane = _room_on(house, boundary, side), 1 - boundary.axis, facing, round(boundary.at + facing * HALF_WALL_M, 6)
             for (a0, z0), (a1, z1) in itertools.pairwise(curve):
                 if min(z0, z1) < top:
                     yield plane, ((a0, z0), (a1, z1), (a1, top), (a0, top))
@@ -228,7 +227,7 @@ def _undersides(house: House, unrolling: _Unrolling) -> Iterator[Surface]:
     """Yield the faces on the underside of each arch, which span the thickness of the wall."""
     for boundary, curve, _ in _arches(house):
         room = _room_on(house, boundary, 0 if boundary.rooms[0] is not None else 1)
-        near, far = (boundary.at + s * _HALF for s in ((1, -1) if boundary.axis == 0 else (-1, 1)))
+        near, far = (boundary.at + s * HALF_WALL_M for s in ((1, -1) if boundary.axis == 0 else (-1, 1)))
         for (a0, z0), (a1, z1) in itertools.pairwise(curve):
             ring = [(a0, near, z0), (a1, near, z1), (a1, far, z1), (a0, far, z0)]
             corners = ring if boundary.axis == 0 else [(c, a, z) for a, c, z in ring]

@@ -19,11 +19,12 @@ from worlds.house import Furniture, build_house
 from worlds.presets import sample_house
 from worlds.stairs.build import build_stairs
 from worlds.stairs.cells import MIN_HEAD_ROOM_M
-from worlds.stairs.flights import INSET_M, MIN_TREAD_M
+from worlds.stairs.flights import MIN_TREAD_M
 from worlds.stairs.spirals import MAX_RISER_M, MIN_FRONT_M, MIN_RADIUS_M, Spiral, least_cell
 from worlds.validation import problems, validate
 from worlds.variant import variant
 from worlds.walkable import Walkable
+from worlds.walls import HALF_WALL_M
 
 
 @pytest.fixture(scope="module", params=[("home", 100), ("uh2-apt", 100)], ids=str)
@@ -120,7 +121,7 @@ def test_lexis_takes_a_tour_up_and_down_a_spiral_for_stairs_between_floors(house
 def test_a_larger_cell_has_a_spiral_that_leaves_a_floor_before_the_doors(length, width):
     spiral = Spiral(length, width, 2.9)
     assert spiral.is_walkable and spiral.front_m + 1e-9 >= MIN_FRONT_M
-    assert spiral.radius <= width / 2 - INSET_M and spiral.centre[0] + spiral.radius <= length - INSET_M + 1e-9
+    assert spiral.radius <= width / 2 - HALF_WALL_M and spiral.centre[0] + spiral.radius <= length - HALF_WALL_M + 1e-9
 
 
 def test_a_spiral_is_refused_with_what_is_wrong():
@@ -142,4 +143,4 @@ def test_a_spiral_in_a_small_cell_is_refused_with_the_least_cell_for_its_rise(ri
 
 
 def test_the_least_cell_of_a_low_spiral_is_as_large_as_its_least_radius():
-    assert least_cell(2.4) == (2 * MIN_RADIUS_M + INSET_M + MIN_FRONT_M, 2 * MIN_RADIUS_M + 2 * INSET_M)
+    assert least_cell(2.4) == (2 * MIN_RADIUS_M + HALF_WALL_M + MIN_FRONT_M, 2 * MIN_RADIUS_M + 2 * HALF_WALL_M)

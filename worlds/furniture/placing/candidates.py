@@ -8,9 +8,9 @@ from itertools import chain
 
 from worlds.furniture.kinds import AgainstWall, Around, OnCeiling, OnFloor, OnTop, OnWall, Place, Size
 from worlds.furniture.placing.draws import Draws
-from worlds.furniture.placing.free_floor import HALF_WALL_M
 from worlds.furniture.placing.piece import Piece, Pose
 from worlds.furniture.placing.room_plan import RoomPlan
+from worlds.walls import HALF_WALL_M
 
 WALL_GAP_M = 0.006
 """Gap between a wall and a piece with its back to the wall [m]."""

@@ -9,6 +9,7 @@ from jaxtyping import UInt8
 
 from worlds.furniture.placing.room_shape import Point, RoomShape
 from worlds.rectangles import Rectangle, grown
+from worlds.walls import HALF_WALL_M
 
 PLACING_RADIUS_M = 0.32
 """Radius of the body that has to pass [m].
@@ -18,7 +19,6 @@ but may be shifted against the grid of `FreeFloor`. Thanks to the larger radius,
 exists on the other grid.
 """
 CELL_M = 0.1
-HALF_WALL_M = 0.05
 _REACH = int(PLACING_RADIUS_M / CELL_M)
 _RIM = 2 * _REACH
 """Number of blocked cells around the bounding box, so that a block of cells around any place stays inside the grid."""

@@ -5,10 +5,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from worlds.furniture.placing.free_floor import HALF_WALL_M
 from worlds.furniture.placing.room_shape import EPS_M, Interval, Point, RoomShape, RoomSide
 from worlds.rectangles import Rectangle, grown
 from worlds.spec import PASSABLE, LeafSpec, OpeningSpec, RoomSpec, StoreySpec, WindowSpec
+from worlds.walls import HALF_WALL_M
 
 OPENING_DEPTH_M = 0.9
 """Depth of the floor that stays free in front of a passage, an opening that can be walked through [m]."""

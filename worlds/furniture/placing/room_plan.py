@@ -4,12 +4,13 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 
 from worlds.furniture.kinds import Around, Kind, Size
-from worlds.furniture.placing.free_floor import HALF_WALL_M, FreeFloor
+from worlds.furniture.placing.free_floor import FreeFloor
 from worlds.furniture.placing.kept_free import Space, kept_free_of
 from worlds.furniture.placing.piece import Piece, Pose
 from worlds.furniture.placing.room_shape import EPS_M, RoomShape
 from worlds.rectangles import Rectangle, grown
 from worlds.spec import RoomSpec, StoreySpec, WindowSpec
+from worlds.walls import HALF_WALL_M
 
 FLAT_M = 0.03
 """Greatest height of a flat piece, such as a rug or mat [m]; flat pieces may lie under other furniture."""
