@@ -1,6 +1,6 @@
-"""Rectangles of a plan with sides along x and y: overlap, growth, and the rectangles that make up a rectilinear polygon."""
+"""Rectangles and rectilinear polygons of a plan: overlap, growth, sides, and the rectangles that make up a polygon."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -9,6 +9,8 @@ from shapely.geometry import Polygon
 
 Rectangle = tuple[float, float, float, float]
 """A rectangle of the plan, as x0, y0, x1, y1 [m]."""
+Corner = tuple[float, float]
+"""A point of the plan, as x, y [m]."""
 _Whole = tuple[int, int, int, int]
 
 
@@ -20,6 +22,11 @@ def overlap(a: Rectangle | _Whole, b: Rectangle | _Whole) -> bool:
 def grown(r: Rectangle, by: float) -> Rectangle:
     """Return the rectangle, larger by `by` [m] on every side."""
     return r[0] - by, r[1] - by, r[2] + by, r[3] + by
+
+
+def polygon_sides(corners: Sequence[Corner]) -> Iterator[tuple[Corner, Corner]]:
+    """Return both ends of every side of a polygon, in the order of its `corners`."""
+    return pairwise((*corners, corners[0]))
 
 
 def cells_inside(i: Int[np.ndarray, "n"], j: Int[np.ndarray, "n"], size: tuple[int, int]) -> Bool[np.ndarray, "nx ny"]:
@@ -40,12 +47,12 @@ def tiles(polygon: Polygon) -> list[Rectangle]:
     return _divided([(x, y) for x, y in polygon.exterior.coords[:-1]], inside=True)
 
 
-def notches(corners: Sequence[tuple[float, float]]) -> list[Rectangle]:
+def notches(corners: Sequence[Corner]) -> list[Rectangle]:
     """Return rectangles that tile the part of a rectilinear polygon's bounding box that is outside the polygon [m]."""
     return _divided(corners, inside=False)
 
 
-def _divided(corners: Sequence[tuple[float, float]], inside: bool) -> list[Rectangle]:
+def _divided(corners: Sequence[Corner], inside: bool) -> list[Rectangle]:
     """Divide the bounding box of a polygon along all sides, and return the rectangles that are inside it, or the others."""
     x, y = (sorted(set(values)) for values in zip(*corners, strict=True))
     if len(corners) == 4:

@@ -14,6 +14,7 @@ from shapely.geometry import Polygon, box
 
 from worlds.arches import arch_drop
 from worlds.errors import HouseError
+from worlds.rectangles import polygon_sides
 from worlds.spec import OpeningSpec, RoomSpec, StoreySpec
 
 WALL_THICKNESS_M = 0.1
@@ -114,8 +115,7 @@ def room_edges(room: RoomSpec) -> Iterator[tuple[int, float, float, float, int]]
 
     The side is 1 if the room is on the side of larger coordinates across the axis, else 0.
     """
-    corners = room.polygon_m
-    for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1], strict=True):
+    for (x0, y0), (x1, y1) in polygon_sides(room.polygon_m):
         if y0 == y1:
             yield 0, round(y0, 6), min(x0, x1), max(x0, x1), int(x1 > x0)
         else:

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 
 from worlds.labels import CIRCULATION_LABELS, OUTDOOR_LABELS, STAIRS
 from worlds.openings.opening_draft import LEAF_THICKNESS_M, LeafDraft, OpeningDraft
-from worlds.rectangles import Rectangle, overlap
+from worlds.rectangles import Rectangle, grown, overlap, polygon_sides
 from worlds.spec import RoomSpec
 
 _WALL_M = 0.051
@@ -87,10 +87,10 @@ def _distance_to_corner(door: OpeningDraft, room: RoomSpec, at_low: bool) -> flo
 
 def _edges_across(room: RoomSpec, axis: int) -> list[tuple[float, float, float]]:
     """Return the room's edges at a right angle to `axis`, each as (coordinate on the axis, lower end, upper end) [m]."""
-    corners, across = room.polygon_m, 1 - axis
+    across = 1 - axis
     return [
         (p[axis], min(p[across], q[across]), max(p[across], q[across]))
-        for p, q in zip(corners, corners[1:] + corners[:1], strict=True)
+        for p, q in polygon_sides(room.polygon_m)
         if p[axis] == q[axis]
     ]
 
@@ -168,8 +168,5 @@ def _swings_freely(
 
 def _walls(room: RoomSpec) -> list[Rectangle]:
     """Return the room's walls as rectangles [m], 2 mm less than `_WALL_M` on each side, so that touching is no overlap."""
-    half, corners = _WALL_M - 0.002, room.polygon_m
-    return [
-        (min(x0, x1) - half, min(y0, y1) - half, max(x0, x1) + half, max(y0, y1) + half)
-        for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1], strict=True)
-    ]
+    edges = polygon_sides(room.polygon_m)
+    return [grown((min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)), _WALL_M - 0.002) for (x0, y0), (x1, y1) in edges]

@@ -8,12 +8,12 @@
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 
 import numpy as np
 
 from worlds.errors import SpecError
 from worlds.plan_import.drawn_plan import DrawnRoom
+from worlds.rectangles import polygon_sides
 from worlds.spec import Point
 
 _SLOPE = 0.02
@@ -35,7 +35,7 @@ def main_direction(rooms: Sequence[DrawnRoom]) -> float:
     The angle is 0 if the walls that agree on a direction make up less than half of the total length of all walls, or if no
     wall has a length.
     """
-    edges = [edge for room in rooms for edge in _edges(room.corners)]
+    edges = [edge for room in rooms for edge in polygon_sides(room.corners)]
     length = np.array([math.dist(a, b) for a, b in edges])
     angle = np.array([math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in edges])
     # Directions modulo 90 degrees, weighted by length. Only walls near the most common one enter the mean, so that a few
@@ -81,23 +81,19 @@ def straighten(outlines: Sequence[tuple[DrawnRoom, tuple[Point, ...]]], snap_m: 
     return polygons
 
 
-def _edges(corners: Sequence[Point]) -> Iterator[tuple[Point, Point]]:
-    return pairwise((*corners, corners[0]))
-
-
 def _walls(room: DrawnRoom, corners: Sequence[Point], snap_m: float) -> Iterator[tuple[int, float]]:
     """Yield (0, y) for each wall along x and (1, x) for each wall along y, in their order around the room.
 
     Edges no longer than `snap_m` are left out. Raises `SpecError` if a wall runs along neither x nor y, or if fewer than 4
     corners are left.
     """
-    kept = [corner for corner, after in _edges(corners) if math.dist(corner, after) > snap_m]
+    kept = [corner for corner, after in polygon_sides(corners) if math.dist(corner, after) > snap_m]
     if len(kept) < 4:
         raise SpecError(
             f"{room.where}: has too few corners; valid: at least 4 corners farther apart than {snap_m} m, at the scale of "
             "the plan and after all transforms"
         )
-    for i, ((x0, y0), (x1, y1)) in enumerate(_edges(kept)):
+    for i, ((x0, y0), (x1, y1)) in enumerate(polygon_sides(kept)):
         dx, dy = abs(x1 - x0), abs(y1 - y0)
         if min(dx, dy) > 2 * snap_m + _SLOPE * max(dx, dy) or min(dx, dy) > 0.5 * max(dx, dy):
             raise SpecError(
@@ -150,4 +146,4 @@ def _corners(lines: Sequence[tuple[int, float]]) -> tuple[Point, ...]:
 
 
 def _area(polygon: Sequence[Point]) -> float:
-    return sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in _edges(polygon)) / 2
+    return sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in polygon_sides(polygon)) / 2

@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
-from worlds.rectangles import Rectangle, notches
+from worlds.rectangles import Rectangle, notches, polygon_sides
 from worlds.spec import RoomSpec
 
 Interval = tuple[float, float]
@@ -84,14 +83,13 @@ class RoomShape:
     @cached_property
     def area_m2(self) -> float:
         """Area of the room [m²]."""
-        corners = self.corners
-        return 0.5 * abs(sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in pairwise((*corners, corners[0]))))
+        return 0.5 * abs(sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in polygon_sides(self.corners)))
 
     @cached_property
     def sides(self) -> tuple[RoomSide, ...]:
         """The sides, in the order of the polygon."""
         sides = []
-        for (x0, y0), (x1, y1) in pairwise((*self.corners, self.corners[0])):
+        for (x0, y0), (x1, y1) in polygon_sides(self.corners):
             turn = (0 if x1 > x0 else 2) if y0 == y1 else (1 if y1 > y0 else 3)
             sides.append(RoomSide((x0, y0), turn, abs(x1 - x0) + abs(y1 - y0)))
         return tuple(sides)
