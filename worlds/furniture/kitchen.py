@@ -341,15 +341,11 @@ def bottles(s: Size, rng: Generator) -> Parts:
     """Three or four bottles in a row."""
     parts: list[Part] = []
     for x in split(s.x, int(rng.integers(3, 5)), 0.015):
-        colour, middle, top = (
-            pick(rng, ((0.2, 0.4, 0.2), (0.4, 0.2, 0.1), GLASS, *BRIGHT[:3])),
-            (x[0] + x[1]) / 2,
-            s.height * rng.uniform(0.75, 1.0),
-        )
-        radius = min(x[1] - x[0], s.depth)
+        colour = pick(rng, ((0.2, 0.4, 0.2), (0.4, 0.2, 0.1), GLASS, *BRIGHT[:3]))
+        middle, wide, top = (x[0] + x[1]) / 2, min(x[1] - x[0], s.depth), s.height * rng.uniform(0.75, 1.0)
         parts += [
-            cylinder(about(middle, radius), about(0.0, radius), (0.0, 0.62 * top), colour, "label"),
-            cylinder(about(middle, 0.4 * radius), about(0.0, 0.4 * radius), (0.62 * top, top), colour),
+            cylinder(about(middle, wide), about(0.0, wide), (0.0, 0.62 * top), colour, "label"),
+            cylinder(about(middle, 0.4 * wide), about(0.0, 0.4 * wide), (0.62 * top, top), colour),
         ]
     return tuple(parts)
 

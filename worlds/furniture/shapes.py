@@ -88,28 +88,15 @@ def fronts(
     with a level handle near the top.
     """
     parts: list[Part] = []
-    for span in split(inset(x, 0.01), columns, 0.012):
-        for rise in split(inset(z, 0.01), rows, 0.012):
-            parts.append(box(span, (at - 0.02, at - 0.005), rise, colour, material))
-            width, height = span[1] - span[0], rise[1] - rise[0]
+    for left, right in split(inset(x, 0.01), columns, 0.012):
+        for low, high in split(inset(z, 0.01), rows, 0.012):
+            parts.append(box((left, right), (at - 0.02, at - 0.005), (low, high), colour, material))
+            width, height = right - left, high - low
             if height > width:
-                parts.append(
-                    box(
-                        about(span[1] - 0.05, 0.015),
-                        (at - 0.006, at),
-                        about((rise[0] + rise[1]) / 2, min(0.2, height / 3)),
-                        handle,
-                    )
-                )
+                grip = about(right - 0.05, 0.015), about((low + high) / 2, min(0.2, height / 3))
             else:
-                parts.append(
-                    box(
-                        about((span[0] + span[1]) / 2, min(0.16, width / 3)),
-                        (at - 0.006, at),
-                        about(rise[1] - 0.05, 0.015),
-                        handle,
-                    )
-                )
+                grip = about((left + right) / 2, min(0.16, width / 3)), about(high - 0.05, 0.015)
+            parts.append(box(grip[0], (at - 0.006, at), grip[1], handle))
     return tuple(parts)
 
 
@@ -137,15 +124,8 @@ def stocked(
             high = low + (step - board) * rng.uniform(0.55, 0.92)
             if rng.random() < fill:
                 material = goods[int(rng.integers(len(goods)))]
-                parts.append(
-                    box(
-                        (x[0], x[0] + length),
-                        (s.back + 0.02, s.front - rng.uniform(0.02, 0.08)),
-                        (low, high),
-                        colour,
-                        material,
-                    )
-                )
+                y = s.back + 0.02, s.front - rng.uniform(0.02, 0.08)
+                parts.append(box((x[0], x[0] + length), y, (low, high), colour, material))
     return tuple(parts)
 
 
