@@ -74,9 +74,9 @@ def _walked_groups(spec: HouseSpec) -> dict[str, str]:
     group = {room.id: room.id for storey in spec.storeys for room in storey.rooms if room.label != STAIRS}
     for opening in (opening for storey in spec.storeys for opening in storey.openings if opening.kind in PASSABLE):
         _merge(group, *opening.rooms)
-    for level, index in flight_places(spec):
+    for level, cell in flight_places(spec):
         try:
-            ends = _ends(spec, level, spec.storeys[level].rooms[index])
+            ends = _ends(spec, level, cell)
         except HouseError:
             continue  # the check of the finished house reports this error
         _merge(group, *(room for opening in ends for room in opening.rooms if room in group))

@@ -84,40 +84,39 @@ def build_stairs(spec: HouseSpec, floors_m: Sequence[float]) -> tuple[Stairs, ..
     they need.
     """
     check_shafts(spec)
-    stairs = tuple(_stairs(spec, floors_m, level, index) for level, index in flight_places(spec))
+    stairs = tuple(_stairs(spec, floors_m, level, cell) for level, cell in flight_places(spec))
     _check_head_room([flight for flight in stairs if flight.kind not in ("spiral", "lift")])
     return stairs
 
 
-def _stairs(spec: HouseSpec, floors_m: Sequence[float], level: int, index: int) -> Stairs:
-    """Build the flight, spiral or lift up from storeys[`level`], in the room with the given `index` on that storey."""
-    room = spec.storeys[level].rooms[index]
-    match room.climb:
+def _stairs(spec: HouseSpec, floors_m: Sequence[float], level: int, cell: RoomSpec) -> Stairs:
+    """Build the flight, spiral or lift up from storeys[`level`] in `cell`."""
+    match cell.climb:
         case "flights":
-            return _Site.of(spec, floors_m, level, index).stairs()
+            return _Site.of(spec, floors_m, level, cell).stairs()
         case "spiral":
-            return _spiral(spec, floors_m, level, room)
+            return _spiral(spec, floors_m, level, cell)
         case "lift":
             heights = floors_m[level], floors_m[level + 1]
-            line = lift_line(spec, level, (room, _above(spec, level, room)), heights)
-            return Stairs(room.id, level, "lift", treads=(), floors=(), railing=(), walking_line=line)
+            line = lift_line(spec, level, (cell, _above(spec, level, cell)), heights)
+            return Stairs(cell.id, level, "lift", treads=(), floors=(), railing=(), walking_line=line)
 
 
-def _spiral(spec: HouseSpec, floors_m: Sequence[float], level: int, room: RoomSpec) -> Stairs:
-    """Build the spiral up from storeys[`level`] in `room`. Raises `HouseError` if the room or an entrance is unsuitable."""
+def _spiral(spec: HouseSpec, floors_m: Sequence[float], level: int, cell: RoomSpec) -> Stairs:
+    """Build the spiral up from storeys[`level`] in `cell`. Raises `HouseError` if the room or an entrance is unsuitable."""
     floor_m = floors_m[level]
-    foot = entrance(spec, level, room, floor_m)
-    head = entrance(spec, level + 1, _above(spec, level, room), floors_m[level + 1])
+    foot = entrance(spec, level, cell, floor_m)
+    head = entrance(spec, level + 1, _above(spec, level, cell), floors_m[level + 1])
     if (foot.inward != head.inward).any():
-        raise HouseError(f"spiral {room.id!r}: its openings are in different sides; valid: all in one side of its room")
+        raise HouseError(f"spiral {cell.id!r}: its openings are in different sides; valid: all in one side of its room")
     x, y = foot.inward[:2].tolist()
-    frame = frame_along("U", room, (x, y), (-y, x))
+    frame = frame_along("U", cell, (x, y), (-y, x))
     spiral = Spiral(frame.length, frame.width, floors_m[level + 1] - floor_m)
-    _check_spiral(room.id, spiral)
-    goes_on = any(is_same_cell(room, other) for storey in spec.storeys[level + 2 :] for other in storey.rooms)
+    _check_spiral(cell.id, spiral)
+    goes_on = any(is_same_cell(cell, other) for storey in spec.storeys[level + 2 :] for other in storey.rooms)
     line = spiral.line(*(frame.plan(*end.middle[:2])[1] for end in (foot, head)))
     return Stairs(
-        room.id,
+        cell.id,
         level,
         "spiral",
         spiral.steps(frame, floor_m),
@@ -140,9 +139,9 @@ def _check_spiral(name: str, spiral: Spiral) -> None:
         raise HouseError(f"spiral {name!r}: the floor above leaves {head_room:.2f} m of head room; valid: {valid}")
 
 
-def _above(spec: HouseSpec, level: int, room: RoomSpec) -> RoomSpec:
+def _above(spec: HouseSpec, level: int, cell: RoomSpec) -> RoomSpec:
     """Return the cell (room of stairs) of the same staircase on the storey above storeys[`level`]."""
-    return next(other for other in spec.storeys[level + 1].rooms if is_same_cell(room, other))
+    return next(other for other in spec.storeys[level + 1].rooms if is_same_cell(cell, other))
 
 
 @dataclass(frozen=True)
@@ -166,21 +165,21 @@ class _Site:
     frame: CellFrame
 
     @staticmethod
-    def of(spec: HouseSpec, floors_m: Sequence[float], level: int, index: int) -> "_Site":
-        """Return the place for the flight up from storeys[`level`], in the room with the given `index` on that storey."""
-        lower, upper, room = spec.storeys[level], spec.storeys[level + 1], spec.storeys[level].rooms[index]
-        above = _above(spec, level, room)
-        foot, head = opening_that_leads(spec, level, room, "up"), opening_that_leads(spec, level + 1, above, "down")
+    def of(spec: HouseSpec, floors_m: Sequence[float], level: int, cell: RoomSpec) -> "_Site":
+        """Return the place for the flight up from storeys[`level`] in `cell`."""
+        lower, upper = spec.storeys[level], spec.storeys[level + 1]
+        above = _above(spec, level, cell)
+        foot, head = opening_that_leads(spec, level, cell, "up"), opening_that_leads(spec, level + 1, above, "down")
         return _Site(
-            room.id,
+            cell.id,
             level,
             (lower.height_m, upper.height_m),
             floors_m[level],
             floors_m[level + 1] - floors_m[level],
-            cell_on(spec, level - 1, room) is None,
+            cell_on(spec, level - 1, cell) is None,
             foot,
             head,
-            cell_frame(level, room, foot, head),
+            cell_frame(level, cell, foot, head),
         )
 
     def stairs(self) -> Stairs:

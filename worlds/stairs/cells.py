@@ -75,27 +75,25 @@ def _check_skips_no_storey(spec: HouseSpec, level: int, cell: RoomSpec) -> None:
             )
 
 
-def flight_places(spec: HouseSpec) -> Iterator[tuple[int, int]]:
-    """Yield, for each flight of a house, the index of its lower storey and the index of its room on that storey."""
+def flight_places(spec: HouseSpec) -> Iterator[tuple[int, RoomSpec]]:
+    """Yield, for each flight, spiral or lift of a house, the index of its lower storey and its cell on that storey."""
     for level, lower in enumerate(spec.storeys):
-        for index, room in enumerate(lower.rooms):
-            if cell_on(spec, level + 1, room) is not None:
-                yield level, index
+        yield from ((level, room) for room in lower.rooms if cell_on(spec, level + 1, room) is not None)
 
 
-def opening_that_leads(spec: HouseSpec, level: int, room: RoomSpec, leads: Leads) -> OpeningSpec:
-    """Return the opening of `room` (stairs on storeys[`level`]) that leads to its flight up or down, as `leads` says.
+def opening_that_leads(spec: HouseSpec, level: int, cell: RoomSpec, leads: Leads) -> OpeningSpec:
+    """Return the opening of `cell` (stairs on storeys[`level`]) that leads to its flight up or down, as `leads` says.
 
-    Raises `HouseError` unless exactly one opening leads to that flight; if flights go up and down from the room, but an
+    Raises `HouseError` unless exactly one opening leads to that flight; if flights go up and down from the cell, but an
     opening does not say to which flight it leads; and if an opening leads in a direction in which no flight goes.
     """
-    openings = openings_of(spec.storeys[level], room)
-    found = [opening for index, opening in openings if _leads(spec, level, room, index) == leads]
+    openings = openings_of(spec.storeys[level], cell)
+    found = [opening for index, opening in openings if _leads(spec, level, cell, index) == leads]
     if len(found) == 1:
         return found[0]
     flight = "up from" if leads == "up" else "down from"
     raise HouseError(
-        f"stairs {room.id!r} have {len(found) or 'no'} openings to the flight {flight} storeys[{level}]; "
+        f"stairs {cell.id!r} have {len(found) or 'no'} openings to the flight {flight} storeys[{level}]; "
         f'valid: exactly one opening there with "leads": "{leads}"'
     )
 
@@ -107,7 +105,7 @@ def openings_of(storey: StoreySpec, room: RoomSpec) -> Iterator[tuple[int, Openi
             yield i, opening
 
 
-def _leads(spec: HouseSpec, level: int, room: RoomSpec, index: int) -> Leads:
+def _leads(spec: HouseSpec, level: int, cell: RoomSpec, index: int) -> Leads:
     """Return the direction of the flight to which the opening with the given `index` leads.
 
     Raises `HouseError` if flights go up and down and the spec does not state the direction, or if no flight goes in the
@@ -115,8 +113,8 @@ def _leads(spec: HouseSpec, level: int, room: RoomSpec, index: int) -> Leads:
     """
     opening = spec.storeys[level].openings[index]
     goes = {
-        "up": cell_on(spec, level + 1, room) is not None,
-        "down": cell_on(spec, level - 1, room) is not None,
+        "up": cell_on(spec, level + 1, cell) is not None,
+        "down": cell_on(spec, level - 1, cell) is not None,
     }
     where = f"storeys[{level}].openings[{index}] ({opening.rooms[0]} - {opening.rooms[1]})"
     if opening.leads is None:
@@ -124,7 +122,7 @@ def _leads(spec: HouseSpec, level: int, room: RoomSpec, index: int) -> Leads:
             raise HouseError(f'{where}: stairs go up and down from here; valid: "leads": "up" or "leads": "down"')
         return "up" if goes["up"] else "down"
     if not goes[opening.leads]:
-        raise HouseError(f"{where}: leads {opening.leads}, but stairs {room.id!r} do not go {opening.leads} from here")
+        raise HouseError(f"{where}: leads {opening.leads}, but stairs {cell.id!r} do not go {opening.leads} from here")
     return opening.leads
 
 
@@ -156,31 +154,31 @@ class CellFrame:
         return dx * self.u_axis[0] + dy * self.u_axis[1], dx * self.v_axis[0] + dy * self.v_axis[1]
 
 
-def cell_frame(level: int, room: RoomSpec, foot: OpeningSpec, head: OpeningSpec) -> CellFrame:
+def cell_frame(level: int, cell: RoomSpec, foot: OpeningSpec, head: OpeningSpec) -> CellFrame:
     """Return the coordinate frame of a cell (a room of stairs) for the flight between two openings, and the kind of stairs.
 
     `foot` is the opening on storeys[`level`], `head` the opening on the storey above. Raises `HouseError` if an opening is
     in no side of the cell, or if both openings are in the same half of one side.
     """
-    u, from_head = inward(level, room, foot), inward(level + 1, room, head)
+    u, from_head = inward(level, cell, foot), inward(level + 1, cell, head)
     v = (-u[1], u[0])
     facing, turning = _dot(u, from_head), _dot(v, from_head)
     (fx, fy), (hx, hy) = middle(foot), middle(head)
     apart = _dot(v, (hx - fx, hy - fy))
     if facing > 0 and abs(apart) < _SAME_HALF_M:
         raise HouseError(
-            f"stairs {room.id!r}: the opening to the flight up on storeys[{level}] and the one to the flight down on "
+            f"stairs {cell.id!r}: the opening to the flight up on storeys[{level}] and the one to the flight down on "
             f"storeys[{level + 1}] are in the same half of the same side; valid: one in each half, for U-shaped stairs"
         )
     kind: StairsKind = "U" if facing > 0 else "straight" if facing < 0 else "L"
     if (apart if kind == "U" else -turning) < 0:
         v = (-v[0], -v[1])
-    return frame_along(kind, room, u, v)
+    return frame_along(kind, cell, u, v)
 
 
-def frame_along(kind: StairsKind, room: RoomSpec, u: tuple[float, float], v: tuple[float, float]) -> CellFrame:
+def frame_along(kind: StairsKind, cell: RoomSpec, u: tuple[float, float], v: tuple[float, float]) -> CellFrame:
     """Return the coordinate frame of a cell with the unit vectors u and v, which point along its sides."""
-    x0, y0, x1, y1 = bounds(room)
+    x0, y0, x1, y1 = bounds(cell)
     length, width = (x1 - x0, y1 - y0) if u[0] else (y1 - y0, x1 - x0)
     corner = (x0 if u[0] + v[0] > 0 else x1, y0 if u[1] + v[1] > 0 else y1)
     return CellFrame(kind, corner, u, v, length, width)
@@ -196,14 +194,14 @@ def middle(opening: OpeningSpec) -> tuple[float, float]:
     return (xa + xb) / 2, (ya + yb) / 2
 
 
-def inward(level: int, room: RoomSpec, opening: OpeningSpec) -> tuple[float, float]:
+def inward(level: int, cell: RoomSpec, opening: OpeningSpec) -> tuple[float, float]:
     """Return the unit vector into a cell from the side with the opening. Raises `HouseError` if it is in no side."""
-    x0, y0, x1, y1 = bounds(room)
+    x0, y0, x1, y1 = bounds(cell)
     x, y = middle(opening)
     gaps = (abs(x - x0), abs(x1 - x), abs(y - y0), abs(y1 - y))
     if min(gaps) > _TOLERANCE_M:
         raise HouseError(
             f"storeys[{level}]: the opening {opening.rooms[0]!r} - {opening.rooms[1]!r} at ({x:.2f}, {y:.2f}) m is in no "
-            f"side of the stairs {room.id!r}; valid: an opening in one of the four sides of their rectangle"
+            f"side of the stairs {cell.id!r}; valid: an opening in one of the four sides of their rectangle"
         )
     return _INWARD[gaps.index(min(gaps))]
