@@ -24,6 +24,7 @@ from worlds.floor_plans.programmes import Bay, BayGroup, StoreyProgramme
 from worlds.floor_plans.rectangles import area_m2
 from worlds.floor_plans.storey_draft import PlacedBay
 from worlds.floor_plans.wings import BANDS, Band, Shell, distribute
+from worlds.spec import OpeningKind
 
 _SHORTEST_BELOW = 350
 """Least length of a band (a row of rooms along a corridor) on which the next storey may have rooms [cm]. A shorter band
@@ -253,13 +254,13 @@ def placed_bays(storey: BandedStorey, shell: Shell) -> list[PlacedBay]:
     out = []
     for band in storey.bands:
         bays, widths = storey.bays(band), _widths(storey, band, shell)
-        start, joined = 0, _joints(storey.bands[band])
+        start, joints = 0, _joints(storey.bands[band])
         filled = share_out(widths, bays, storey.lengths[band]) if bays else []
         # `share_out` may have given the last bay some centimetres more than its twins. Twins have exactly the same shape, so
         # that bay is no longer a twin.
         if len(bays) > 1 and filled[-1] != filled[-2] and bays[-1].twin == bays[-2].twin is not None:
             bays[-1] = bays[-1].apart(1)
-        for bay, joint, width in zip(bays, joined, filled, strict=True):
+        for bay, joint, width in zip(bays, joints, filled, strict=True):
             out.append(PlacedBay(band, bay, start, width, joint))
             start += width
         if band == "south" and storey.wrap and out:
@@ -267,6 +268,6 @@ def placed_bays(storey: BandedStorey, shell: Shell) -> list[PlacedBay]:
     return out
 
 
-def _joints(groups: Sequence[BayGroup]) -> list[BayGroup | None]:
-    """Return the group of every bay of `groups`, but None for the first bay of a group."""
-    return [group if i else None for group in groups for i in range(len(group.bays))]
+def _joints(groups: Sequence[BayGroup]) -> list[OpeningKind | None]:
+    """Return the kind of the opening between each bay of `groups` and the bay before it; None for the first of a group."""
+    return [group.joint if i else None for group in groups for i in range(len(group.bays))]

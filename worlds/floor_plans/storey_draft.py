@@ -36,8 +36,8 @@ class PlacedBay:
     """Distance between the start of the band (the row of rooms) and the bay [cm]."""
     width: int
     """Length of the bay along the band (the row of rooms) [cm]."""
-    joint: BayGroup | None
-    """The group of bays that this bay and the bay before it belong to; None: this bay starts a group."""
+    joint: OpeningKind | None
+    """Kind of the opening to the main room of the bay before this one; None: no opening."""
     wrap: int = 0
     """Length of the part that the main room has beyond the end of the spine (the corridor), if the room bends round that
     end [cm]; 0: the room does not bend."""
@@ -240,7 +240,7 @@ def _bays(draft: StoreyDraft, shell: Shell, placed: Sequence[PlacedBay], spine: 
             # An "inner" room does not touch the spine, and a pantry belongs to its kitchen.
             way_in = host if bay.form == "inner" or label == "pantry" else draft.nearest(small, spine)
             draft.link(way_in, small, "door", bay.seed)
-        if p.joint is not None and p.joint.joint is not None:
-            draft.link(hosts[-1], host, p.joint.joint)
+        if p.joint is not None:
+            draft.link(hosts[-1], host, p.joint)
         hosts.append(host)
     return hosts
