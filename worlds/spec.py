@@ -150,6 +150,12 @@ class OpeningSpec(_Data):
         """Clear width of the opening [m]."""
         return math.dist(self.start_m, self.end_m)
 
+    @property
+    def middle_m(self) -> tuple[float, float]:
+        """Middle (x, y) of the opening in W [m]."""
+        (xa, ya), (xb, yb) = self.start_m, self.end_m
+        return (xa + xb) / 2, (ya + yb) / 2
+
     def gap_m(self, ceiling_m: float) -> tuple[float, float]:
         """Return the heights above the floor of the gap's lower and upper end; `ceiling_m` is the ceiling's height [m]."""
         match self.kind:

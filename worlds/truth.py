@@ -204,8 +204,8 @@ def room_graph(house: House) -> RoomGraph:
         for opening in storey.openings:
             if opening.kind in PASSABLE:
                 rooms = house.room_by_id[opening.rooms[0]].id, house.room_by_id[opening.rooms[1]].id
-                x, y = (opening.start_m[0] + opening.end_m[0]) / 2, (opening.start_m[1] + opening.end_m[1]) / 2
-                passages.append(Passage(rooms, level, opening.kind, (x, y, house.storeys[level].floor_m), opening.width_m))
+                point = (*opening.middle_m, house.storeys[level].floor_m)
+                passages.append(Passage(rooms, level, opening.kind, point, opening.width_m))
     return RoomGraph(tuple(room.id for room in house.rooms), tuple(passages))
 
 

@@ -163,7 +163,7 @@ def cell_frame(level: int, cell: RoomSpec, foot: OpeningSpec, head: OpeningSpec)
     u, from_head = inward(level, cell, foot), inward(level + 1, cell, head)
     v = (-u[1], u[0])
     facing, turning = _dot(u, from_head), _dot(v, from_head)
-    (fx, fy), (hx, hy) = middle(foot), middle(head)
+    (fx, fy), (hx, hy) = foot.middle_m, head.middle_m
     apart = _dot(v, (hx - fx, hy - fy))
     if facing > 0 and abs(apart) < _SAME_HALF_M:
         raise HouseError(
@@ -188,16 +188,10 @@ def _dot(a: tuple[float, float], b: tuple[float, float]) -> float:
     return a[0] * b[0] + a[1] * b[1]
 
 
-def middle(opening: OpeningSpec) -> tuple[float, float]:
-    """Return the middle (x, y) of an opening in W [m]."""
-    (xa, ya), (xb, yb) = opening.start_m, opening.end_m
-    return (xa + xb) / 2, (ya + yb) / 2
-
-
 def inward(level: int, cell: RoomSpec, opening: OpeningSpec) -> tuple[float, float]:
     """Return the unit vector into a cell from the side with the opening. Raises `HouseError` if it is in no side."""
     x0, y0, x1, y1 = bounds(cell)
-    x, y = middle(opening)
+    x, y = opening.middle_m
     gaps = (abs(x - x0), abs(x1 - x), abs(y - y0), abs(y1 - y))
     if min(gaps) > _TOLERANCE_M:
         raise HouseError(

@@ -13,7 +13,7 @@ from jaxtyping import Float64
 from worlds.errors import HouseError
 from worlds.labels import STAIRS
 from worlds.spec import HouseSpec, RoomSpec
-from worlds.stairs.cells import APPROACH_M, BODY_HALF_M, MIN_HEAD_ROOM_M, bounds, cell_on, inward, middle, openings_of
+from worlds.stairs.cells import APPROACH_M, BODY_HALF_M, MIN_HEAD_ROOM_M, bounds, cell_on, inward, openings_of
 
 MIN_SHAFT_M = 1.0
 """Least length and width of the shaft of a lift, between the centre lines of its walls [m]."""
@@ -93,4 +93,4 @@ def entrance(spec: HouseSpec, level: int, cell: RoomSpec, floor_m: float) -> Ent
             f"{cell.climb} {cell.id!r}: its opening on storeys[{level}] is {entrances[0].width_m:.2f} x {height:.2f} m; "
             f"valid: at least {MIN_SHAFT_ENTRANCE_M} x {MIN_HEAD_ROOM_M} m"
         )
-    return Entrance(np.array([*middle(entrances[0]), floor_m]), np.array([*inward(level, cell, entrances[0]), 0.0]))
+    return Entrance(np.array([*entrances[0].middle_m, floor_m]), np.array([*inward(level, cell, entrances[0]), 0.0]))
