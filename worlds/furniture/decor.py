@@ -176,11 +176,8 @@ def wall_clock(s: Size, rng: Generator) -> Parts:
 )
 def plant(s: Size, rng: Generator) -> Parts:
     """A palm, a rubber tree or a cactus in a pot."""
-    pot, green, h = (
-        pick(rng, (TERRACOTTA, *WHITES, BLACK)),
-        pick(rng, (GREEN, (0.34, 0.5, 0.22), (0.2, 0.4, 0.24))),
-        s.height,
-    )
+    pot, h = pick(rng, (TERRACOTTA, *WHITES, BLACK)), s.height
+    green = pick(rng, (GREEN, (0.34, 0.5, 0.22), (0.2, 0.4, 0.24)))
     tub = (
         cylinder(about(0.0, 0.3), about(0.0, 0.3), (0.0, 0.26), pot, "ceramic"),
         cylinder(about(0.0, 0.33), about(0.0, 0.33), (0.24, 0.28), pot, "ceramic"),

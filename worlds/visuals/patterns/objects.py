@@ -40,11 +40,8 @@ def glass(surface: TextureArea, rng: Generator) -> Shade:
     slope = np.linspace(1.15, 0.9, surface.height, dtype=np.float32)[:, None]
     shade = slope + 0.03 * surface.noise(rng, 0.2, octaves=4)
     for _ in range(4):
-        x, lean, wide = (
-            rng.uniform(-0.3, 1.0) * surface.width,
-            0.4 * surface.width,
-            rng.integers(1, max(2, surface.width // 10)),
-        )
+        x, lean = rng.uniform(-0.3, 1.0) * surface.width, 0.4 * surface.width
+        wide = rng.integers(1, max(2, surface.width // 10))
         cv2.line(shade, (int(x), surface.height), (int(x + lean), 0), rng.uniform(1.1, 1.35), int(wide), cv2.LINE_AA)
     return shade
 
