@@ -1,18 +1,14 @@
 """Options that choose the SLAM under test: LEXIS, a class of the user's own, or a program in any language."""
 
 import argparse
-import importlib
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lexis.errors import one_line
 from sim.commands.arguments import IMAGE_FORMATS, number
+from sim.commands.named_object import named_object
 from sim.commands.record import FORMATS
-from sim.errors import USER_ERRORS, SimError
-from sim.wording import error_text
+from sim.errors import SimError
 
 if TYPE_CHECKING:
     from sim.harness.claims import Claim
@@ -166,19 +162,7 @@ def slam_factory(text: str, option: str = "--slam") -> SlamFactory:
 
 def _imported(text: str, option: str = "--slam") -> "Callable[[], SlamUnderTest]":
     place = f"{option} {text!r:.80}"
-    module_name, colon, class_name = text.partition(":")
-    if not (module_name and colon and class_name):
-        raise SimError(f"{place}: is no MODULE:CLASS; valid: such as my_slam:MySlam")
-    if module_name.endswith(".py"):
-        module = ".".join(Path(module_name).with_suffix("").parts)
-        raise SimError(f"{place}: names a file; leave out .py: {module}:{class_name}")
-    if "" not in sys.path:
-        sys.path.insert(0, "")  # the current folder, as in `python -m`
-    try:
-        found = getattr(importlib.import_module(module_name), class_name, None)
-    except USER_ERRORS as error:
-        reason = one_line(error_text(error), 160)
-        raise SimError(f"{place}: cannot be imported: {reason}; valid: a module here or on the path") from None
+    found = named_object(text, place, "MODULE:CLASS", "my_slam:MySlam")
     if not callable(found):
-        raise SimError(f"{place}: the module has no class {class_name}; valid: the name of a class in it")
-    return found  # type: ignore[no-any-return]
+        raise SimError(f"{place}: the module has no class {text.partition(':')[2]}; valid: the name of a class in it")
+    return found
