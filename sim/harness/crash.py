@@ -70,10 +70,8 @@ class Crash:
 
     @property
     def place(self) -> str:
-        """The innermost line of the user's own code, such as ", in my_slam.py:12"; "" if there is none."""
-        frames = traceback.extract_tb(self.error.__traceback__)
-        own = [each for each in frames if not each.filename.startswith((*_NOT_OWN, "<")) and _INSTALLED not in each.filename]
-        return f", in {Path(own[-1].filename).name}:{own[-1].lineno}" if own else ""
+        """See `place_in_own_code`."""
+        return place_in_own_code(self.error)
 
     @property
     def traceback(self) -> str:
@@ -82,6 +80,13 @@ class Crash:
             told = self.error.stderr.decode(errors="replace").rstrip()
             return f"{told}\n" if told else ""
         return encodable("".join(traceback.format_exception(self.error)))
+
+
+def place_in_own_code(error: BaseException) -> str:
+    """Return the innermost line of the user's own code, such as ", in my_slam.py:12"; "" if there is none."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [each for each in frames if not each.filename.startswith((*_NOT_OWN, "<")) and _INSTALLED not in each.filename]
+    return f", in {Path(own[-1].filename).name}:{own[-1].lineno}" if own else ""
 
 
 def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None) -> Run | Crash:

@@ -46,24 +46,32 @@ def check_slam_methods(slam: object) -> None:
 
     The error names the method that is missing, or that cannot be called with the arguments of the harness.
     """
-    name = slam.__name__ if isinstance(slam, type) else type(slam).__name__
     if isinstance(slam, type):
-        raise SimError(f"SLAM under test: {name} is a class; valid: an instance, {name}(...)")
+        raise SimError(f"SLAM under test: {slam.__name__} is a class; valid: an instance, {slam.__name__}(...)")
     for method, parameters in _PARAMETERS.items():
-        if not callable(call := getattr(slam, method, None)):
-            raise SimError(f"SLAM under test: {name} has no method {method}(); valid: start(), process() and finish()")
-        function = getattr(call, "__func__", call)
-        given = parameters if function is call else ("self", *parameters)
-        try:
-            found = inspect.signature(function)
-        except (TypeError, ValueError):  # methods that are written in C need not have a signature
-            continue
-        try:
-            found.bind(*given)
-        except TypeError as error:
-            bare = [each.replace(annotation=inspect.Parameter.empty) for each in found.parameters.values()]
-            takes, valid = f"def {method}{inspect.Signature(bare)}", f"def {method}({', '.join(('self', *parameters))})"
-            raise SimError(f"SLAM under test: {name} has {takes}: {error}; valid: {valid}") from None
+        check_method("SLAM under test", slam, method, parameters, "start(), process() and finish()")
+
+
+def check_method(place: str, owner: object, method: str, parameters: Sequence[str], valid: str) -> None:
+    """Raise SimError unless `owner` has this method, which takes these parameters by position.
+
+    The message begins with `place`. If the method is missing, the message ends with `valid`.
+    """
+    name = type(owner).__name__
+    if not callable(call := getattr(owner, method, None)):
+        raise SimError(f"{place}: {name} has no method {method}(); valid: {valid}")
+    function = getattr(call, "__func__", call)
+    given = parameters if function is call else ("self", *parameters)
+    try:
+        found = inspect.signature(function)
+    except (TypeError, ValueError):  # methods that are written in C need not have a signature
+        return
+    try:
+        found.bind(*given)
+    except TypeError as error:
+        bare = [each.replace(annotation=inspect.Parameter.empty) for each in found.parameters.values()]
+        takes, needed = f"def {method}{inspect.Signature(bare)}", f"def {method}({', '.join(('self', *parameters))})"
+        raise SimError(f"{place}: {name} has {takes}: {error}; valid: {needed}") from None
 
 
 def check_slam_factory(place: str, new_slam: object, valid: str = _NO_ARGUMENTS) -> None:
