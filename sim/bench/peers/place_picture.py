@@ -10,6 +10,9 @@ from sim.bench.peers.place_figures import REQUIRED, PlaceFigures
 from sim.bench.peers.place_methods import PlaceTotal, totals
 from sim.bench.row_files import is_picture, picture, write_rows
 
+_COLOURS = 10
+"""Number of different colours of matplotlib. The curves of further methods repeat the colours in dashed lines."""
+
 
 def write_places(found: Sequence[PlaceFigures], path: Path) -> None:
     """Write one row per walk and method as CSV, or draw them, as the ending of the path says.
@@ -30,8 +33,9 @@ def draw_places(found: Mapping[str, Mapping[str, PlaceTotal]], path: Path) -> No
             colours = {name: f"C{number}" for number, name in enumerate(methods)}
             _draw_matches(bars, methods, colours)
             bars.set(title=f"{preset}: true matches (above) and false matches (below)", ylabel="queries")
-            for name, total in methods.items():
-                lines.plot(total.curve.recall, total.curve.precision, color=colours[name], label=name)
+            for number, (name, total) in enumerate(methods.items()):
+                style = {"color": colours[name], "linestyle": "-" if number < _COLOURS else "--"}
+                lines.plot(total.curve.recall, total.curve.precision, label=name, **style)
             lines.set(title=f"{preset}: best matches", xlabel="recall", ylabel="precision", xlim=(0, 1), ylim=(0, 1.02))
             lines.grid(alpha=0.25)
         figure.legend(*grid[0][1].get_legend_handles_labels(), loc="outside right center")
