@@ -6,6 +6,8 @@ like rooms. `difficulty_sweep` compares the rooms found by LEXIS and by the base
 runs become more difficult in another way. `trajectories` compares the trajectories that LEXIS estimates with different
 methods of place recognition. `side_by_side` gives the observations of one walk to several systems.
 
+`own_methods` puts segmentations and methods of place recognition of the user's own beside the others.
+
 `place_methods` compares methods of place recognition on the walks of `place_walks`. `place_figures` judges their answers,
 `place_picture` draws them, and `place_tuning` tunes the settings of the methods.
 """

@@ -24,6 +24,7 @@ from sim.baselines.rooms import (
     WordlessLexis,
 )
 from sim.bench.houses import for_seeds, varied
+from sim.bench.peers.own_methods import OwnSegmentation, naming_run
 from sim.bench.peers.side_by_side import run_side_by_side
 from sim.bench.row_files import grouped, is_picture, mean_and_std, picture, write_rows
 from sim.fidelity import Fidelity
@@ -36,13 +37,16 @@ from worlds.spec import LightName, TextureName
 from worlds.variant import in_light, in_texture
 
 Value: TypeAlias = float | str
+Method: TypeAlias = Callable[[Scenario], SlamUnderTest]
+"""A function that makes the SLAM for a scenario."""
+_NO_SEGMENTATIONS: Mapping[str, OwnSegmentation] = MappingProxyType({})
 
 
 def _lexis(name: str, scenario: Scenario) -> SlamUnderTest:
     return Lexis(scenario.encoder, LEXIS_VARIANTS[name])
 
 
-METHODS: Mapping[str, Callable[[Scenario], SlamUnderTest]] = MappingProxyType(
+METHODS: Mapping[str, Method] = MappingProxyType(
     {name: partial(_lexis, name) for name in LEXIS_VARIANTS}
     | {
         "LEXIS, one label": lambda scenario: WordlessLexis(),
@@ -141,27 +145,37 @@ class SweepRow:
     """Number of surplus true rooms in one found room."""
 
 
+def _segmenting(segmentation: OwnSegmentation, scenario: Scenario) -> SlamUnderTest:
+    return MapRooms.of(scenario, segmentation)
+
+
 def sweep(
     preset: str,
     seeds: Sequence[int],
     difficulty: Difficulty = DIFFICULTIES["openness"],
     length_m: float | None = None,
     rate_hz: float | None = None,
+    own: Mapping[str, OwnSegmentation] = _NO_SEGMENTATIONS,
 ) -> Iterator[SweepRow]:
-    """Let every method of the difficulty find rooms in the same houses at each of its values.
+    """Let every method of the difficulty, and the segmentations `own`, find rooms in the same houses at each of its values.
 
     `length_m` is the length of the walks [m], see `with_walk_m`. None: the usual length of a scenario. `rate_hz` is the
-    number of frames per second [Hz]. None: that of the difficulty.
+    number of frames per second [Hz]. None: that of the difficulty. Raises `OwnMethodError`, which names the house, if a
+    segmentation of `own` raises an exception, or returns what is not valid.
     """
     rate_hz = rate_hz or difficulty.frame_rate_hz or usual_rate_hz(difficulty.fidelity)
     usual = Scenario(preset=preset, fidelity=difficulty.fidelity, frame_rate_hz=rate_hz)
+    methods: dict[str, Method] = {name: METHODS[name] for name in difficulty.methods}
+    methods |= {name: partial(_segmenting, each) for name, each in own.items()}
     for value in difficulty.values:
         for scenario in for_seeds(usual, seeds):
             if length_m is not None:
                 scenario = with_walk_m(scenario, length_m)
             changed = difficulty.changed(scenario, value)
-            slams = {name: difficulty.adjusted(METHODS[name](changed), value) for name in difficulty.methods}
-            for name, finished in run_side_by_side(changed, slams).items():
+            slams = {name: difficulty.adjusted(method(changed), value) for name, method in methods.items()}
+            with naming_run(f"{preset}, seed {scenario.seed}, at the value {value}"):
+                runs = run_side_by_side(changed, slams)
+            for name, finished in runs.items():
                 found = evaluate(finished)
                 rooms = found.rooms.pq, found.rooms.splits, found.rooms.merges
                 yield SweepRow(name, value, scenario.seed, found.labels.accuracy, *rooms)

@@ -21,6 +21,7 @@ from sim.baselines.places.lexis_places import LabelledRoom, RevisitProbability
 from sim.baselines.places.place_method import PlaceMethod
 from sim.baselines.places.vlad import Kind, Vlad
 from sim.baselines.places.word_tree import WordTree
+from sim.bench.peers.own_methods import scores_on
 from sim.bench.peers.place_figures import FALSE_FIELDS, REQUIRED, PlaceFigures, PrecisionRecall, figures, precision_recall
 from sim.bench.peers.place_walks import PlaceWalk
 from sim.bench.row_files import mean_and_std
@@ -79,12 +80,21 @@ one has the defaults of LEXIS instead, which answer more queries because a false
 only."""
 
 
-def compare_place_methods(walks: Iterable[PlaceWalk]) -> Iterator[PlaceFigures]:
-    """Let every method of `METHODS` answer the queries of the same walks."""
-    methods = {name: each.make() for name, each in METHODS.items()}
+_NO_CONTESTANTS: Mapping[str, Contestant] = MappingProxyType({})
+
+
+def compare_place_methods(
+    walks: Iterable[PlaceWalk], own: Mapping[str, Contestant] = _NO_CONTESTANTS
+) -> Iterator[PlaceFigures]:
+    """Let every method of `METHODS`, and then the methods `own` of the user, answer the queries of the same walks.
+
+    Raises `OwnMethodError`, which names the house, if one of `own` raises an exception, or returns what is not valid.
+    """
+    contestants = {**METHODS, **own}
+    methods = {name: each.make() for name, each in contestants.items()}
     for walk in walks:
         for name, method in methods.items():
-            yield figures(walk, name, method.scores(walk.seen), METHODS[name].least)
+            yield figures(walk, name, scores_on(walk, method), contestants[name].least)
 
 
 @dataclass(frozen=True)

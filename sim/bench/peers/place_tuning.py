@@ -14,6 +14,7 @@ import numpy as np
 from sim.baselines.places.by_embedding import EmbeddingSimilarity, SequenceMatching
 from sim.baselines.places.lexis_places import LabelledRoom, RevisitProbability
 from sim.baselines.places.place_method import PlaceMethod
+from sim.bench.peers.own_methods import scores_on
 from sim.bench.peers.place_figures import REQUIRED, is_last_of_equal, ranked
 from sim.bench.peers.place_methods import bag_of_words, vlad
 from sim.bench.peers.place_walks import PlaceWalk
@@ -76,9 +77,13 @@ SEARCHES: Mapping[str, SettingsSearch] = MappingProxyType(
 """The search for each method of `METHODS` that has something to tune."""
 
 
-def tune(walks: Sequence[PlaceWalk]) -> Iterator[Tuned]:
-    """Tune each method on walks, one axis of its settings after the other."""
-    for name, search in SEARCHES.items():
+def tune(walks: Sequence[PlaceWalk], searches: Mapping[str, SettingsSearch] | None = None) -> Iterator[Tuned]:
+    """Tune each method on walks, one axis of its settings after the other.
+
+    `searches` holds what is tried, by the name of the method. None or empty: `SEARCHES`. Raises `OwnMethodError`, which
+    names the house, if a method of the user's own raises an exception, or returns what is not valid.
+    """
+    for name, search in (searches or SEARCHES).items():
         settings = {key: value for axis in search.axes for key, value in axis[0].items()}
         least, f1 = best_least(search.make(**settings), walks)
         for axis in search.axes:
@@ -92,7 +97,7 @@ def tune(walks: Sequence[PlaceWalk]) -> Iterator[Tuned]:
 
 def best_least(method: PlaceMethod, walks: Sequence[PlaceWalk]) -> tuple[float, float]:
     """Find the least score for answers that has the largest mean F1 score, and return it with this F1 score."""
-    rankings = [(walk, ranked(method.scores(walk.seen))) for walk in walks]
+    rankings = [(walk, ranked(scores_on(walk, method))) for walk in walks]
     best = np.concatenate([ranking.scores[:, 0] for _, ranking in rankings])
     hits = np.concatenate(
         [

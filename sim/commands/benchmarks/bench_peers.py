@@ -22,13 +22,14 @@ from sim.commands.benchmarks.bench_options import (
     printing,
     seeds_of,
 )
+from sim.commands.benchmarks.own_methods import PLACE_METHOD, SEGMENTATION, own_places, own_segmentations
 from sim.commands.progress import tracked
 from sim.errors import SimError
 
 if TYPE_CHECKING:
     from lexis.evaluation.place_recognition import MatchCounts
     from sim.bench.peers.difficulty_sweep import Difficulty
-    from sim.bench.peers.place_methods import PlaceTotal
+    from sim.bench.peers.place_methods import Contestant, PlaceTotal
     from sim.bench.peers.place_walks import PlaceWalk
 
 _AT_N = ("N = 1", "N = 3", "N = 5")
@@ -60,9 +61,9 @@ def _sweep(
     from sim.report.figures import shown
 
     check_files(*arguments.out)
-    seeds = seeds_of(arguments)
-    total = len(difficulty.methods) * len(difficulty.values) * len(seeds)
-    rows = list(tracked(sweep(arguments.preset, seeds, difficulty, length_m, rate_hz), total, "runs"))
+    seeds, own = seeds_of(arguments), own_segmentations(arguments.segmentation)
+    total = (len(difficulty.methods) + len(own)) * len(difficulty.values) * len(seeds)
+    rows = list(tracked(sweep(arguments.preset, seeds, difficulty, length_m, rate_hz, own), total, "runs"))
     for path in arguments.out:
         write_sweep(rows, over, path)
     title = (
@@ -139,12 +140,12 @@ def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
     check_files(*arguments.out)
     if arguments.tune and arguments.out:
         raise SimError("--tune writes no files; valid: --tune without --out")
-    presets, seeds = arguments.presets, seeds_of(arguments)
+    presets, seeds, own = arguments.presets, seeds_of(arguments), own_places(arguments.place_method)
     walks = tracked(record_walks(presets, seeds, arguments.length, arguments.rate), len(presets) * len(seeds), "walks")
     if arguments.tune:
-        yield _tuned_places(walks)
+        yield _tuned_places(walks, own)
         return
-    found = list(compare_place_methods(walks))
+    found = list(compare_place_methods(walks, own))
     for path in arguments.out:
         write_places(found, path)
     as_often = equally_often(found)
@@ -182,11 +183,12 @@ def _matches_as_often(
     return table
 
 
-def _tuned_places(walks: "Iterable[PlaceWalk]") -> Table:
-    from sim.bench.peers.place_tuning import tune
+def _tuned_places(walks: "Iterable[PlaceWalk]", own: "Mapping[str, Contestant]") -> Table:
+    """Tune the methods of the user's own, or without any all methods that have something to tune."""
+    from sim.bench.peers.place_tuning import SettingsSearch, tune
 
     table = Table("method", "settings", "least score", "mean F1", title="best settings on these walks")
-    for tuned in tune(list(walks)):
+    for tuned in tune(list(walks), {name: SettingsSearch(each.make) for name, each in own.items()}):
         settings = ", ".join(f"{name} {value}" for name, value in tuned.settings.items())
         table.add_row(tuned.method, settings, f"{tuned.least:.3f}", f"{tuned.f1:.3f}")
     return table
@@ -275,6 +277,7 @@ BENCHMARKS = (
                 metavar="SHARE",
                 help="shares of the inner walls that are open (default: 0 0.3 0.6 0.9)",
             ),
+            SEGMENTATION,
             FILES,
             SEED,
         ),
@@ -297,6 +300,7 @@ BENCHMARKS = (
                 help="length of the walks in metres; longer where the rooms of a house demand it (default: the usual)",
             ),
             RATE,
+            SEGMENTATION,
             FILES,
             SEED,
         ),
@@ -330,8 +334,14 @@ BENCHMARKS = (
                 help="length of the walks in metres; longer where the rooms of a house demand it (default: %(default)s)",
             ),
             RATE,
+            PLACE_METHOD,
             FILES,
-            argument("--tune", action="store_true", help="find the best settings of all methods on these walks instead"),
+            argument(
+                "--tune",
+                action="store_true",
+                help="find the best settings and least scores of all methods on these walks instead, or with --place-method "
+                "only the least scores of these methods",
+            ),
             SEED,
         ),
     ),
