@@ -1,6 +1,5 @@
 """The benchmarks of `lexis-sim bench all`, with their arguments in a quick and in a full extent."""
 
-import shlex
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -59,17 +58,27 @@ class Benchmark:
     """One benchmark of the list."""
 
     name: str
-    """Name of its files, without endings."""
+    """Name of its file of text, without the ending."""
     arguments: tuple[str, ...]
-    """Arguments of `lexis-sim bench`."""
+    """Arguments of `lexis-sim bench`, for the folder of the collection as the working directory."""
     quick_s: int
     """Processor time in the quick extent [s], by which the remaining time is estimated."""
     is_timing: bool = False
     """Whether the benchmark measures time or uses all cores, so that no other benchmark may run beside it."""
+    files: tuple[str, ...] = ()
+    """Names of the files that it writes besides its text. Each of them is one of the arguments."""
+    inputs: tuple[Path, ...] = ()
+    """Files that it reads."""
+
+    def arguments_in(self, out: Path) -> tuple[str, ...]:
+        """Return the arguments with which all files are written to the folder `out`."""
+        return tuple(str(out / word) if word in self.files else word for word in self.arguments)
 
 
 _PRESETS = ("uh2-apt", "uh2-office", "ori", "home")
 """The presets that are named like the datasets of the paper."""
+_OUT = "OUT"
+"""Stands for the folder of the collection in the lists below."""
 _RENDERED_SWEEP = "--houses {houses} {sweep_options} --rate {render_rate_hz} --seed 500"
 """Arguments of the sweeps that need images."""
 _LIST = (
@@ -116,18 +125,20 @@ _TIMINGS = (
 """The same for benchmarks that run alone."""
 
 
-def benchmarks(extent: Extent, out: Path, pose_graphs: Sequence[Path] = ()) -> tuple[Benchmark, ...]:
+def benchmarks(extent: Extent, pose_graphs: Sequence[Path] = ()) -> tuple[Benchmark, ...]:
     """Return all benchmarks: first those that may run beside each other, longest first; then those that measure time.
 
     Args:
         extent: how much they measure.
-        out: the folder of their files.
         pose_graphs: g2o files to optimise; without any, the benchmark `pose-graph` is left out.
     """
-    values = {**asdict(extent), "presets": " ".join(_PRESETS), "out": shlex.quote(str(out))}
+    values = {**asdict(extent), "presets": " ".join(_PRESETS), "out": _OUT}
 
     def filled(name: str, template: str, seconds: int, preset: str = "", is_timing: bool = False) -> Benchmark:
-        return Benchmark(name, tuple(shlex.split(template.format(**values, preset=preset))), seconds, is_timing)
+        words = template.format(**values, preset=preset).split()
+        files = tuple(word.removeprefix(f"{_OUT}/") for word in words if word.startswith(_OUT))
+        arguments = tuple(word.removeprefix(f"{_OUT}/") for word in words)
+        return Benchmark(name, arguments, seconds, is_timing, files)
 
     together = [filled(*entry) for entry in _LIST]
     together += [
@@ -137,5 +148,6 @@ def benchmarks(extent: Extent, out: Path, pose_graphs: Sequence[Path] = ()) -> t
     ]
     timings = [filled(*entry, is_timing=True) for entry in _TIMINGS]
     if pose_graphs:
-        timings.append(Benchmark("pose-graph", ("pose-graph", *map(str, pose_graphs)), 10, is_timing=True))
+        arguments = ("pose-graph", *map(str, pose_graphs))
+        timings.append(Benchmark("pose-graph", arguments, 10, is_timing=True, inputs=tuple(pose_graphs)))
     return (*sorted(together, key=lambda each: -each.quick_s), *timings)

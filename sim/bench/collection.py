@@ -1,7 +1,8 @@
 """Runs many benchmarks as processes of their own and keeps what they print, with where it comes from.
 
-The file of a benchmark begins with its command, the commit, and the machine with its versions. A benchmark whose file begins
-so already is not run again, so that an interrupted collection can be continued.
+The file of a benchmark begins with its command, the commit, the machine with its versions, and the hashes of all files that
+it read and wrote. A benchmark for which all of these are right already is not run again, so that an interrupted collection
+can be continued. The command leaves out the name of the collection's folder, so that the folder can be moved.
 """
 
 import hashlib
@@ -27,6 +28,10 @@ from sim.processes import ONE_THREAD
 _HERE = Path(__file__).parent
 _LAST_LINES = 3
 """Number of lines of a failed benchmark's error output that are shown."""
+_COMMIT_LETTERS = 8
+"""Number of letters by which messages name a commit."""
+_TABLES = "the text below"
+"""Name of what a benchmark printed, in the list of hashes."""
 
 
 @dataclass(frozen=True)
@@ -86,14 +91,66 @@ def _git(*arguments: str) -> bytes | None:
         return None
 
 
-def _run(benchmark: Benchmark, out: Path) -> BenchmarkRun:
-    """Run a benchmark and write its file, unless the file is there. The file states the commit at which the run began."""
-    beginning = f"lexis-sim bench {shlex.join(benchmark.arguments)}\n{source()}\n"
+def why_again(benchmark: Benchmark, out: Path) -> str | None:
+    """Say why the earlier file of a benchmark cannot be kept; "" if there is none, and None if it can be kept."""
     file = out / f"{benchmark.name}.txt"
-    if file.is_file() and file.read_bytes().startswith(beginning.encode()):
+    if not file.is_file():
+        return ""
+    head, _, tables = file.read_bytes().decode(errors="replace").partition("\n\n")
+    earlier, wanted = head.split("\n"), _beginning(benchmark)
+    command, commit, machine = [*earlier, "", "", ""][:3]
+    if command != wanted[0]:
+        return "the earlier file is of another command"
+    if commit != wanted[1]:
+        name, _, changes = commit.removeprefix("commit ").partition(" ")
+        return f"the earlier file is of commit {name[:_COMMIT_LETTERS]} {changes}".rstrip()
+    if machine != wanted[2]:
+        return "the earlier file is of another machine, or of other versions"
+    hashes = {**_hashes_of_inputs(benchmark), **_hashes_of_results(benchmark, out, tables)}
+    changed = [name for name, found in hashes.items() if _hash_line(name, found) not in earlier]
+    if changed:
+        return f"{file.name if changed[0] == _TABLES else changed[0]} is missing or has changed"
+    return None
+
+
+def _beginning(benchmark: Benchmark) -> list[str]:
+    """Return the first three lines of a benchmark's file: its command, the commit and the machine."""
+    return [f"lexis-sim bench {shlex.join(benchmark.arguments)}", *source().split("\n")]
+
+
+def _hashes_of_inputs(benchmark: Benchmark) -> dict[str, str]:
+    return {str(path): _hash_of_file(path) for path in benchmark.inputs}
+
+
+def _hashes_of_results(benchmark: Benchmark, out: Path, tables: str) -> dict[str, str]:
+    return {name: _hash_of_file(out / name) for name in benchmark.files} | {
+        _TABLES: hashlib.sha256(tables.encode()).hexdigest()
+    }
+
+
+def _hash_of_file(path: Path) -> str:
+    """Return the SHA-256 of a file; "" if it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return ""
+
+
+def _hash_line(name: str, found: str) -> str:
+    return f"sha256 {found} {name}"
+
+
+def _run(benchmark: Benchmark, out: Path) -> BenchmarkRun:
+    """Run a benchmark and write its file, unless an earlier one can be kept.
+
+    The file states the commit and the inputs at which the run began.
+    """
+    if why_again(benchmark, out) is None:
         return BenchmarkRun(benchmark, None)
+    beginning, hashes = _beginning(benchmark), _hashes_of_inputs(benchmark)
     start = time.perf_counter()
-    command = (sys.executable, "-m", "sim", "bench", *benchmark.arguments)
+    command = (sys.executable, "-m", "sim", "bench", *benchmark.arguments_in(out))
     environment = {**os.environ, "PYTHONUTF8": "1"} | ({} if benchmark.is_timing else ONE_THREAD)
     with TemporaryFile() as printed, TemporaryFile() as errors:
         process = subprocess.Popen(command, env=environment, stdout=printed, stderr=errors)
@@ -104,9 +161,11 @@ def _run(benchmark: Benchmark, out: Path) -> BenchmarkRun:
     if process.returncode:
         said = (complaints or tables).strip().splitlines()[-_LAST_LINES:]
         return BenchmarkRun(benchmark, seconds, processor_s, "\n".join(said) or f"exit status {process.returncode}")
-    with replaced_file(file) as new:
-        took = f"took {seconds:.0f} s, {processor_s:.0f} s of processor time"
-        new.write_text(f"{beginning}{took}\n\n{tables}", encoding="utf-8")
+    hashes |= _hashes_of_results(benchmark, out, tables)
+    took = f"took {seconds:.0f} s, {processor_s:.0f} s of processor time"
+    head = [*beginning, took, *(_hash_line(*each) for each in hashes.items())]
+    with replaced_file(out / f"{benchmark.name}.txt") as new:
+        new.write_bytes("\n".join([*head, "", tables]).encode())
     return BenchmarkRun(benchmark, seconds, processor_s)
 
 

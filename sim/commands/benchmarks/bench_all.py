@@ -25,11 +25,11 @@ ARGUMENTS = (
 def run_all(arguments: argparse.Namespace) -> int:
     """Print a line for each benchmark as soon as it ends, and return 1 if one of them failed, else 0."""
     from sim.bench.benchmark_list import FULL, QUICK, benchmarks
-    from sim.bench.collection import collect
+    from sim.bench.collection import collect, why_again
     from sim.errors import SimError
     from sim.output_files import make_output_folder
 
-    listed = benchmarks(QUICK if arguments.quick else FULL, arguments.out, arguments.pose_graphs)
+    listed = benchmarks(QUICK if arguments.quick else FULL, arguments.pose_graphs)
     chosen = [each for each in listed if arguments.only in each.name]
     if not chosen:
         raise SimError(f"--only {arguments.only}: no benchmark; valid: part of {', '.join(each.name for each in listed)}")
@@ -37,6 +37,9 @@ def run_all(arguments: argparse.Namespace) -> int:
         if not file.is_file():
             raise SimError(f"--pose-graphs: no file {file}; valid: g2o files")
     make_output_folder(arguments.out)
+    for each in chosen:
+        if why := why_again(each, arguments.out):
+            print(f"{each.name}: run again, because {why}", flush=True)
     failed = 0
     columns = TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TextColumn("left:"), TimeRemainingColumn()
     console = Console(file=sys.stderr)

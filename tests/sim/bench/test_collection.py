@@ -1,5 +1,6 @@
 """`lexis-sim bench all`: every benchmark of the list exists, and a collection that was interrupted is continued."""
 
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -7,7 +8,7 @@ import pytest
 
 from sim.bench import collection
 from sim.bench.benchmark_list import FULL, QUICK, Benchmark, benchmarks
-from sim.bench.collection import collect, source
+from sim.bench.collection import collect, source, why_again
 from sim.cli import main, parser
 from sim.commands.benchmarks import bench_graphs, bench_harness, bench_peers, bench_runs
 
@@ -25,14 +26,37 @@ def graph(tmp_path):
 
 
 def pose_graph(graph):
-    return Benchmark("pose-graph", ("pose-graph", str(graph)), 1, is_timing=True)
+    return Benchmark("pose-graph", ("pose-graph", str(graph)), 1, is_timing=True, inputs=(graph,))
+
+
+@pytest.fixture
+def program(tmp_path, monkeypatch):
+    """In place of Python, a program that writes its last argument as a file, and prints two lines."""
+    path = tmp_path / "python"
+    path.write_text('#!/bin/sh\nfor last; do :; done\necho 1,2 > "$last"\nprintf "one\\n\\ntwo\\n"\n')
+    path.chmod(0o755)
+    monkeypatch.setattr("sys.executable", str(path))
+
+
+KERNELS = Benchmark("kernels", ("kernels", "--csv", "kernels.csv"), 1, files=("kernels.csv",))
+
+
+def collected(benchmark, out):
+    """Collect one benchmark; return why its earlier file was not kept (None: it was kept, "": there was none)."""
+    why = why_again(benchmark, out)
+    (ended,) = collect([benchmark], out, workers=1)
+    assert ended.error == "" and (ended.seconds is None) == (why is None) and why_again(benchmark, out) is None
+    return why
 
 
 @pytest.mark.parametrize("extent", [QUICK, FULL])
 def test_the_arguments_of_all_benchmarks_are_valid(extent, tmp_path, graph):
-    listed = benchmarks(extent, tmp_path / "a folder", [graph])
+    listed = benchmarks(extent, [graph])
     for each in listed:
-        parsed = parser().parse_args(["bench", *each.arguments])
+        parsed = parser().parse_args(["bench", *each.arguments_in(tmp_path / "a folder")])
+        written = [parsed.csv] if getattr(parsed, "csv", None) else getattr(parsed, "out", [])
+        written = [*written, *([parsed.plot] if getattr(parsed, "plot", None) else [])]
+        assert written == [tmp_path / "a folder" / name for name in each.files]
         assert getattr(parsed, "houses", extent.houses) in (extent.houses, 8)
         assert getattr(parsed, "seed", 0) < 1_000_000
     assert len({each.name for each in listed}) == len(listed)
@@ -42,8 +66,8 @@ def test_the_arguments_of_all_benchmarks_are_valid(extent, tmp_path, graph):
     assert [each.is_timing for each in listed] == sorted(each.is_timing for each in listed)
 
 
-def test_pose_graphs_are_optimised_only_if_there_are_files(tmp_path, graph):
-    names = [{each.name for each in benchmarks(QUICK, tmp_path, files)} for files in ([], [graph])]
+def test_pose_graphs_are_optimised_only_if_there_are_files(graph):
+    names = [{each.name for each in benchmarks(QUICK, files)} for files in ([], [graph])]
     assert names[1] - names[0] == {"pose-graph"} and names[0] < names[1]
 
 
@@ -58,6 +82,59 @@ def test_a_finished_benchmark_is_kept_and_one_from_elsewhere_is_run_again(tmp_pa
     file.write_text(text.replace("commit ", "commit of another day "))
     (other,) = collect([pose_graph(graph)], tmp_path, workers=2)
     assert other.seconds is not None and file.read_text().startswith(text[: text.index("took ")])
+
+
+@pytest.mark.parametrize("content", [None, b"1,3\n"])
+def test_a_benchmark_whose_files_are_gone_or_changed_is_run_again(content, tmp_path, program):
+    assert collected(KERNELS, tmp_path) == "" and collected(KERNELS, tmp_path) is None
+    file = tmp_path / "kernels.csv"
+    file.unlink() if content is None else file.write_bytes(content)
+    assert collected(KERNELS, tmp_path) == "kernels.csv is missing or has changed" and file.read_text() == "1,2\n"
+
+
+@pytest.mark.parametrize("kept", [0.3, 0.99])
+def test_a_benchmark_whose_text_was_cut_is_run_again(kept, tmp_path, program):
+    collected(KERNELS, tmp_path)
+    file = tmp_path / "kernels.txt"
+    whole = file.read_text()
+    file.write_text(whole[: int(kept * len(whole))])
+    assert collected(KERNELS, tmp_path) and file.read_text().endswith("one\n\ntwo\n")
+
+
+def test_a_benchmark_is_run_again_if_its_input_has_changed(tmp_path, graph):
+    collected(pose_graph(graph), tmp_path)
+    graph.write_text(GRAPH.replace("1 1 0 0", "1 2 0 0", 1))
+    assert collected(pose_graph(graph), tmp_path) == f"{graph} is missing or has changed"
+
+
+def test_a_collection_is_continued_whatever_its_folder_is_called(tmp_path, program, monkeypatch):
+    (tmp_path / "tables").mkdir()
+    collected(KERNELS, tmp_path / "tables")
+    monkeypatch.chdir(tmp_path)
+    assert why_again(KERNELS, Path("tables")) is None
+    shutil.copytree("tables", "a copy")
+    assert why_again(KERNELS, Path("a copy")) is None
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("lexis-sim bench", "lexis-sim bench --quick", "is of another command"),
+        ("commit ", "commit 0123456789abcdef with changes 42 ", "is of commit 01234567 with changes 42 "),
+        ('{"cores": ', '{"cores": 9', "is of another machine, or of other versions"),
+    ],
+)
+def test_before_an_earlier_result_is_replaced_it_is_said_why(old, new, says, tmp_path, program, monkeypatch, capsys):
+    monkeypatch.setattr("sim.bench.benchmark_list.benchmarks", lambda *_: (KERNELS,))
+    assert main(["bench", "all", "-o", str(tmp_path)]) == 0
+    assert "again" not in capsys.readouterr().out
+    file = tmp_path / "kernels.txt"
+    file.write_text(file.read_text().replace(old, new, 1))
+    assert main(["bench", "all", "-o", str(tmp_path)]) == 0
+    first, *others = capsys.readouterr().out.splitlines()
+    assert first.startswith(f"kernels: run again, because the earlier file {says}") and len(others) == 2
+    assert main(["bench", "all", "-o", str(tmp_path)]) == 0
+    assert capsys.readouterr().out.startswith("kernels: kept\n")
 
 
 def test_a_file_of_somebody_else_is_no_finished_benchmark(tmp_path, graph):
