@@ -24,13 +24,15 @@ ARGUMENTS = (
 
 def run_all(arguments: argparse.Namespace) -> int:
     """Print a line for each benchmark as soon as it ends, and return 1 if one of them failed, else 0."""
-    from sim.bench.benchmark_list import FULL, QUICK, benchmarks
+    from sim.bench.benchmark_list import FULL, POSE_GRAPH, QUICK, benchmarks
     from sim.bench.collection import collect, why_again
     from sim.errors import SimError
     from sim.output_files import make_output_folder
 
     listed = benchmarks(QUICK if arguments.quick else FULL, arguments.pose_graphs)
     chosen = [each for each in listed if arguments.only in each.name]
+    if not chosen and arguments.only in POSE_GRAPH:
+        raise SimError(f"--only {arguments.only}: {POSE_GRAPH} needs --pose-graphs FILE...; valid: one g2o file or more")
     if not chosen:
         raise SimError(f"--only {arguments.only}: no benchmark; valid: part of {', '.join(each.name for each in listed)}")
     for file in arguments.pose_graphs:

@@ -177,6 +177,11 @@ def test_a_benchmark_may_print_bytes_that_are_no_text(tmp_path, graph, monkeypat
     assert ended.error == "" and (tmp_path / "pose-graph.txt").read_text().endswith("\n\ncaf\\xe9")
 
 
+def test_pose_graph_without_files_names_the_option_that_it_needs(tmp_path, capsys):
+    assert main(["bench", "all", "-o", str(tmp_path / "tables"), "--only", "pose-graph"]) == 2
+    assert "--only pose-graph: pose-graph needs --pose-graphs FILE...; valid: " in capsys.readouterr().err
+
+
 def test_a_name_that_no_benchmark_has_is_bad_input(tmp_path, capsys):
     assert main(["bench", "all", "-o", str(tmp_path), "--only", "table9"]) == 2
     assert "table9: no benchmark; valid: part of " in capsys.readouterr().err
