@@ -19,6 +19,8 @@ _NUMBERS = {"VERTEX_SE3:QUAT": 8, "EDGE_SE3:QUAT": 30}
 """How many numbers follow the first word of a line: the ids, seven numbers of a pose, and, for an edge, the 21 numbers of
 the upper triangle of an information matrix."""
 _IGNORED = ("FIX",)
+_NORM_TOLERANCE = 0.01
+"""Largest difference between the norm of a quaternion and 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +40,7 @@ def read_g2o(path: Path) -> G2oGraph:
     """
     vertices: list[list[float]] = []
     edges: list[list[float]] = []
+    vertex_lines: dict[float, int] = {}
     edge_lines: list[int] = []
     for number, line in numbered_lines(path, _FILE):
         kind, *words = line.split()
@@ -45,32 +48,50 @@ def read_g2o(path: Path) -> G2oGraph:
             continue
         values = _numbers(path, number, kind, words)
         if kind.startswith("VERTEX"):
+            first = vertex_lines.setdefault(values[0], number)
+            if first != number:
+                twice = f"vertex {words[0]} is given twice, first in line {first}"
+                raise _FILE.refusal(path, f"line {number}: {twice}; valid: each id once")
             vertices.append(values)
         else:
             edges.append(values)
             edge_lines.append(number)
-    rows = np.array(vertices).reshape(-1, _NUMBERS["VERTEX_SE3:QUAT"])
-    ids = np.unique(rows[:, 0])
-    if len(ids) < max(len(rows), 1):
-        raise _FILE.refusal(path, "holds no vertex, or an id twice")
-    return G2oGraph(poses_of(rows[np.argsort(rows[:, 0]), 1:]), _edges(path, ids, np.array(edges), edge_lines))
+    if not vertices:
+        raise _FILE.refusal(path, "holds no vertex; valid: a line 'VERTEX_SE3:QUAT id x y z qx qy qz qw' for each pose")
+    rows = np.array(vertices)
+    rows = rows[np.argsort(rows[:, 0])]
+    return G2oGraph(poses_of(rows[:, 1:]), _edges(path, rows[:, 0], np.array(edges), edge_lines))
 
 
 def _numbers(path: Path, number: int, kind: str, words: Sequence[str]) -> list[float]:
     """Return the numbers after the first word of a line.
 
-    Raises LexisError unless they are finite, as many as `kind` has, and contain a unit quaternion.
+    Raises LexisError unless `kind` is known, and the numbers are finite, as many as `kind` has, and contain a unit
+    quaternion.
     """
-    try:
-        values = [float(word) for word in words]
-    except ValueError:
-        values = []
-    if len(values) != _NUMBERS.get(kind, -1) or not np.isfinite(values).all():
-        raise _FILE.refusal(path, f"line {number}: {kind} with {len(words)} words")
+    place = f"line {number}"
+    if kind not in _NUMBERS:
+        raise _FILE.refusal(path, f"{place}: {kind!r:.40} is not known; valid: {', '.join((*_NUMBERS, *_IGNORED))}")
+    if len(words) != _NUMBERS[kind]:
+        raise _FILE.refusal(path, f"{place}: {kind} with {len(words)} words; valid: {_NUMBERS[kind]} numbers after {kind}")
+    values = [_number(word) for word in words]
+    if not np.isfinite(values).all():
+        wrong = words[int(np.isfinite(values).argmin())]
+        raise _FILE.refusal(path, f"{place}: {wrong!r:.40} is not a finite number; valid: numbers such as 2, -0.5 or 1e-3")
     first = 1 if kind.startswith("VERTEX") else 2
-    if abs(np.linalg.norm(values[first + 3 : first + 7]) - 1.0) > 1e-2:
-        raise _FILE.refusal(path, f"line {number}: the quaternion has no unit norm")
+    norm = np.linalg.norm(values[first + 3 : first + 7])
+    if abs(norm - 1.0) > _NORM_TOLERANCE:
+        valid = f"a unit quaternion qx qy qz qw, with a norm from {1 - _NORM_TOLERANCE:g} to {1 + _NORM_TOLERANCE:g}"
+        raise _FILE.refusal(path, f"{place}: the quaternion has norm {norm:.3g}; valid: {valid}")
     return values
+
+
+def _number(word: str) -> float:
+    """Return the number that a word states; NaN if it states none."""
+    try:
+        return float(word)
+    except ValueError:
+        return np.nan
 
 
 def _edges(
@@ -81,7 +102,10 @@ def _edges(
     known = ids[np.minimum(ends, len(ids) - 1)] == rows[:, :2]
     wrong = ~known.all(axis=1) | (ends[:, 0] == ends[:, 1])
     if wrong.any():
-        raise _FILE.refusal(path, f"line {lines[int(wrong.argmax())]}: an edge needs two different vertices of the file")
+        k = int(wrong.argmax())
+        a, b = rows[k, :2]
+        reason = f"an edge needs two different vertices, and not {a:.15g} and {b:.15g}"
+        raise _FILE.refusal(path, f"line {lines[k]}: {reason}; valid: two ids of vertices of the file")
     covariances = _covariances(path, rows[:, 9:], lines)
     found = zip(ends.tolist(), poses_of(rows[:, 2:9]), covariances, strict=True)
     return tuple(_edge(a, b, T_a_b, covariance) for (a, b), T_a_b, covariance in found)
@@ -104,5 +128,6 @@ def _covariances(path: Path, triangles: Float64[np.ndarray, "m 21"], lines: Sequ
     positive = np.linalg.eigvalsh(information)[:, 0] > 0
     if not positive.all():
         line = lines[int(np.argmin(positive))]
-        raise _FILE.refusal(path, f"line {line}: the information matrix is not positive definite")
+        valid = "the upper triangle of a positive definite matrix, row by row"
+        raise _FILE.refusal(path, f"line {line}: the information matrix is not positive definite; valid: {valid}")
     return np.asarray(np.linalg.inv(information))
