@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 from types import MappingProxyType
+from typing import NamedTuple
 
 from lexis.config import PoseGraphConfig
 from lexis.errors import one_line
@@ -15,9 +16,19 @@ from lexis.files.g2o import G2oGraph, read_g2o
 from lexis.graph.graph_optimisation import GraphOptimiser
 from sim.errors import SimError
 
-LEAST_COSTS: Mapping[str, float] = MappingProxyType({"sphere2500": 675.701, "parking-garage": 0.634192})
-"""Known least costs of public pose graphs, by the name of the file without its ending. The cost is half of the sum of
-squared whitened residuals on SE(3)."""
+
+class KnownGraph(NamedTuple):
+    """A public pose graph whose least cost is known: half of the sum of squared whitened residuals on SE(3)."""
+
+    poses: int
+    edges: int
+    least_cost: float
+
+
+KNOWN: Mapping[str, KnownGraph] = MappingProxyType(
+    {"sphere2500": KnownGraph(2500, 4949, 675.701), "parking-garage": KnownGraph(1661, 6275, 0.634192)}
+)
+"""Public pose graphs by the name of the file without its ending."""
 _CONFIG = PoseGraphConfig(kernel="none", min_rotation_sigma_rad=1e-9, min_translation_sigma_m=1e-9, max_iterations=100)
 """Settings for least squares without a robust kernel, in which the covariances of the file are used as they are."""
 _STARTS: Mapping[str, Callable[[GraphOptimiser], None]] = MappingProxyType(
@@ -39,7 +50,8 @@ class PoseGraphRow:
     cost: float
     """Half of the sum of squared whitened residuals after the optimisation."""
     excess: float | None
-    """How much higher the cost is than the least known cost: 0.1 if it is 10 % higher. None if no least cost is known."""
+    """How much higher the cost is than the least known cost: 0.1 if it is 10 % higher. None unless name and size of the
+    graph are those of one of `KNOWN`."""
     iterations: int | None
     seconds: float
     """Time to find the start and to optimise [s]; reading the file is not included."""
@@ -60,9 +72,9 @@ def optimise_files(paths: Sequence[Path]) -> Iterator[PoseGraphRow]:
                 found = f"{path}: cannot be optimised: {one_line(str(error), 120)}"
                 raise SimError(f"{found}; valid: distances and information matrices that differ less") from None
             seconds = perf_counter() - began
-            least = LEAST_COSTS.get(path.stem)
-            excess = None if least is None else optimiser.cost / least - 1.0
             size = len(graph.T_W_B), len(graph.edges)
+            known = KNOWN.get(path.stem)
+            excess = optimiser.cost / known.least_cost - 1.0 if known and known[:2] == size else None
             yield PoseGraphRow(path.stem, *size, start, start_cost, optimiser.cost, excess, optimiser.iterations, seconds)
 
 

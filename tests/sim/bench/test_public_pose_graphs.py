@@ -6,7 +6,8 @@ import pytest
 
 from lexis.files.g2o import read_g2o
 from lexis.maths.se3 import between, exp
-from sim.bench.public_pose_graphs import optimise_files, optimiser_of
+from sim.bench import public_pose_graphs as module
+from sim.bench.public_pose_graphs import KnownGraph, optimise_files, optimiser_of
 from sim.errors import SimError
 
 
@@ -35,6 +36,15 @@ def test_both_starts_reach_the_cost_that_gtsam_reaches_from_the_truth(tmp_path, 
     assert odometry.cost == pytest.approx(least, rel=1e-3) and chordal.cost == pytest.approx(least, rel=1e-3)
     assert chordal.start_cost < odometry.start_cost and odometry.excess is None
     assert chordal.iterations is not None and 0 < chordal.iterations < 20
+
+
+@pytest.mark.parametrize(("poses", "excess"), [(60, 0.0), (61, None)])
+def test_only_the_known_graph_is_compared_with_the_least_known_cost(poses, excess, tmp_path, rng, monkeypatch):
+    path = tmp_path / "sphere2500.g2o"
+    graph, _ = written(path, rng, 0.03)
+    usual, _ = optimise_files([path])
+    monkeypatch.setattr(module, "KNOWN", {"sphere2500": KnownGraph(poses, graph.size(), usual.cost)})
+    assert usual.excess is None and all(row.excess == pytest.approx(excess, abs=1e-3) for row in optimise_files([path]))
 
 
 def test_a_graph_that_cannot_be_solved_is_named(tmp_path, rng):
