@@ -59,7 +59,7 @@ class PoseGraphRow:
 
 def optimise_files(paths: Sequence[Path]) -> Iterator[PoseGraphRow]:
     """Optimise every file from both starts. Raises `LexisError` or `SimError` for a file that cannot be used."""
-    for path in paths:
+    for path, name in zip(paths, names_of(paths), strict=True):
         graph = read_g2o(path)
         for start, begin in _STARTS.items():
             optimiser = optimiser_of(graph, str(path))
@@ -75,7 +75,18 @@ def optimise_files(paths: Sequence[Path]) -> Iterator[PoseGraphRow]:
             size = len(graph.T_W_B), len(graph.edges)
             known = KNOWN.get(path.stem)
             excess = optimiser.cost / known.least_cost - 1.0 if known and known[:2] == size else None
-            yield PoseGraphRow(path.stem, *size, start, start_cost, optimiser.cost, excess, optimiser.iterations, seconds)
+            yield PoseGraphRow(name, *size, start, start_cost, optimiser.cost, excess, optimiser.iterations, seconds)
+
+
+def names_of(paths: Sequence[Path]) -> Sequence[str]:
+    """Return names that tell files apart: without folder and ending, or else the fewest last parts of the paths that do."""
+    longest = max((len(path.parts) for path in paths), default=0)
+    names = [path.stem for path in paths]
+    for count in range(1, longest + 1):
+        if len(set(names)) == len(names):
+            break
+        names = [str(Path(*path.parts[-count:])) for path in paths]
+    return names
 
 
 def optimiser_of(graph: G2oGraph, name: str) -> GraphOptimiser:

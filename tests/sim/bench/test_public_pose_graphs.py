@@ -1,5 +1,7 @@
 """Pose graphs in files: both starts reach the least cost, the chordal one also where odometry does not."""
 
+from pathlib import Path
+
 import gtsam
 import numpy as np
 import pytest
@@ -7,7 +9,7 @@ import pytest
 from lexis.files.g2o import read_g2o
 from lexis.maths.se3 import between, exp
 from sim.bench import public_pose_graphs as module
-from sim.bench.public_pose_graphs import KnownGraph, optimise_files, optimiser_of
+from sim.bench.public_pose_graphs import KnownGraph, names_of, optimise_files, optimiser_of
 from sim.errors import SimError
 
 
@@ -45,6 +47,20 @@ def test_only_the_known_graph_is_compared_with_the_least_known_cost(poses, exces
     usual, _ = optimise_files([path])
     monkeypatch.setattr(module, "KNOWN", {"sphere2500": KnownGraph(poses, graph.size(), usual.cost)})
     assert usual.excess is None and all(row.excess == pytest.approx(excess, abs=1e-3) for row in optimise_files([path]))
+
+
+@pytest.mark.parametrize(
+    ("paths", "names"),
+    [
+        (["a/good.g2o", "b/grid.g2o"], ["good", "grid"]),
+        (["a/good.g2o", "b/good.g2o", "b/grid.g2o"], ["a/good.g2o", "b/good.g2o", "b/grid.g2o"]),
+        (["a/good.g2o", "a/good.txt"], ["good.g2o", "good.txt"]),
+        (["/1/a/good.g2o", "/2/a/good.g2o"], ["1/a/good.g2o", "2/a/good.g2o"]),
+        (["good.g2o", "a/good.g2o"], ["good.g2o", "a/good.g2o"]),
+    ],
+)
+def test_names_tell_files_apart(paths, names):
+    assert list(names_of([Path(path) for path in paths])) == names
 
 
 def test_a_graph_that_cannot_be_solved_is_named(tmp_path, rng):
