@@ -81,7 +81,8 @@ def add_completion(commands: Commands, root: Parser) -> None:
         return 0
 
     completion = add_command(commands, "completion", complete, "a script that completes commands in a shell", example)
-    completion.add_argument("shell", choices=("bash", "zsh", "fish"))
+    shells = ("bash", "zsh", "fish")
+    completion.add_argument("shell", choices=shells, metavar="SHELL", help=", ".join(shells))
 
 
 def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type[Exception], ...]) -> int:

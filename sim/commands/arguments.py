@@ -60,14 +60,15 @@ def argument(*names: str, **options: Any) -> Argument:
 
 
 class EachOnce(argparse.Action):
-    """Stores a list of names, and refuses a name that is given twice: it would count twice in every mean."""
+    """Stores a list of names or numbers, and refuses one that is given twice: it would count twice in every mean."""
 
     def __call__(
         self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, option_string: str | None = None
     ) -> None:
-        """Store the names. Raises `ArgumentError` if one of them is given twice."""
-        if twice := [name for k, name in enumerate(values) if name in values[:k]]:
-            raise argparse.ArgumentError(self, f"{twice[0]!r:.60} is given twice; valid: each name once")
+        """Store the list. Raises `ArgumentError` if a name or number is given twice."""
+        if twice := [value for k, value in enumerate(values) if value in values[:k]]:
+            shown, noun = (f"{twice[0]:g}", "number") if isinstance(twice[0], float) else (f"{twice[0]!r:.60}", "name")
+            raise argparse.ArgumentError(self, f"{shown} is given twice; valid: each {noun} once")
         setattr(namespace, self.dest, values)
 
 

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from sim.bench.peers.place_methods import Contestant, PlaceTotal
     from sim.bench.peers.place_walks import PlaceWalk
 
+_SWEPT = ("clutter", "odometry", "spacing", "light", "texture")
 _AT_N = ("N = 1", "N = 3", "N = 5")
 
 
@@ -288,9 +289,7 @@ BENCHMARKS = (
         "the same while another difficulty grows: clutter, odometry errors, distance of keyframes, light or texture",
         "lexis-sim bench sweep odometry --houses 5 --seed 500",
         (
-            argument(
-                "over", choices=("clutter", "odometry", "spacing", "light", "texture"), help="what becomes more difficult"
-            ),
+            argument("over", choices=_SWEPT, metavar="DIFFICULTY", help=f"what becomes harder: {', '.join(_SWEPT)}"),
             PRESET,
             HOUSES,
             argument(
