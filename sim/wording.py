@@ -1,4 +1,4 @@
-"""Words for messages: lists in sentences (`joined`), counts (`counted`), shares (`percent`), errors, and names of values."""
+"""Words for messages: lists in sentences (`joined`), counts (`counted`), shares (`percent`), seeds, errors and names."""
 
 from collections.abc import Sequence
 
@@ -16,6 +16,11 @@ def counted(n: int, noun: str) -> str:
 def percent(share: float) -> str:
     """Return a share in per cent with all its digits: "95%", but "99.5%", which is not 100%."""
     return f"{100 * share:g}%"
+
+
+def seeds_text(seeds: Sequence[int]) -> str:
+    """Return consecutive seeds as text: "seed 500", or "seeds 500 to 504"."""
+    return f"seed {seeds[0]}" if len(seeds) == 1 else f"seeds {seeds[0]} to {seeds[-1]}"
 
 
 def qualified_name(value: object) -> str:

@@ -31,10 +31,11 @@ def grouped(rows: Iterable[_Row], *names: str) -> dict[tuple[Any, ...], list[_Ro
 def mean_and_std(figures: Iterable[float | None]) -> tuple[float | None, float | None]:
     """Return the mean and the standard deviation of one figure over several runs.
 
-    A figure that a run does not have (None) is left out. If no run has the figure, mean and standard deviation are None.
+    A figure that a run does not have (None) is left out. If no run has the figure, the mean is None; if fewer than two have
+    it, the standard deviation is None, because a single figure has no spread.
     """
     known = [figure for figure in figures if figure is not None]
-    return (float(np.mean(known)), float(np.std(known))) if known else (None, None)
+    return float(np.mean(known)) if known else None, float(np.std(known)) if len(known) > 1 else None
 
 
 def write_rows(rows: Sequence[Any], path: Path) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from sim.bench.encoders.times import Timing
-from sim.bench.row_files import picture, write_records
+from sim.bench.row_files import mean_and_std, picture, write_records
 
 TRAINED, RANDOM = "trained", "random"
 _TICKS_MS = tuple(digit * 10.0**power for power in range(-1, 5) for digit in (1, 2, 5))
@@ -27,9 +27,9 @@ class Accuracy:
         return float(np.mean(self.runs))
 
     @property
-    def std(self) -> float:
-        """Standard deviation of the label accuracy over the runs."""
-        return float(np.std(self.runs))
+    def std(self) -> float | None:
+        """Standard deviation of the label accuracy over the runs; None for a single run."""
+        return mean_and_std(self.runs)[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ def draw_plot(rows: Sequence[TableRow], path: Path) -> None:
         for number, preset in enumerate(presets):
             points = [(row.cpu.image_ms, row.accuracy[preset]) for row in rows if row.cpu and preset in row.accuracy]
             ms, found = [time for time, _ in points], [accuracy for _, accuracy in points]
-            spread = [accuracy.std for accuracy in found]
+            spread = np.array([accuracy.std for accuracy in found], float)  # None becomes NaN
             means = [accuracy.mean for accuracy in found]
             shift = 1.0 + 0.04 * (number - (len(presets) - 1) / 2)  # so that the presets' bars stand side by side
             axes.errorbar([time * shift for time in ms], means, spread, fmt="o", capsize=3, label=preset)
@@ -111,7 +111,7 @@ def _record(row: TableRow) -> dict[str, object]:
     record: dict[str, object] = {"encoder": row.encoder, "weights": row.weights}
     for preset, accuracy in row.accuracy.items():
         record[f"{preset} accuracy mean"] = f"{accuracy.mean:.4f}"
-        record[f"{preset} accuracy std"] = f"{accuracy.std:.4f}"
+        record[f"{preset} accuracy std"] = "" if accuracy.std is None else f"{accuracy.std:.4f}"
         record[f"{preset} runs"] = len(accuracy.runs)
     for way, found in row.times.items():
         for field in fields(Timing):

@@ -20,6 +20,7 @@ from sim.fidelity import Fidelity
 from sim.harness import Run, Scenario, SlamUnderTest, evaluate
 from sim.harness.adapters import Lexis
 from sim.harness.world_tests import usual_rate_hz
+from sim.wording import seeds_text
 
 PAPER_ACCURACY: Mapping[str, Mapping[str, tuple[float, float]]] = MappingProxyType(
     {
@@ -94,7 +95,7 @@ def compare_labels(presets: Sequence[str], seeds: Sequence[int], fidelity: Fidel
     """
     if set(seeds) & set(TRAINING_SEEDS):
         raise SimError(
-            f"seeds {seeds[0]} to {seeds[-1]}: the method {_COUNTED!r} learns from some of these houses; valid: other seeds "
+            f"{seeds_text(seeds)}: the method {_COUNTED!r} learns from some of these houses; valid: other seeds "
             f"than {TRAINING_SEEDS[0]} to {TRAINING_SEEDS[-1]}"
         )
     encoder = load_encoder(Scenario.encoder)

@@ -12,6 +12,7 @@ from rich.table import Table
 
 from lexis.command_line import positive, seed
 from sim.commands.arguments import EachOnce, argument, folder, seeing_encoder
+from sim.commands.benchmarks.bench_options import mean_std_text
 from sim.report.figures import MISSING, shown
 from worlds.presets import PRESETS
 
@@ -229,7 +230,7 @@ def _table_one(rows: Sequence["TableRow"]) -> Table:
     )
     for row in rows:
         found = [row.accuracy.get(preset) for preset in presets]
-        cells = [MISSING if a is None else f"{a.mean:.3f} ± {a.std:.3f}" for a in found]
+        cells = [MISSING if a is None else mean_std_text(a.mean, a.std, "{:.3f}") for a in found]
         times = [f"{t.image_ms:.1f} + {t.text_ms:.1f}" if isinstance(t, Timing) else t for t in row.times.values()]
         loading = shown(row.cpu and row.cpu.loading_s, "{:.2f}")
         table.add_row(escape(row.encoder), row.weights, *cells, *map(escape, times), loading)

@@ -24,6 +24,7 @@ from sim.commands.benchmarks.bench_options import (
     seeds_of,
 )
 from sim.commands.progress import tracked
+from sim.wording import seeds_text
 
 RIG_HELP = f"cameras of each run, of {', '.join(PINHOLE_RIGS)} (default: wide front-rear)"
 
@@ -57,7 +58,7 @@ def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
         graph = replace(graph, outlier_threshold=arguments.threshold)
     houses = mapped_houses(arguments.preset, seeds, settings)
     rows = list(summarised([each for house in houses for each in kernel_runs(house, graph)]))
-    title = f"{arguments.preset}, seeds {seeds[0]} to {seeds[-1]}, features: mean ± std over houses"
+    title = f"{arguments.preset}, {seeds_text(seeds)}, features: mean ± std over houses"
     headers = ("houses", "ATE, m", "growth of the ATE", "true loops rejected", "houses without", "false loops trusted")
     table = Table("false loops", "share", "kernel", *headers, title=title)
     for row in rows:
@@ -113,9 +114,7 @@ def _rigs(arguments: argparse.Namespace) -> Iterator[Table]:
     settings = read_config(arguments.config) if arguments.config else None
     measured = measure_rigs(arguments.rigs, arguments.preset, seeds, arguments.fidelity, settings)
     rows = list(tracked(measured, count, "runs"))
-    title = (
-        f"{arguments.preset}, seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: all rooms and back along the same path"
-    )
+    title = f"{arguments.preset}, {seeds_text(seeds)}, {arguments.fidelity}: all rooms and back along the same path"
     headers = ("opposite revisits", "found", "trusted loops", "false", "labels", "room PQ", "ATE, m", "ms per keyframe")
     table = Table("rig", "seed", *headers, title=title)
     for row in (*rows, *summary(rows)):

@@ -61,7 +61,10 @@ def seeds_of(arguments: argparse.Namespace) -> range:
 
 
 def mean_std_text(mean: float | None, std: float | None, form: str) -> str:
-    """Return the text of a mean and its standard deviation, each in the format `form`, or a dash if both are None."""
+    """Return the text of a mean and its standard deviation, each in the format `form`; None becomes a dash.
+
+    Without a mean, the text is a single dash.
+    """
     return shown(mean, form) if mean is None else f"{shown(mean, form)} ± {shown(std, form)}"
 
 

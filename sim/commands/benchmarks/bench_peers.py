@@ -25,6 +25,7 @@ from sim.commands.benchmarks.bench_options import (
 from sim.commands.benchmarks.own_methods import PLACE_METHOD, SEGMENTATION, own_places, own_segmentations
 from sim.commands.progress import tracked
 from sim.errors import SimError
+from sim.wording import seeds_text
 
 if TYPE_CHECKING:
     from lexis.evaluation.place_recognition import MatchCounts
@@ -67,10 +68,7 @@ def _sweep(
     rows = list(tracked(sweep(arguments.preset, seeds, difficulty, length_m, rate_hz, own), total, "runs"))
     for path in arguments.out:
         write_sweep(rows, over, path)
-    title = (
-        f"{arguments.preset}, seeds {seeds[0]} to {seeds[-1]}, {difficulty.fidelity}: "
-        "room PQ (splits / merges per house), labels"
-    )
+    title = f"{arguments.preset}, {seeds_text(seeds)}, {difficulty.fidelity}: room PQ (splits / merges per house), labels"
     table = Table("rooms by", *(f"{over} {each}" for each in difficulty.values), title=title)
     for name, found in means(rows).items():
         cells = (
@@ -90,7 +88,7 @@ def _table2(arguments: argparse.Namespace) -> Iterator[Table]:
     seeds, presets = seeds_of(arguments), arguments.presets
     walks = compare_labels(presets, seeds, arguments.fidelity)
     rows = [row for walk in tracked(walks, len(presets) * len(seeds), "walks") for row in walk]
-    title = f"seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: label accuracy over keyframes (over found rooms) in %"
+    title = f"{seeds_text(seeds)}, {arguments.fidelity}: label accuracy over keyframes (over found rooms) in %"
     table = Table("method", *presets, title=title)
     for method, found in means(rows).items():
         shares = ((_percent(each.accuracy, each.std), each.rooms) for each in found.values())
@@ -117,7 +115,7 @@ def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
     check_files(arguments.csv, valid=(".csv",))
     seeds, presets = seeds_of(arguments), arguments.presets
     rows = list(compare_trajectories(presets, seeds, arguments.fidelity))
-    title = f"seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: ATE in m (share of the odometry's)"
+    title = f"{seeds_text(seeds)}, {arguments.fidelity}: ATE in m (share of the odometry's)"
     table = Table("method", *presets, title=title)
     for method, found in means(rows).items():
         errors = (mean_std_text(each.ate_m, each.std_m, "{:.3f}") for each in found.values())
@@ -151,7 +149,7 @@ def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
         write_places(found, path)
     as_often = equally_often(found)
     for preset, methods in totals(found).items():
-        title = f"{preset}, seeds {seeds[0]} to {seeds[-1]}, walks of {arguments.length:g} m"
+        title = f"{preset}, {seeds_text(seeds)}, walks of {arguments.length:g} m"
         yield _matches(methods, title)
         yield _matches_as_often(methods, as_often[preset], f"{preset}: true / false matches with as many answers")
         false = Table("method", *PLACES, title=f"{preset}: false matches at N = 1")
@@ -203,7 +201,7 @@ def _places(arguments: argparse.Namespace) -> Iterator[Table]:
     for condition, scenarios in walks(arguments.presets, seeds, arguments.fidelity).items():
         found = [ask_everywhere(scenario) for scenario in scenarios]
         answers += found
-        title = f"{', '.join(arguments.presets)}, seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: {condition}"
+        title = f"{', '.join(arguments.presets)}, {seeds_text(seeds)}, {arguments.fidelity}: {condition}"
         headers = (f"{figure}, N = {n}" for n in (1, 3, 5) for figure in ("found", "false"))
         table = Table("candidates by", *headers, title=title)
         for row in compare_places(found):
@@ -231,7 +229,7 @@ def _settings(arguments: argparse.Namespace) -> Iterator[Table]:
     rows.sort(key=lambda row: (presets.index(row.preset), row.seed))
     for path in arguments.out:
         write_responses(rows, sections, path)
-    title = f"{', '.join(presets)}, seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: change, mean ± standard error"
+    title = f"{', '.join(presets)}, {seeds_text(seeds)}, {arguments.fidelity}: change, mean ± standard error"
     table = Table("setting", "labels", "room PQ", "ATE, m", "right plans", title=title)
     for name, found in gains(rows).items():
         table.add_row("default" if name == UNCHANGED else name, *gain_texts(name, found))

@@ -27,6 +27,7 @@ from sim.commands.benchmarks.bench_options import (
 )
 from sim.commands.progress import tracked
 from sim.fidelity import FIDELITIES
+from sim.wording import seeds_text
 
 _CERTAINTIES = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 1.0)
 """`bench certainty` compares stated probabilities with the truth in the intervals between these."""
@@ -118,7 +119,7 @@ def _certainty(arguments: argparse.Namespace) -> Iterator[Table]:
     usual = (Scenario(preset=name, fidelity=fidelity, frame_rate_hz=usual_rate_hz(fidelity)) for name in presets)
     scenarios = (own for scenario in usual for own in for_seeds(scenario, seeds))
     found = measure_certainty(tracked(scenarios, len(presets) * len(seeds), "houses"))
-    houses = f"{', '.join(presets)}, seeds {seeds[0]} to {seeds[-1]}, {fidelity}"
+    houses = f"{', '.join(presets)}, {seeds_text(seeds)}, {fidelity}"
     for name, predictions in (("keyframes", found.keyframes), ("rooms", found.rooms)):
         error, share = calibration_error(predictions.stated, predictions.right), predictions.right.mean()
         title = f"{houses}: labels of {name}, {share:.3f} right, calibration error {error:.3f}"
@@ -138,7 +139,7 @@ def _stages(arguments: argparse.Namespace) -> Iterator[Table]:
     measured = tracked(measure_stages(presets, seeds), len(presets) * len(seeds), "houses")
     rows = [row for house in measured for row in house]
     rows.sort(key=lambda row: (presets.index(row.preset), row.seed))
-    title = f"{', '.join(presets)}, seeds {seeds[0]} to {seeds[-1]}, features: change, mean ± standard error over houses"
+    title = f"{', '.join(presets)}, {seeds_text(seeds)}, features: change, mean ± standard error over houses"
     table = Table("replaced", "houses", "labels", "room PQ", "ATE, m", "right plans", title=title)
     for name, found in gains(rows).items():
         table.add_row(name, str(found.houses), *gain_texts(name, found))

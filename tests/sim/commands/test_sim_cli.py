@@ -213,6 +213,24 @@ def test_a_benchmark_of_figures_that_no_house_has_shows_dashes_and_no_zeros(benc
     assert "–" in shown and not re.search(r"None|nan|0\.000|0\.0%|[│(±] ?0\.0", shown)
 
 
+ONE_HOUSE = {
+    "openness": ("peers.difficulty_sweep.sweep", [SweepRow("a", 0.0, 500, 0.5, 0.5, 1, 1)]),
+    "table2": ("peers.labels.compare_labels", [[LabelRow("home", 500, "a", 0.5, 0.5)]]),
+    "table3": ("peers.trajectories.compare_trajectories", [TrajectoryRow("home", 500, "LEXIS", 0.5, 0.7)]),
+    "stages": ("stage_costs.measure_stages", [[StageRow("home", 500, "nothing", *[0.5] * 4)]]),
+    "settings": ("peers.responses.measure_responses", [[StageRow("home", 500, "nothing", *[0.5] * 4)]]),
+}
+
+
+@pytest.mark.parametrize("benchmark", ONE_HOUSE)
+def test_one_house_has_no_spread_and_one_seed(benchmark, monkeypatch, capsys):
+    name, result = ONE_HOUSE[benchmark]
+    monkeypatch.setattr(f"sim.bench.{name}", lambda *_: iter(result))
+    assert status_of(["bench", benchmark, "--houses", "1", "--seed", "500"]) == 0
+    shown = capsys.readouterr().out
+    assert "± –" in shown and "± 0" not in shown and "seed 500," in shown and "seeds" not in shown
+
+
 def test_a_method_without_an_error_has_dashes_in_table_3(monkeypatch, capsys):
     rows = [TrajectoryRow("home", 1, "LEXIS", None, None)]
     monkeypatch.setattr("sim.bench.peers.trajectories.compare_trajectories", lambda *_: rows)

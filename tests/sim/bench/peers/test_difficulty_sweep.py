@@ -74,7 +74,7 @@ def test_figures_of_rooms_that_a_run_does_not_have_are_left_out_of_the_means():
         SweepRow("b", 0.0, 1, None, None, None, None),
     ]
     assert means(rows) == {
-        "a": {0.0: SweepMean(None, 0.4, 0.0, 2.0, 0.0)},
+        "a": {0.0: SweepMean(None, 0.4, None, 2.0, 0.0)},
         "b": {0.0: SweepMean(None, None, None, None, None)},
     }
 

@@ -36,7 +36,7 @@ def test_means_are_over_the_houses_of_one_preset_and_rooms_may_be_unknown():
 def test_a_missing_accuracy_is_left_out_of_the_mean():
     rows = [LabelRow("home", 1, "a", 0.4, None), LabelRow("home", 2, "a", None, None), LabelRow("ori", 1, "a", None, None)]
     found = means(rows)["a"]
-    assert (found["home"].accuracy, found["home"].std) == (0.4, 0.0)
+    assert (found["home"].accuracy, found["home"].std) == (0.4, None)
     assert found["ori"].accuracy is found["ori"].std is None
 
 
