@@ -77,7 +77,7 @@ class KernelRow:
     true_rejected: float | None
     true_rejected_std: float | None
     false_trusted: float | None
-    untouched: float | None
+    houses_without_rejected_true_loops: float | None
     """Share of the houses in which no true loop is rejected."""
 
 
@@ -141,9 +141,9 @@ def summarised(runs: Sequence[KernelRun]) -> Iterator[KernelRow]:
         rejected = [each.true_rejected for each in found]
         growth, _ = mean_and_std(_growth(each.ate_m, clean[each.seed, kind, kernel]) for each in found)
         trusted, _ = mean_and_std(each.false_trusted for each in found)
-        untouched, _ = mean_and_std(None if each is None else each == 0.0 for each in rejected)
+        without, _ = mean_and_std(None if each is None else each == 0.0 for each in rejected)
         ate_m, ate_std_m = mean_and_std(each.ate_m for each in found)
-        figures = ate_m, ate_std_m, growth, *mean_and_std(rejected), trusted, untouched
+        figures = ate_m, ate_std_m, growth, *mean_and_std(rejected), trusted, without
         yield KernelRow(kind, share, kernel, len(found), *figures)
 
 

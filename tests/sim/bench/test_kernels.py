@@ -146,7 +146,7 @@ def test_a_house_without_loops_has_no_share_of_rejected_loops(house, runs):
     alone = list(kernel_runs(replace(house, seed=1, loops=(), is_true=np.zeros(0, bool))))
     assert all(run.true_rejected is run.false_trusted is None for run in alone)
     for with_loops, with_both in zip(summarised(runs), summarised([*runs, *alone]), strict=True):
-        for name in ("true_rejected", "true_rejected_std", "false_trusted", "untouched"):
+        for name in ("true_rejected", "true_rejected_std", "false_trusted", "houses_without_rejected_true_loops"):
             assert getattr(with_both, name) == getattr(with_loops, name)
 
 
@@ -157,7 +157,7 @@ def test_a_walk_of_two_keyframes_has_no_ate(house, runs, tmp_path):
     for row, usual in zip(summarised([*runs, *found]), summarised(runs), strict=True):
         assert (row.ate_m, row.ate_std_m, row.growth) == (usual.ate_m, usual.ate_std_m, usual.growth)
     rows = list(summarised(found))
-    assert {(row.ate_m, row.ate_std_m, row.growth, row.untouched) for row in rows} == {(None,) * 4}
+    assert {(row.ate_m, row.ate_std_m, row.growth, row.houses_without_rejected_true_loops) for row in rows} == {(None,) * 4}
     draw_kernels(rows, tmp_path / "nothing.svg")
 
 
