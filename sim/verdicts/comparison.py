@@ -202,7 +202,7 @@ class Comparison:
         header = f"{'':{width}} {means}   {'median change':<28} {'better/worse':>12}  {'p':>7}  verdict"
         rows = [self._figure_row(each, width) for each in self.figures]
         rows += [self._claim_row(each, width) for each in self.claims]
-        return "\n".join([title, confidence, header, *rows, *self._gaps(), *self._shortage()])
+        return "\n".join([title, *self._shortage(), confidence, header, *rows, *self._gaps()])
 
     def _gaps(self) -> Iterator[str]:
         """Yield a sentence for every figure that one of the SLAMs does not have in all houses."""
