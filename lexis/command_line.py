@@ -30,6 +30,8 @@ MAX_LINE = 400
 """Longest message on stderr, in characters. Longer messages are shortened, because a message may quote a value of several
 megabytes."""
 
+_VALUES = {None: " with one value", "+": " with one value or more"}
+"""How many values an option takes, by its `nargs`, for messages."""
 _BROKEN_PIPE = 141
 """Exit status after a broken pipe, as shells define it: 128 plus the number of the signal."""
 _UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
@@ -51,8 +53,16 @@ class Parser(argparse.ArgumentParser):
         """
         known, unknown = super().parse_known_args(args, namespace)
         if unknown:
-            self.error(f"unrecognized arguments: {' '.join(unknown)}")
+            self.error(f"unrecognized arguments: {' '.join(unknown)}{self._hint(unknown)}")
         return known, unknown
+
+    def _hint(self, unknown: Sequence[str]) -> str:
+        """Name the option that has an s more or less than an unknown one, such as --preset for --presets; "" without one."""
+        for name in (word.partition("=")[0] for word in unknown):
+            other = name.removesuffix("s") if name.endswith("s") else f"{name}s"
+            if action := self._option_string_actions.get(other):
+                return f"; valid: {other}{_VALUES.get(action.nargs, '')}"
+        return ""
 
     def error(self, message: str) -> NoReturn:
         """Print the message in one line and exit with status 2."""

@@ -130,6 +130,22 @@ def test_a_benchmark_refuses_the_options_of_another(benchmark, option, capsys):
     assert capsys.readouterr().err.startswith(refusal)
 
 
+@pytest.mark.parametrize(
+    ("benchmark", "option", "valid"),
+    [
+        ("openness", ["--presets", "ori"], "--preset with one value"),
+        ("openness", ["--presets=ori"], "--preset with one value"),
+        ("table2", ["--preset", "ori"], "--presets with one value or more"),
+        ("table2", ["--house", "3"], "--houses with one value"),
+        ("openness", ["--fit", "--presets", "ori"], "--preset with one value"),
+    ],
+)
+def test_an_option_in_the_other_grammatical_number_is_answered_with_the_right_one(benchmark, option, valid, capsys):
+    assert main(["lexis-sim", "bench", benchmark, *option]) == 2
+    refusal = f"lexis-sim bench {benchmark}: unrecognized arguments: {' '.join(option)}; valid: {valid}; see"
+    assert capsys.readouterr().err.startswith(refusal)
+
+
 @pytest.mark.parametrize("blocked", ["taken", "taken/below"])
 def test_pictures_do_not_go_where_a_file_is(blocked, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
