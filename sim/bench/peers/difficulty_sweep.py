@@ -131,6 +131,8 @@ light and drift do not change it."""
 class SweepRow:
     """Figures of one method in the house of one seed, at one value of the difficulty."""
 
+    preset: str
+    fidelity: Fidelity
     method: str
     value: Value
     """The value to which the run was changed; a house that cannot be opened as far as this has a lower openness."""
@@ -178,7 +180,7 @@ def sweep(
             for name, finished in runs.items():
                 found = evaluate(finished)
                 rooms = found.rooms.pq, found.rooms.splits, found.rooms.merges
-                yield SweepRow(name, value, scenario.seed, found.labels.accuracy, *rooms)
+                yield SweepRow(preset, difficulty.fidelity, name, value, scenario.seed, found.labels.accuracy, *rooms)
 
 
 @dataclass(frozen=True)
@@ -206,18 +208,20 @@ def means(rows: Sequence[SweepRow]) -> dict[str, dict[Value, SweepMean]]:
     return found
 
 
-def write_sweep(rows: Sequence[SweepRow], name: str, path: Path) -> None:
-    """Write the rows as CSV, or draw them, as the ending of the path says; `name` is the difficulty's.
+def write_sweep(rows: Sequence[SweepRow], name: str, houses: str, path: Path) -> None:
+    """Write the rows as CSV, or draw them, as the ending of the path says.
+
+    `name` is the difficulty's. `houses` describes the houses, as the title of the picture.
 
     Raises `SimError` without matplotlib.
     """
     if is_picture(path):
-        draw_sweep(means(rows), name, path)
+        draw_sweep(means(rows), name, houses, path)
         return
     write_rows(rows, path)
 
 
-def draw_sweep(found: Mapping[str, Mapping[Value, SweepMean]], x_name: str, path: Path) -> None:
+def draw_sweep(found: Mapping[str, Mapping[Value, SweepMean]], x_name: str, title: str, path: Path) -> None:
     """Draw panoptic quality, splits and merges against the values of a difficulty, as PNG or SVG.
 
     A figure that is None is not drawn.
@@ -234,8 +238,9 @@ def draw_sweep(found: Mapping[str, Mapping[Value, SweepMean]], x_name: str, path
             panels[0].errorbar(values, drawn(points, "pq"), drawn(points, "pq_std"), capsize=2, label=name, **style)
             for panel, what in zip(panels[1:], ("splits", "merges"), strict=True):
                 panel.plot(values, drawn(points, what), marker="o", markersize=3, **style)
-        for panel, title in zip(panels, ("panoptic quality of rooms", "splits per house", "merges per house"), strict=True):
-            panel.set(title=title, xlabel=x_name)
+        for panel, what in zip(panels, ("panoptic quality of rooms", "splits per house", "merges per house"), strict=True):
+            panel.set(title=what, xlabel=x_name)
             panel.grid(alpha=0.25)
         panels[0].set(ylim=(0.0, 1.0))
+        figure.suptitle(title)
         figure.legend(loc="outside right center")

@@ -66,9 +66,10 @@ def _sweep(
     seeds, own = seeds_of(arguments), own_segmentations(arguments.segmentation)
     total = (len(difficulty.methods) + len(own)) * len(difficulty.values) * len(seeds)
     rows = list(tracked(sweep(arguments.preset, seeds, difficulty, length_m, rate_hz, own), total, "runs"))
+    houses = f"{arguments.preset}, {seeds_text(seeds)}, {difficulty.fidelity}"
     for path in arguments.out:
-        write_sweep(rows, over, path)
-    title = f"{arguments.preset}, {seeds_text(seeds)}, {difficulty.fidelity}: room PQ (splits / merges per house), labels"
+        write_sweep(rows, over, houses, path)
+    title = f"{houses}: room PQ (splits / merges per house), labels"
     table = Table("rooms by", *(f"{over} {each}" for each in difficulty.values), title=title)
     for name, found in means(rows).items():
         cells = (

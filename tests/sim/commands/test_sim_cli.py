@@ -197,7 +197,7 @@ def test_rooms_against_openness_are_measured_at_the_fidelity_that_is_asked_for(
     ("benchmark", "results"),
     [
         ("rooms", {"peers.room_methods.compare_methods": [MethodRow("a", *[None] * 5)]}),
-        ("openness", {"peers.difficulty_sweep.sweep": [SweepRow("a", 0.0, 1, *[None] * 4)]}),
+        ("openness", {"peers.difficulty_sweep.sweep": [SweepRow("home", "features", "a", 0.0, 1, *[None] * 4)]}),
         ("table2", {"peers.labels.compare_labels": [[LabelRow("home", 1, "a", None, None)]]}),
         ("stages", {"stage_costs.measure_stages": [[StageRow("home", 0, "nothing", *[math.nan] * 4)]]}),
         ("settings", {"peers.responses.measure_responses": [[StageRow("home", 0, "nothing", *[math.nan] * 4)]]}),
@@ -214,7 +214,7 @@ def test_a_benchmark_of_figures_that_no_house_has_shows_dashes_and_no_zeros(benc
 
 
 ONE_HOUSE = {
-    "openness": ("peers.difficulty_sweep.sweep", [SweepRow("a", 0.0, 500, 0.5, 0.5, 1, 1)]),
+    "openness": ("peers.difficulty_sweep.sweep", [SweepRow("home", "features", "a", 0.0, 500, 0.5, 0.5, 1, 1)]),
     "table2": ("peers.labels.compare_labels", [[LabelRow("home", 500, "a", 0.5, 0.5)]]),
     "table3": ("peers.trajectories.compare_trajectories", [TrajectoryRow("home", 500, "LEXIS", 0.5, 0.7)]),
     "stages": ("stage_costs.measure_stages", [[StageRow("home", 500, "nothing", *[0.5] * 4)]]),

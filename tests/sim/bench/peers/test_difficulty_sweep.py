@@ -58,9 +58,9 @@ def test_the_spacing_of_keyframes_is_a_setting_of_lexis_and_nothing_else_changes
 
 def test_means_are_over_the_houses_of_a_method_at_one_value():
     rows = [
-        SweepRow("a", 0.0, 1, 0.9, 0.4, 2, 0),
-        SweepRow("a", 0.0, 2, 0.7, 0.6, 0, 1),
-        SweepRow("b", 0.0, 1, None, 1.0, 0, 0),
+        SweepRow("home", "features", "a", 0.0, 1, 0.9, 0.4, 2, 0),
+        SweepRow("home", "features", "a", 0.0, 2, 0.7, 0.6, 0, 1),
+        SweepRow("home", "features", "b", 0.0, 1, None, 1.0, 0, 0),
     ]
     found = means(rows)["a"][0.0]
     assert (found.pq, found.splits, found.merges) == (0.5, 1.0, 0.5) and found.pq_std == pytest.approx(0.1)
@@ -69,9 +69,9 @@ def test_means_are_over_the_houses_of_a_method_at_one_value():
 
 def test_figures_of_rooms_that_a_run_does_not_have_are_left_out_of_the_means():
     rows = [
-        SweepRow("a", 0.0, 1, None, 0.4, 2, 0),
-        SweepRow("a", 0.0, 2, None, None, None, None),
-        SweepRow("b", 0.0, 1, None, None, None, None),
+        SweepRow("home", "features", "a", 0.0, 1, None, 0.4, 2, 0),
+        SweepRow("home", "features", "a", 0.0, 2, None, None, None, None),
+        SweepRow("home", "features", "b", 0.0, 1, None, None, None, None),
     ]
     assert means(rows) == {
         "a": {0.0: SweepMean(None, 0.4, None, 2.0, 0.0)},
@@ -82,20 +82,23 @@ def test_figures_of_rooms_that_a_run_does_not_have_are_left_out_of_the_means():
 def test_a_method_that_estimates_no_rooms_has_no_figures_of_rooms(monkeypatch):
     monkeypatch.setattr(module, "METHODS", {"silent": lambda scenario: OdometryOnly()})
     closed = replace(DIFFICULTIES["openness"], values=(0.0,), methods=("silent",))
-    assert list(sweep("home", (901,), closed)) == [SweepRow("silent", 0.0, 901, None, None, None, None)]
+    assert list(sweep("home", (901,), closed)) == [SweepRow("home", "features", "silent", 0.0, 901, None, None, None, None)]
 
 
 @pytest.mark.parametrize("values", [(0.0, 0.3), ("day", "dim")])
 def test_files_hold_the_rows_and_drawings(values, tmp_path):
-    rows = [SweepRow("a", value, 1, None, 0.5, 2, 0) for value in values]
-    rows.append(SweepRow("a", values[0], 2, None, None, None, None))
-    rows += [
-        SweepRow("b", value, 1, None, *figures) for value, figures in zip(values, ((0.5, 2, 0), (None,) * 3), strict=True)
-    ]
+    here = "home", "features"
+    rows = [SweepRow(*here, "a", value, 1, None, 0.5, 2, 0) for value in values]
+    rows.append(SweepRow(*here, "a", values[0], 2, None, None, None, None))
+    for value, figures in zip(values, ((0.5, 2, 0), (None,) * 3), strict=True):
+        rows.append(SweepRow(*here, "b", value, 1, None, *figures))
+    title = "home, seeds 1 to 2, features"
     for name in ("rows.csv", "plot.png", "plot.svg"):
-        write_sweep(rows, "light", tmp_path / name)
+        write_sweep(rows, "light", title, tmp_path / name)
     with (tmp_path / "rows.csv").open() as file:
-        assert [(row["value"], row["pq"]) for row in csv.DictReader(file)] == [
-            (str(row.value), "" if row.pq is None else str(row.pq)) for row in rows
+        assert [(row["preset"], row["fidelity"], row["value"], row["pq"]) for row in csv.DictReader(file)] == [
+            ("home", "features", str(row.value), "" if row.pq is None else str(row.pq)) for row in rows
         ]
-    assert (tmp_path / "plot.png").read_bytes().startswith(b"\x89PNG") and "<svg" in (tmp_path / "plot.svg").read_text()
+    assert (tmp_path / "plot.png").read_bytes().startswith(b"\x89PNG")
+    drawn = (tmp_path / "plot.svg").read_text()
+    assert "<svg" in drawn and f"<!-- {title} -->" in drawn
