@@ -234,10 +234,11 @@ def draw_sweep(found: Mapping[str, Mapping[Value, SweepMean]], x_name: str, titl
         panels = figure.subplots(1, 3)
         for name, points in found.items():
             style = {"linestyle": "-" if name.startswith("LEXIS") else "--", "linewidth": 2.6 if name == "LEXIS" else 1.3}
+            style |= {"marker": "o", "markersize": 3}
             values = list(points)
             panels[0].errorbar(values, drawn(points, "pq"), drawn(points, "pq_std"), capsize=2, label=name, **style)
             for panel, what in zip(panels[1:], ("splits", "merges"), strict=True):
-                panel.plot(values, drawn(points, what), marker="o", markersize=3, **style)
+                panel.plot(values, drawn(points, what), **style)
         for panel, what in zip(panels, ("panoptic quality of rooms", "splits per house", "merges per house"), strict=True):
             panel.set(title=what, xlabel=x_name)
             panel.grid(alpha=0.25)
