@@ -10,9 +10,10 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NoReturn, TypeAlias
 
 import shtab
@@ -30,7 +31,7 @@ MAX_LINE = 400
 """Longest message on stderr, in characters. Longer messages are shortened, because a message may quote a value of several
 megabytes."""
 
-_VALUES = {None: " with one value", "+": " with one value or more"}
+_VALUES: Mapping[object, str] = MappingProxyType({None: " with one value", "+": " with one value or more"})
 """How many values an option takes, by its `nargs`, for messages."""
 _BROKEN_PIPE = 141
 """Exit status after a broken pipe, as shells define it: 128 plus the number of the signal."""
