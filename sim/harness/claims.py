@@ -39,7 +39,7 @@ class Claim:
     """Another figure, of which `limit` is a multiple. None: the claim compares with `limit` itself."""
 
     def __post_init__(self) -> None:
-        """Raise `SimError` for an unknown comparison or a limit that is no finite number."""
+        """Raise `SimError` for an unknown comparison or a limit that is not a finite number."""
         if self.comparison not in _OPERATORS:
             raise SimError(f"claim {str(self)!r:.80}: unknown comparison; valid: {' '.join(_OPERATORS)}")
         if not is_finite(self.limit):

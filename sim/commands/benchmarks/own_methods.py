@@ -55,7 +55,7 @@ def own_segmentations(texts: Sequence[str]) -> "dict[str, OwnSegmentation]":
 def own_places(texts: Sequence[str]) -> "dict[str, Contestant]":
     """Return the methods that the option `--place-method` names, with their least scores, by the names of their rows.
 
-    Raises `SimError` for a text that names no method of place recognition, for a score that is no finite number, and for a
+    Raises `SimError` for a text that names no method of place recognition, for a score that is not a finite number, and for a
     name that another row of the table has.
     """
     from sim.bench.peers.own_methods import OwnPlaces
@@ -108,5 +108,5 @@ def _least(place: str, text: str) -> float:
     except ValueError:
         least = math.nan
     if not math.isfinite(least):
-        raise SimError(f"{place}: the score {text!r:.40} is no finite number; valid: such as my_places:MyPlaces=0.8")
+        raise SimError(f"{place}: the score {text!r:.40} is not a finite number; valid: such as my_places:MyPlaces=0.8")
     return least
