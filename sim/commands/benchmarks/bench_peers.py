@@ -162,7 +162,7 @@ def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
 def _matches(methods: "Mapping[str, PlaceTotal]", title: str) -> Table:
     from sim.report.figures import shown
 
-    headers = (*_AT_N, "recall at 1 / 3 / 5", "at full precision", "average precision")
+    headers = (*_AT_N, "recall among 1 / 3 / 5", "recall without error", "average precision")
     table = Table("method", *headers, title=f"{title}: true / false matches")
     for name, total in methods.items():
         cells = (f"{each.tp} / {each.fp} of {each.possible}" for each in total.counts)

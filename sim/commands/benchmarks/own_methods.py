@@ -55,8 +55,8 @@ def own_segmentations(texts: Sequence[str]) -> "dict[str, OwnSegmentation]":
 def own_places(texts: Sequence[str]) -> "dict[str, Contestant]":
     """Return the methods that the option `--place-method` names, with their least scores, by the names of their rows.
 
-    Raises `SimError` for a text that names no method of place recognition, for a score that is not a finite number, and for a
-    name that another row of the table has.
+    Raises `SimError` for a text that names no method of place recognition, for a score that is not a finite number, and for
+    a name that another row of the table has.
     """
     from sim.bench.peers.own_methods import OwnPlaces
     from sim.bench.peers.place_methods import METHODS, Contestant

@@ -186,7 +186,7 @@ def test_the_place_method_of_the_page_has_a_row_and_tuning_finds_its_least_score
         ([*SEGMENTING, "own_faulty:Lost", "--segmentation", "own_faulty:Lost"], "another row of the table is named 'Lost'"),
         ([*SEGMENTING, "own_faulty:lost"], "home, seed 901, at the value 0.0: lost: segments() raises ValueError: lost, in"),
         ([*PLACING, "own_faulty:Narrow"], "valid: def scores(self, seen)"),
-        ([*PLACING, "own_faulty:Lost=much"], "the score 'much' is not a finite number; valid: such as my_places:MyPlaces=0.8"),
+        ([*PLACING, "own_faulty:Lost=much"], "'much' is not a finite number; valid: such as my_places:MyPlaces=0.8"),
         ([*PLACING, "own_faulty:Lost=nan"], "the score 'nan' is not a finite number"),
         ([*PLACING, "own_faulty:Lost="], "the score '' is not a finite number"),
         ([*PLACING, "own_faulty:Lost"], "home, seed 1: Lost: scores() raises ZeroDivisionError: division by zero, in"),
