@@ -21,7 +21,7 @@ from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.rig import camera_angles
 from lexis.maths.se3 import between
 from lexis.maths.ties import reaches, rounded
-from lexis.types import Keyframe, RoomInstance
+from lexis.types import Keyframe, Poses, RoomInstance
 
 _MUCH_LESS = -4.6
 """A keyframe is not considered at all if its log odds of a revisit are certainly below those of `least_probability` plus
@@ -91,27 +91,31 @@ def by_probability(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRec
     If no keyframe has at least the probability `least_probability`, as at a place that is seen for the first time, the
     result is empty. Otherwise, less probable keyframes are proposed, too, up to the number of `candidates`, because two
     views from different places in a room may overlap enough for a loop. See `revisit_log_odds` for the probability.
+
+    If far loops imply that the robot has been carried, the query may have several poses (`lexis.graph.far_loops`). The most
+    probable one counts.
     """
     least = logit(config.least_probability)
-    ids = old[_bound(query, old, graph, config) >= least + _MUCH_LESS]
-    T_old_query = between(graph.T_W_B[ids], graph.T_W_B[query.id])
-    distances, angles = np.linalg.norm(T_old_query[:, :3, 3], axis=1), camera_angles(T_old_query, graph.rotations)
+    T_W_query = graph.far_loops.poses_of(query.id, graph.T_W_B)
+    ids = old[_bound(query, old, T_W_query, graph, config) >= least + _MUCH_LESS]
+    T_old_query = between(graph.T_W_B[ids, None], T_W_query)
+    distances, angles = np.linalg.norm(T_old_query[..., :3, 3], axis=-1), camera_angles(T_old_query, graph.rotations)
     similarities = _cosines(query, graph.embeddings_of(ids).astype(np.float64))
-    of_pairs = rounded(revisit_log_odds(similarities, distances[:, None, None], angles, config))
-    odds = of_pairs.max(axis=(1, 2))
+    of_pairs = rounded(revisit_log_odds(similarities[:, None], distances[..., None, None], angles, config))
+    odds = of_pairs.max(axis=(1, 2, 3))
     if not (odds >= least).any():
         return ()
     best = np.argsort(-odds, kind="stable")[: config.candidates]
     return tuple(ids[best].tolist())
 
 
-def _bound(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRecognitionConfig) -> Figures:
+def _bound(query: Keyframe, old: Ids, T_W_query: Poses, graph: PoseGraph, config: PlaceRecognitionConfig) -> Figures:
     """Return upper bounds for the log odds of a revisit of the keyframes `old`, which are cheap to compute.
 
     Most keyframes are too far away and too different. By the bounds, they are ruled out without computing their log odds in
-    full.
+    full. `T_W_query` are the poses that the query may have.
     """
-    distances = np.linalg.norm(graph.T_W_B[old, :3, 3] - graph.T_W_B[query.id, :3, 3], axis=1)
+    distances = np.linalg.norm(graph.T_W_B[old, None, :3, 3] - T_W_query[:, :3, 3], axis=2).min(axis=1)
     similarities = _cosines(query, graph.embeddings_of(old)).max(axis=(1, 2)) + np.float32(_SINGLE_PRECISION)
     return revisit_log_odds(similarities.astype(np.float64), distances, np.zeros(len(old)), config)
 

@@ -44,6 +44,8 @@ class Verification:
     """The confirmed loop edges, those with the most inliers first."""
     decisions: tuple[LoopDecision, ...] = ()
     """One decision for every candidate, in the order of the candidates. A verifier may leave the decisions out."""
+    far: tuple[LoopEdge, ...] = ()
+    """Edges with a sure pose that were refused, because they are far from the estimate."""
 
 
 @runtime_checkable
@@ -97,7 +99,9 @@ def plausible(
     outcomes |= {edge.match: "surplus" for edge in agreeing}
     outcomes |= {edge.match: "accepted" for edge in kept}
     decisions = (replace(decision, outcome=outcomes.get(decision.match, decision.outcome)) for decision, _ in judged)
-    return Verification(tuple(kept), tuple(decisions))
+    refused = (edge for decision, edge in judged if edge is not None and decision.outcome == "far from the estimate")
+    far = (edge for edge in refused if not _is_uncertain(edge, config))
+    return Verification(tuple(kept), tuple(decisions), tuple(far))
 
 
 def _compared(decision: LoopDecision, edge: LoopEdge, graph: PoseEstimate, config: VerificationConfig) -> LoopDecision:

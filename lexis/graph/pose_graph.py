@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float32, Float64, Int
 
 from lexis.config import PoseGraphConfig
+from lexis.graph.far_loops import FarLoops
 from lexis.graph.graph_optimisation import CONVERGED, ROUGHLY, GraphOptimiser, check_loops, loop_weights
 from lexis.graph.thinning import STAYS, Retired, anchors, as_retired, fits, thinned_loops
 from lexis.maths.growing_array import GrowingArray
@@ -69,6 +70,8 @@ class PoseGraph:
         self.keyframes: list[Keyframe] = []
         self.loops: list[LoopEdge] = []
         """The loop edges, without those of keyframes that have retired; see `lexis.graph.thinning`."""
+        self.far_loops = FarLoops()
+        """Loops that the current poses rule out; they are not part of the graph."""
 
     @property
     def T_W_B(self) -> Poses:
@@ -193,6 +196,7 @@ class PoseGraph:
         self._stamps.append(keyframe.stamp)
         self._sessions.append(keyframe.session)
         self.keyframes.append(keyframe)
+        self.far_loops.add_step()
 
     def _step_from(self, last: int, keyframe: Keyframe) -> tuple[Pose, Covariance]:
         """Return the odometry step from the last active keyframe to a new one, and its covariance.
@@ -269,6 +273,14 @@ class PoseGraph:
             self._optimiser.add_loops(self._acting(loops))
         self.loops.extend(loops)
         self._added += len(loops)
+        self.far_loops.bridge(self._within_sessions(loops))
+
+    def add_far_loops(self, loops: Sequence[LoopEdge]) -> None:
+        """Keep verified loops that the current poses rule out, outside the graph; those between two sessions are dropped."""
+        self.far_loops.add(self._within_sessions(loops))
+
+    def _within_sessions(self, loops: Sequence[LoopEdge]) -> list[LoopEdge]:
+        return [loop for loop in loops if self.keyframes[loop.query].session == self.keyframes[loop.match].session]
 
     def optimise_if_due(self, final: bool = False) -> bool:
         """Optimise if there are new loop edges and enough new keyframes (setting `every`) since the last optimisation.

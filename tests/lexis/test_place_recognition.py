@@ -10,7 +10,7 @@ from lexis.graph.thinning import as_retired
 from lexis.maths import se3
 from lexis.place_recognition import propose, revisit_log_odds
 from lexis.sessions.relocalisation import candidates_elsewhere
-from lexis.types import NO_FEATURES, NO_LANDMARKS, CameraView, Keyframe, RoomInstance
+from lexis.types import NO_FEATURES, NO_LANDMARKS, CameraView, Keyframe, LoopEdge, RoomInstance
 
 CONFIG = PlaceRecognitionConfig(method="room", candidates=3, min_gap_s=10.0, min_gap_m=5.0)
 
@@ -93,6 +93,18 @@ def test_a_new_place_is_not_a_revisit_unless_its_image_is_known(rng):
     assert propose(query, "office", [], graph, by_probability) == ()
     kidnapped = replace(query, embedding=graph.embeddings[7, 0])
     assert propose(kidnapped, "office", [], graph, by_probability) == (7,)
+
+
+def test_a_carried_robot_is_searched_where_far_loops_see_it(rng):
+    """The image at the revisited place is less similar than an image far from all possible poses must be."""
+    by_probability, graph = replace(CONFIG, method="probability"), PoseGraph(PoseGraphConfig())
+    for i in range(40):
+        graph.add_keyframe(keyframe(i, float(i), rng.normal(size=64)))
+    known = graph.embeddings[7, 0]
+    query = replace(graph.keyframes[39], embedding=0.8 * known + 0.6 * np.roll(known, 1))
+    assert propose(query, "", [], graph, by_probability) == ()
+    graph.add_far_loops([LoopEdge(38, 6, np.eye(4), 1e-4 * np.eye(6), 50)])  # the next keyframe is then at the place of 7
+    assert propose(query, "", [], graph, by_probability)[0] == 7
 
 
 def test_the_log_odds_of_a_revisit_rise_with_similarity_and_fall_with_distance_and_angle(rng):
