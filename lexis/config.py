@@ -317,6 +317,9 @@ class SessionConfig(Settings, place="sessions", error=ConfigError):
     window_m: Annotated[float, Gt(0)] = 20.0
     """Largest length of the path from a keyframe with loop edges to the current keyframe [m]. Older loop edges are
     forgotten."""
+    kidnapped: Annotated[int, Ge(2)] | None = 10
+    """Least number of keyframes whose far loops must agree before the finished map is corrected, because the robot was
+    carried elsewhere during a session. None: the map is never corrected. See `lexis.sessions.kidnapping`."""
 
 
 @dataclass(frozen=True)

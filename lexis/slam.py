@@ -25,6 +25,8 @@ These are the stages, in the order in which they run (with the sections of the p
   anchor, whose images also stand for its own (`lexis.graph.thinning`).
 - With an earlier map, the keyframes are a further session of this map. Its place in the map is unknown at first, so that the
   map is split into components, until loops join them (`lexis.sessions.relocalisation`).
+- A robot may be carried elsewhere without noticing it. Its loops to earlier places are then far from the estimate, and the
+  finished map is corrected if many of them agree (`lexis.sessions.kidnapping`).
 """
 
 from collections.abc import Sequence
@@ -46,6 +48,7 @@ from lexis.place_recognition import PlaceRecogniser, propose
 from lexis.room_labels import most_similar, similarities
 from lexis.semantics import Labeller, Semantics, Views, derive_by_component
 from lexis.sessions.compatibility import check_continues
+from lexis.sessions.kidnapping import find_kidnapping
 from lexis.sessions.relocalisation import Relocaliser, at_any_distance, candidates_elsewhere, shift_of, without_support
 from lexis.sessions.renumbered_map import RenumberedMap
 from lexis.sight.visible_space import VisibleSpace, spaces_in_view
@@ -195,6 +198,8 @@ class Slam:
     def finish(self) -> LexisMap:
         """Complete the last keyframes without the frames they were waiting for, and return the map of all sessions.
 
+        If the robot was carried elsewhere, this corrects the map; snapshots are not corrected.
+
         Raises:
             LexisError: there is no keyframe, neither of an observation nor of an earlier map.
         """
@@ -205,6 +210,8 @@ class Slam:
         if not self._graph.keyframes:
             raise LexisError("no observation was processed; valid: at least one before finish()")
         self._optimise(final=True)
+        while self._correct_kidnapping():
+            pass
         return self._map()
 
     def _begin_session(self) -> None:
@@ -303,6 +310,16 @@ class Slam:
         self._graph.join(agreed, shift_of(agreed[-1], self._graph))
         self._optimise(final=True)
         return True
+
+    def _correct_kidnapping(self) -> bool:
+        """Move the last keyframes to where the robot was carried, if loops agree on it; return whether they were moved."""
+        agreeing = self._config.sessions.kidnapped
+        found = None if agreeing is None else find_kidnapping(self._graph, agreeing, self._config.verification)
+        if found is None:
+            return False
+        self._record.accept(found.loops)
+        self._graph.displace(found.step, found.shift, found.loops)
+        return self._optimise(final=True)
 
     def _optimise(self, final: bool = False) -> bool:
         with self._timed("optimise"):

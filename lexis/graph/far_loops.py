@@ -10,7 +10,7 @@ odometry, from one keyframe to the next:
 - A far loop of which all steps are bridged is therefore false.
 
 The other far loops may be true. They displace the robot to where it may be, and place recognition searches there, too
-(`FarLoops.poses_of`).
+(`FarLoops.poses_of`). At the end of a session, they may correct the map (`lexis.sessions.kidnapping`).
 """
 
 from collections.abc import Iterable, Sequence

@@ -14,6 +14,7 @@ from lexis.config import PoseGraphConfig
 from lexis.graph.far_loops import FarLoops
 from lexis.graph.graph_optimisation import CONVERGED, ROUGHLY, GraphOptimiser, check_loops, loop_weights
 from lexis.graph.thinning import STAYS, Retired, anchors, as_retired, fits, thinned_loops
+from lexis.inputs import MAX_VARIANCE
 from lexis.maths.growing_array import GrowingArray
 from lexis.maths.se3 import between, compose_covariance, inverse, orthonormal
 from lexis.types import Camera, Covariance, Keyframe, LoopArrays, LoopEdge, Pose, Poses
@@ -256,6 +257,21 @@ class PoseGraph:
         T_W_B[components == moved] = shift @ T_W_B[components == moved]
         self._move_to(T_W_B)
         self._component_of = np.where(self._component_of == moved, kept, self._component_of)
+        self.add_loops(loops)
+
+    def displace(self, step: int, shift: Pose, loops: Sequence[LoopEdge]) -> None:
+        """Move the keyframes from the id `step` on, because the robot was carried elsewhere before it, and add loop edges.
+
+        They are the last keyframes of the last session. The rigid motion `shift` moves them to where the loops see them. The
+        odometry step that leads to the first of them becomes unknown.
+        """
+        unknown = MAX_VARIANCE * np.eye(6)
+        self.keyframes[step] = replace(self.keyframes[step], step_covariance=unknown)
+        self._covariances[int(np.searchsorted(self.active, step))] = unknown
+        T_W_B = self.T_W_B.copy()
+        T_W_B[step:] = shift @ T_W_B[step:]
+        self._move_to(T_W_B)
+        self.far_loops.remove(loops)
         self.add_loops(loops)
 
     def _move_to(self, T_W_B: Poses) -> None:

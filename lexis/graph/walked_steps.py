@@ -1,21 +1,37 @@
 """The steps of the walk: pairs of consecutive keyframes that the camera moved between."""
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float64, Int
 
 from lexis.graph.components import sessions_of
 from lexis.keyframes import MAX_STEP_M
+from lexis.maths.se3 import between
 from lexis.maths.stretches import consecutive_pairs
 from lexis.stairs import is_vertical
-from lexis.types import LexisMap
+from lexis.types import LexisMap, Poses
+
+_CARRIED_M = 1.0
+"""Largest difference between a step of the map and the same step of the odometry, if the robot was not carried [m]."""
 
 
 def walked_steps(map: LexisMap) -> Int[np.ndarray, "m 2"]:
     """Return the pairs of consecutive keyframes, except at gaps in the recording.
 
     The last keyframe of a session and the first keyframe of the next session are not consecutive. A vertical step of any
-    length is a ride in a lift and no gap: the robot rode it, and can ride it again.
+    length is a ride in a lift and no gap: the robot rode it, and can ride it again. A step that differs by more than
+    `_CARRIED_M` from the odometry's is a gap, because the robot was carried in it (`lexis.sessions.kidnapping`).
     """
     pairs, positions = consecutive_pairs(sessions_of(map.keyframes)), map.T_W_B[:, :3, 3]
     steps = positions[pairs[:, 1]] - positions[pairs[:, 0]]
-    return np.asarray(pairs[(np.linalg.norm(steps, axis=1) <= MAX_STEP_M) | is_vertical(steps)])
+    carried_m = np.linalg.norm(_steps_of(map.T_W_B, pairs) - _steps_of(_odometry(map), pairs), axis=1)
+    walked = (np.linalg.norm(steps, axis=1) <= MAX_STEP_M) | is_vertical(steps)
+    return np.asarray(pairs[walked & (carried_m <= _CARRIED_M)])
+
+
+def _steps_of(poses: Poses, pairs: Int[np.ndarray, "m 2"]) -> Float64[np.ndarray, "m 3"]:
+    """Return the position of the second keyframe of every pair in the frame of the first [m]."""
+    return between(poses[pairs[:, 0]], poses[pairs[:, 1]])[:, :3, 3]
+
+
+def _odometry(map: LexisMap) -> Poses:
+    return np.stack([keyframe.T_O_B for keyframe in map.keyframes])

@@ -2,9 +2,9 @@
 
 A session is one recording, with an odometry frame of its own. Sessions that are connected by loop edges form a component of
 the map, in which all poses share one frame (`lexis.graph.components`). A new session begins as a component of its own.
-`relocalisation` seeks its place in the rest of the map, and joins both when several keyframes agree. `compatibility` checks
-that a session fits a map. `lexis.merging` merges two saved maps in the same way, and `renumbered_map` tells how the second
-map has joined its sessions.
+`relocalisation` seeks its place in the rest of the map, and joins both when several keyframes agree. `kidnapping` finds out
+whether the robot was carried elsewhere during a session. `compatibility` checks that a session fits a map. `lexis.merging`
+merges two saved maps in the same way, and `renumbered_map` tells how the second map has joined its sessions.
 """
 
 import lazy_loader

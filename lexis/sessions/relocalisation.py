@@ -105,7 +105,7 @@ class Relocaliser:
 
     def _divided(self, edge: LoopEdge, edges: Sequence[LoopEdge], graph: PoseGraph) -> tuple[list[LoopEdge], list[LoopEdge]]:
         """Divide edges into those that imply the same relative pose of the components as `edge`, and the others."""
-        fits = _agree(edge, edges, graph, self._tolerances)
+        fits = agree(edge, edges, graph, self._tolerances)
         same, others = ([edges[i] for i in np.flatnonzero(chosen).tolist()] for chosen in (fits, ~fits))
         return same, others
 
@@ -136,10 +136,10 @@ def _ends(edge: LoopEdge, components: Int[np.ndarray, "n"]) -> tuple[int, int]:
     return int(components[edge.query]), int(components[edge.match])
 
 
-def _agree(
+def agree(
     edge: LoopEdge, others: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig
 ) -> Bool[np.ndarray, "others"]:
-    """Whether each other edge implies the same relative pose of the components as `edge`, within the accuracy of odometry.
+    """Whether other edges shift their queries as `edge` shifts its own, within the accuracy of odometry; see `shift_of`.
 
     The limits are those for loops within a component. They grow with the path between the queries of the two edges, as drift
     does.

@@ -2,7 +2,7 @@
 
 In each run, all methods propose candidates on the same pose graph, whose loops come from the default method. Each house is
 walked three times, so that the methods are also tested on bad pose estimates: with usual odometry, with degraded odometry,
-and with a robot that is kidnapped.
+and with a robot that is kidnapped. The errors of the maps show whether LEXIS has noticed the kidnapping.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,6 +18,7 @@ from scipy.sparse import csr_array
 from lexis.config import Config, PlaceRecognitionConfig
 from lexis.errors import one_line
 from lexis.evaluation.place_recognition import MatchCounts, at_one_place, count_matches
+from lexis.evaluation.trajectory import ate_rmse
 from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.se3 import between, rotation_angle
 from lexis.place_recognition import old_enough, propose, revisit_log_odds
@@ -82,6 +83,10 @@ class Answers:
     """For every query (rows), whether each keyframe (columns) is old enough to be proposed."""
     right: Bool[np.ndarray, "n n"]
     pairs: Pairs
+    ate_m: float | None
+    """Absolute trajectory error (ATE) of the finished map [m]; None if it has fewer than three keyframes."""
+    ate_odometry_m: float | None
+    """Absolute trajectory error of the odometry at the keyframes [m]."""
 
 
 @dataclass(eq=False)
@@ -127,7 +132,13 @@ def ask_everywhere(scenario: Scenario) -> Answers:
     for query, old in enumerate(listener.eligible):
         eligible[query, : len(old)] = old
     similarities, distances, angles = (np.concatenate(each) for each in zip(*listener.seen, strict=True))
-    return Answers(listener.proposed, eligible, right, Pairs(similarities, distances, angles, right[eligible]))
+    pairs = Pairs(similarities, distances, angles, right[eligible])
+    assert finished.estimate.T_W_B is not None  # LEXIS estimates poses
+    ate_m, ate_odometry_m = (
+        ate_rmse(poses[:, :3, 3], finished.true_poses[:, :3, 3])
+        for poses in (finished.estimate.T_W_B, finished.odometry_poses)
+    )
+    return Answers(listener.proposed, eligible, right, pairs, ate_m, ate_odometry_m)
 
 
 def compare_places(answers: Sequence[Answers]) -> Iterator[PlaceRow]:

@@ -1,7 +1,8 @@
 """Benchmarks that compare LEXIS with other methods in the same runs."""
 
 import argparse
-from collections.abc import Iterable, Iterator, Mapping
+import statistics
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -32,9 +33,13 @@ if TYPE_CHECKING:
     from sim.bench.peers.difficulty_sweep import Difficulty
     from sim.bench.peers.place_methods import Contestant, PlaceTotal
     from sim.bench.peers.place_walks import PlaceWalk
+    from sim.bench.places import Answers
 
 _SWEPT = ("clutter", "odometry", "spacing", "light", "texture")
 _AT_N = ("N = 1", "N = 3", "N = 5")
+_RIGHT_M = 0.5
+"""Largest absolute trajectory error of a map that counts as right [m]."""
+_ERRORS = (f"maps within {_RIGHT_M:g} m", "median", "largest", "median of the odometry", "largest of the odometry")
 
 
 def _openness(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -199,22 +204,37 @@ def _places(arguments: argparse.Namespace) -> Iterator[Table]:
 
     seeds = seeds_of(arguments)
     answers = []
+    houses = f"{', '.join(arguments.presets)}, {seeds_text(seeds)}, {arguments.fidelity}"
+    errors = Table("condition", *_ERRORS, title=f"{houses}: errors of the maps, ATE, m")
     for condition, scenarios in walks(arguments.presets, seeds, arguments.fidelity).items():
         found = [ask_everywhere(scenario) for scenario in scenarios]
         answers += found
-        title = f"{', '.join(arguments.presets)}, {seeds_text(seeds)}, {arguments.fidelity}: {condition}"
+        errors.add_row(condition, *_map_errors(found))
+        title = f"{houses}: {condition}"
         headers = (f"{figure}, N = {n}" for n in (1, 3, 5) for figure in ("found", "false"))
         table = Table("candidates by", *headers, title=title)
         for row in compare_places(found):
             cells = ((f"{each.tp} of {each.possible}", str(each.fp)) for each in row.counts)
             table.add_row(row.method, *(cell for pair in cells for cell in pair))
         yield table
+    yield errors
     if arguments.fit:
         fitted = fit_revisits(answers)
         table = Table("place_recognition", "fitted value", title="probability of a revisit, fitted to all of these walks")
         for name in FITTED:
             table.add_row(name, f"{getattr(fitted, name):.3g}")
         yield table
+
+
+def _map_errors(walks: "Sequence[Answers]") -> tuple[str, ...]:
+    """Return the cells below `_ERRORS` for walks in one condition."""
+    maps = [walk.ate_m for walk in walks if walk.ate_m is not None]
+    odometry = [walk.ate_odometry_m for walk in walks if walk.ate_odometry_m is not None]
+    if not maps:
+        return ("0 of 0", *["-"] * 4)
+    right = sum(error <= _RIGHT_M for error in maps)
+    figures = (f"{figure:.2f}" for errors in (maps, odometry) for figure in (statistics.median(errors), max(errors)))
+    return f"{right} of {len(maps)}", *figures
 
 
 def _settings(arguments: argparse.Namespace) -> Iterator[Table]:

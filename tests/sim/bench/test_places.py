@@ -12,10 +12,21 @@ from sim.bench.places import FITTED, METHODS, Answers, Pairs, ask_everywhere, co
 
 
 @pytest.fixture(scope="module")
-def usual_walks():
-    scenarios = walks(["uh2-apt"], [302], "features")
-    assert len(scenarios) == 3 and len({scenario.content_hash for each in scenarios.values() for scenario in each}) == 3
-    return [ask_everywhere(scenarios["usual odometry"][0])]
+def scenarios():
+    found = walks(["uh2-apt"], [302], "features")
+    assert len(found) == 3 and len({scenario.content_hash for each in found.values() for scenario in each}) == 3
+    return {condition: each[0] for condition, each in found.items()}
+
+
+@pytest.fixture(scope="module")
+def usual_walks(scenarios):
+    return [ask_everywhere(scenarios["usual odometry"])]
+
+
+def test_the_map_of_a_kidnapped_robot_is_as_right_as_that_of_another_robot(scenarios, usual_walks):
+    kidnapped = ask_everywhere(scenarios["kidnapped"])
+    assert kidnapped.ate_odometry_m > 4 * usual_walks[0].ate_odometry_m
+    assert kidnapped.ate_m < 1.5 * usual_walks[0].ate_m < 0.3
 
 
 def test_the_probability_of_a_revisit_finds_more_and_answers_falsely_less_often(usual_walks):
@@ -46,6 +57,6 @@ def test_a_fit_recovers_the_model_that_made_the_data(rng):
     )
     revisit = rng.random(n) < expit(revisit_log_odds(similarities, distances, angles, true))
     pairs = Pairs(similarities, distances, angles, revisit)
-    fitted = fit_revisits([Answers({}, np.zeros((0, 0), bool), np.zeros((0, 0), bool), pairs)])
+    fitted = fit_revisits([Answers({}, np.zeros((0, 0), bool), np.zeros((0, 0), bool), pairs, None, None)])
     for name in FITTED:
         assert getattr(fitted, name) == pytest.approx(getattr(true, name), rel=0.1)

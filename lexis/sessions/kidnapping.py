@@ -1,0 +1,136 @@
+"""Kidnapping: in which step of its path a robot was carried elsewhere (beyond the paper).
+
+A robot that is picked up and put down elsewhere does not notice it. Later loops to earlier places are then far from the
+estimate (`lexis.graph.far_loops`). At the end of a session, the map is corrected if the far loops of many keyframes agree on
+one displacement, which keeps the height. The robot was carried in the step that most of these loops skip, among the steps
+that no trusted loop bridges.
+
+Rooms that look alike also give far loops that agree. They must not correct the map:
+
+- When a robot that was not carried comes back, trusted loops bridge all of its steps.
+- If it does not come back, several steps are skipped equally often. The map is then corrected only if the robot has made
+  several visits to places that agree, because it usually sees rooms that look alike in one visit. Among these steps, the
+  one whose images are least similar is chosen.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int
+
+from lexis.config import VerificationConfig
+from lexis.graph.far_loops import LEVEL_M
+from lexis.graph.pose_graph import PoseGraph
+from lexis.graph.trusted_loops import is_trusted
+from lexis.maths.ties import rounded
+from lexis.sessions.relocalisation import agree, shift_of
+from lexis.types import LoopArrays, LoopEdge, Pose
+from lexis.verification import within_drift
+
+_BETWEEN_VISITS = 8
+"""Two visits lie more than this many keyframes apart."""
+_NEAR_M = 1.0
+"""Two loops move a keyframe to the same place if both places are at most this far apart [m]."""
+
+_Steps = Bool[np.ndarray, "steps"]
+"""A flag for every step of the path. A step is named by the keyframe to which it leads."""
+
+
+@dataclass(frozen=True, eq=False)
+class Kidnapping:
+    """A step of the path in which the robot was carried, and the loops that show it."""
+
+    step: int
+    """Id of the first keyframe after it."""
+    loops: tuple[LoopEdge, ...]
+    """The loops that agree, each from a keyframe after the step to one before it."""
+    shift: Pose
+    """Rigid motion in the frame W that moves the keyframes after the step to where the loops see them."""
+    is_only_step: bool
+    """Whether the loops skip no other step as often."""
+
+    @property
+    def queries(self) -> list[int]:
+        """Ids of the later keyframes of the loops, ascending."""
+        return sorted({loop.query for loop in self.loops})
+
+    @property
+    def is_certain(self) -> bool:
+        """Whether the loops agree on this step alone, or were found in several visits."""
+        several_visits = bool((np.diff(self.queries) > _BETWEEN_VISITS).any())
+        return self.is_only_step or several_visits
+
+
+def find_kidnapping(graph: PoseGraph, agreeing: int, tolerances: VerificationConfig) -> Kidnapping | None:
+    """Return the kidnapping in the last session that most keyframes show, or None if none is certain.
+
+    The far loops of at least `agreeing` keyframes must agree, within the limits of `lexis.verification.within_drift`.
+    """
+    is_open = ~_bridged(graph)
+    left = [loop for loop in _far_loops(graph, tolerances) if is_open[loop.match + 1 : loop.query + 1].any()]
+    certain = []
+    while left:
+        fits = agree(left[0], left, graph, tolerances)
+        found = _by_votes([left[i] for i in np.flatnonzero(fits).tolist()], is_open, graph)
+        if len(found.queries) >= agreeing and found.is_certain and _is_level(found, graph):
+            certain.append(found)
+        left = [left[i] for i in np.flatnonzero(~fits).tolist()]
+    return max(certain, key=lambda found: len(found.queries), default=None)
+
+
+def _far_loops(graph: PoseGraph, tolerances: VerificationConfig) -> list[LoopEdge]:
+    """Return the far loops of the last session that are still far from the estimate, without those of retired keyframes."""
+    known = [
+        loop
+        for loop in graph.far_loops.all
+        if loop.query >= graph.session_start and graph.keyframes[loop.query].anchor is None
+    ]
+    loops = LoopArrays.of(known)
+    measured, path_m = graph.T_W_B[loops.match] @ loops.T_match_query, graph.path_m[loops.query] - graph.path_m[loops.match]
+    near = within_drift(measured, graph.T_W_B[loops.query], path_m, tolerances)
+    return [known[i] for i in np.flatnonzero(~near).tolist()]
+
+
+def _bridged(graph: PoseGraph) -> _Steps:
+    """Return which steps lie between the keyframes of a trusted loop of one session."""
+    ends = np.zeros(len(graph.keyframes) + 1, int)
+    for loop, trusted in zip(graph.loops, is_trusted(graph.loop_weights).tolist(), strict=True):
+        if trusted and graph.sessions[loop.match] == graph.sessions[loop.query]:
+            ends[loop.match + 1] += 1
+            ends[loop.query + 1] -= 1
+    return np.asarray(np.cumsum(ends)[:-1] > 0, bool)
+
+
+def _by_votes(loops: Sequence[LoopEdge], is_open: _Steps, graph: PoseGraph) -> Kidnapping:
+    """Return the open step that most of the loops skip, with these loops."""
+    votes = np.zeros(len(is_open), int)
+    for loop in loops:
+        votes[loop.match + 1 : loop.query + 1] += is_open[loop.match + 1 : loop.query + 1]
+    steps = np.flatnonzero(votes == votes.max())
+    step = int(steps[_similarities(steps, graph).argmin()])
+    skipping = [loop for loop in loops if loop.match < step <= loop.query]
+    return Kidnapping(step, tuple(skipping), _usual_shift(skipping, step, graph), len(steps) == 1)
+
+
+def _similarities(steps: Int[np.ndarray, "k"], graph: PoseGraph) -> Float64[np.ndarray, "k"]:
+    """Return how similar the images before and after each step are: the mean cosine similarity over all cameras."""
+    before, after = (np.stack([graph.keyframes[id].embeddings for id in ids.tolist()]) for ids in (steps - 1, steps))
+    return rounded((before.astype(np.float64) * after).sum(axis=2).mean(axis=1))
+
+
+def _usual_shift(loops: Sequence[LoopEdge], step: int, graph: PoseGraph) -> Pose:
+    """Return the shift by one of the loops that moves the keyframe `step` close to where most of the others move it.
+
+    Some of the loops may be false, and be a few metres off.
+    """
+    shifts = np.stack([shift_of(loop, graph) for loop in loops])
+    moved = (shifts @ graph.T_W_B[step])[:, :3, 3]
+    near = np.linalg.norm(moved[:, None] - moved, axis=2) <= _NEAR_M
+    return np.asarray(shifts[near.sum(axis=1).argmax()])
+
+
+def _is_level(found: Kidnapping, graph: PoseGraph) -> bool:
+    """Whether the displacement hardly changes the height of the robot."""
+    T_W_B = graph.T_W_B[found.step]
+    return bool(abs((found.shift @ T_W_B - T_W_B)[2, 3]) < LEVEL_M)

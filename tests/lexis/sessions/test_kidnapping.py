@@ -1,0 +1,169 @@
+"""A robot walks laps on a circle and is carried elsewhere; a verifier that knows the truth stands in for PnP."""
+
+import numpy as np
+import pytest
+from helpers.box_room import FORWARD_CAMERA
+from helpers.map_builder import keyframe
+
+from lexis.config import Config, PlaceRecognitionConfig, PoseGraphConfig, SessionConfig, VerificationConfig
+from lexis.graph.pose_graph import PoseGraph
+from lexis.graph.walked_steps import walked_steps
+from lexis.maths import se3
+from lexis.sessions.kidnapping import find_kidnapping
+from lexis.slam import Slam
+from lexis.types import Features, LoopDecision, LoopEdge, Observation, Percept
+from lexis.verification import plausible
+
+LAP = 40
+"""Keyframes of one lap."""
+CARRIED, AWAY = 60, 8
+"""Number of keyframes before the robot is carried, and keyframes of the circle that it skips: 3.8 m."""
+COVARIANCE = np.diag(np.repeat([0.001, 0.003], 3) ** 2)
+LOOP_COVARIANCE = np.diag(np.repeat([0.005, 0.02], 3) ** 2)
+STEP = se3.exp(np.array([0.0, 0.0, 2 * np.pi / LAP, 0.501, 0.0, 0.0]))
+UP = se3.exp(np.array([0.0, 0.0, 0.0, 0.0, 0.0, 3.0]))
+
+
+class Encoder:
+    name = fingerprint = "circle"
+
+    def encode_image(self, image):
+        raise AssertionError("there are no images")
+
+    def encode_rooms(self, names):
+        return np.eye(len(names), 4, dtype=np.float32)
+
+
+def poses(count, moved=None):
+    """Poses of keyframes on the circle; before each keyframe in `moved`, the robot is moved by the rigid motion there."""
+    T = [np.eye(4)]
+    for i in range(1, count):
+        T.append(T[-1] @ (moved or {}).get(i, np.eye(4)) @ STEP)
+    return np.stack(T)
+
+
+def along(keyframes):
+    """The motion along the circle to a place that is so many keyframes ahead."""
+    return np.linalg.matrix_power(STEP, keyframes)
+
+
+def verifier(true, false=lambda query, match: None):
+    """Confirms each candidate by the truth, or 3 m beside it where `false` returns a pose of the query beside it."""
+
+    def check(query, candidates, graph, camera, config):
+        located = []
+        for match in candidates:
+            beside = false(query.id, match)
+            if beside is None and np.linalg.norm(se3.between(true[match], true[query.id])[:3, 3]) > 2.0:
+                located.append((LoopDecision(query.id, match, "few inliers"), None))
+                continue
+            T = se3.between(true[match], true[query.id]) if beside is None else beside
+            located.append((LoopDecision(query.id, match, "accepted"), LoopEdge(query.id, match, T, LOOP_COVARIANCE, 50)))
+        return plausible(located, graph, config)
+
+    return check
+
+
+def walk(true, odometry, verify, config=None):
+    """Run LEXIS on a robot at the poses `true`, at which odometry estimates the poses `odometry`."""
+    slam, rng = Slam(FORWARD_CAMERA, Encoder(), ("office", "kitchen"), config, verify), np.random.default_rng(2)
+    for i, (T_W_B, T_O_B) in enumerate(zip(true, odometry, strict=True)):
+        embedding = np.array([0.3, 0.0, *T_W_B[:2, 3] / 3.2])
+        percept = Percept(
+            np.float32(embedding / np.linalg.norm(embedding)),
+            Features(rng.uniform(0, 20, (3, 2)).astype(np.float32), rng.integers(0, 256, (3, 61), np.uint8)),
+        )
+        slam.process(Observation(i, 1.0 + i, percept, T_O_B, COVARIANCE))
+    return slam.finish()
+
+
+def test_the_map_is_right_although_the_robot_was_carried():
+    true, odometry = poses(140, {CARRIED: along(AWAY)}), poses(140)
+    np.testing.assert_allclose(walk(true, odometry, verifier(true)).T_W_B, true, atol=1e-3)
+    assert np.linalg.norm(odometry[-1] - true[-1]) > 2.0
+
+
+def test_the_images_show_the_step_if_no_loop_bridges_the_steps_around_it():
+    true = poses(120, {30: along(AWAY)})  # the first lap is not complete
+    np.testing.assert_allclose(walk(true, poses(120), verifier(true)).T_W_B, true, atol=1e-3)
+
+
+def test_without_the_setting_the_map_follows_the_odometry():
+    true, config = poses(140, {CARRIED: along(AWAY)}), Config(sessions=SessionConfig(kidnapped=None))
+    np.testing.assert_allclose(walk(true, poses(140), verifier(true), config).T_W_B, poses(140), atol=1e-3)
+
+
+def test_a_robot_that_is_carried_twice_ends_in_the_right_place():
+    true = poses(200, {CARRIED: along(AWAY), 130: along(AWAY)})
+    np.testing.assert_allclose(walk(true, poses(200), verifier(true)).T_W_B, true, atol=1e-3)
+
+
+def test_the_loops_that_show_it_become_part_of_the_map():
+    true = poses(140, {CARRIED: along(AWAY)})
+    found = walk(true, poses(140), verifier(true))
+    across = {(loop.query, loop.match) for loop in found.loops if loop.query >= CARRIED > loop.match}
+    accepted = {(each.query, each.match) for each in found.decisions if each.outcome == "accepted"}
+    assert len({query for query, _ in across}) >= 10
+    assert accepted == {(loop.query, loop.match) for loop in found.loops}
+    assert len(found.loops) == len(accepted)
+
+
+def test_no_plan_leads_along_the_step_in_which_the_robot_was_carried():
+    true = poses(140, {CARRIED: along(4)})
+    found = walk(true, poses(140), verifier(true))
+    np.testing.assert_allclose(found.T_W_B, true, atol=1e-3)
+    assert np.linalg.norm(true[CARRIED, :3, 3] - true[CARRIED - 1, :3, 3]) < 3.0
+    walked = {tuple(step) for step in walked_steps(found).tolist()}
+    assert walked == {(i, i + 1) for i in range(139)} - {(CARRIED - 1, CARRIED)}
+
+
+def looks_like(queries, keyframes):
+    """Each of these keyframes looks like an earlier one, so many keyframes before, and 0.2 m behind."""
+    T = se3.exp(np.array([0.0, 0.0, 0.0, 0.2, 0.0, 0.0]))
+    return lambda query, match: T if query in queries and query - match == keyframes else None
+
+
+def assert_not_moved(true, false):
+    """Many keyframes have far loops, and the map is right nevertheless."""
+    candidates = PlaceRecognitionConfig(method="similarity", candidates=100, min_gap_m=4.0)
+    found = walk(true, true, verifier(true, false), Config(place_recognition=candidates))
+    far = {each.query for each in found.decisions if each.outcome == "far from the estimate"}
+    assert len(far) >= 10
+    np.testing.assert_allclose(found.T_W_B, true, atol=1e-3)
+
+
+@pytest.mark.parametrize("count", [35, 80], ids=["without coming back", "coming back"])
+def test_rooms_that_look_alike_do_not_move_the_map(count):
+    assert_not_moved(poses(count), looks_like(range(20, 36), 20))
+
+
+def test_storeys_that_look_alike_do_not_move_the_map():
+    """No loop bridges the step in which the robot goes up, and each keyframe has a far loop to the storey below."""
+    assert_not_moved(poses(120, {CARRIED: UP}), looks_like(range(CARRIED, 120), CARRIED))
+
+
+def far_loop(query, match, T_match_query=STEP):
+    return LoopEdge(query, match, T_match_query, LOOP_COVARIANCE, 50)
+
+
+def graph_with(loops, far, count=60):
+    graph = PoseGraph(PoseGraphConfig())
+    rng = np.random.default_rng(3)
+    for i, T in enumerate(poses(count)):
+        graph.add_keyframe(keyframe(rng, i, T))
+    graph.add_loops([far_loop(query, match, along(query - match)) for query, match in loops])
+    graph.add_far_loops(far)
+    return graph
+
+
+def test_many_keyframes_have_to_agree():
+    bridges = [(29, 0), (59, 30)]  # of all steps but one
+    far = [far_loop(query, query - 30) for query in range(40, 55)]
+    found = find_kidnapping(graph_with(bridges, far), 15, VerificationConfig())
+    assert found is not None and found.step == 30 and list(found.loops) == far
+    assert find_kidnapping(graph_with(bridges, far), 16, VerificationConfig()) is None
+
+
+def test_far_loops_that_fit_the_corrected_map_show_nothing():
+    far = [far_loop(query, query - 30, along(30)) for query in range(40, 55)]
+    assert find_kidnapping(graph_with([(29, 0), (59, 30)], far), 2, VerificationConfig()) is None
