@@ -276,7 +276,7 @@ class Slam:
             verified = self._verify(query, candidates, self._graph, self._camera, self._config.verification)
         self._record.add(query.id, candidates, verified.decisions)
         self._graph.add_loops(verified.edges)
-        self._graph.add_far_loops(verified.far)
+        self._graph.add_far_loops(query.id, candidates, verified.far)
         return verified
 
     def _keep_loops(self, loops: Sequence[LoopEdge], decisions: Sequence[LoopDecision], verified: Verification) -> None:

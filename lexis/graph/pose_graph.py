@@ -291,9 +291,12 @@ class PoseGraph:
         self._added += len(loops)
         self.far_loops.bridge(self._within_sessions(loops))
 
-    def add_far_loops(self, loops: Sequence[LoopEdge]) -> None:
-        """Keep verified loops that the current poses rule out, outside the graph; those between two sessions are dropped."""
-        self.far_loops.add(self._within_sessions(loops))
+    def add_far_loops(self, query: int, candidates: Sequence[int], loops: Sequence[LoopEdge]) -> None:
+        """Keep verified loops that the current poses rule out, outside the graph; those between two sessions are dropped.
+
+        They are the far loops of the newest keyframe, `query`, which was compared with the candidates.
+        """
+        self.far_loops.add(query, candidates, self._within_sessions(loops), self.T_W_B)
 
     def _within_sessions(self, loops: Sequence[LoopEdge]) -> list[LoopEdge]:
         return [loop for loop in loops if self.keyframes[loop.query].session == self.keyframes[loop.match].session]

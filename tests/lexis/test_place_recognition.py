@@ -103,7 +103,8 @@ def test_a_carried_robot_is_searched_where_far_loops_see_it(rng):
     known = graph.embeddings[7, 0]
     query = replace(graph.keyframes[39], embedding=0.8 * known + 0.6 * np.roll(known, 1))
     assert propose(query, "", [], graph, by_probability) == ()
-    graph.add_far_loops([LoopEdge(38, 6, np.eye(4), 1e-4 * np.eye(6), 50)])  # the next keyframe is then at the place of 7
+    far_loop = LoopEdge(38, 6, np.eye(4), 1e-4 * np.eye(6), 50)  # the next keyframe is then at the place of keyframe 7
+    graph.add_far_loops(38, [], [far_loop])
     assert propose(query, "", [], graph, by_probability)[0] == 7
 
 

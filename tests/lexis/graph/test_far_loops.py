@@ -19,7 +19,7 @@ def far_loops(count=30, loops=()):
     far = FarLoops()
     for _ in range(count):
         far.add_step()
-    far.add(loops)
+    far.add(28, [], loops, T_W_B)
     return far
 
 
@@ -51,7 +51,7 @@ def test_a_far_loop_is_false_if_other_loops_bridge_all_of_its_steps():
     assert len(far.poses_of(29, T_W_B)) == 2  # no loop bridges the step to keyframe 16
     far.bridge([far_loop(16, 15)])
     assert len(far.poses_of(29, T_W_B)) == 1
-    far.add([far_loop(29, 4)])
+    far.add(29, [], [far_loop(29, 4)], T_W_B)
     assert len(far.poses_of(29, T_W_B)) == 1
 
 
@@ -61,3 +61,26 @@ def test_a_far_loop_that_is_removed_leads_nowhere():
     far.remove(loops[:1])
     assert list(far.all) == loops[1:]
     assert len(far.poses_of(29, T_W_B)) == 2
+
+
+def compared(far, query, candidates, loops=()):
+    """The keyframe is compared with candidates; return whether the robot is still searched at a displaced pose."""
+    far.add(query, candidates, loops, T_W_B)
+    return len(far.poses_of(query, T_W_B)) > 1
+
+
+def test_the_search_ends_when_keyframes_were_compared_several_times_in_vain():
+    far = far_loops(loops=[far_loop(20, 1)])  # keyframe 21 is then beside keyframe 3, and so on
+    elsewhere = [compared(far, query, [15]) for query in range(21, 25)]
+    in_vain = [compared(far, query, [15, query - 18]) for query in range(21, 26)]
+    assert elsewhere == [True] * 4
+    assert in_vain == [True] * 4 + [False]
+    assert len(far.all) == 1
+
+
+def test_the_search_goes_on_when_a_far_loop_confirms_the_displacement():
+    far = far_loops(loops=[far_loop(20, 1)])
+    for query in range(21, 25):
+        assert compared(far, query, [query - 18])
+    assert compared(far, 25, [7], [far_loop(25, 6)])
+    assert [compared(far, query, [query - 18]) for query in range(26, 30)] == [True] * 4

@@ -152,7 +152,7 @@ def graph_with(loops, far, count=60):
     for i, T in enumerate(poses(count)):
         graph.add_keyframe(keyframe(rng, i, T))
     graph.add_loops([far_loop(query, match, along(query - match)) for query, match in loops])
-    graph.add_far_loops(far)
+    graph.add_far_loops(59, [], far)
     return graph
 
 
