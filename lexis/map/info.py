@@ -9,6 +9,7 @@ import numpy as np
 from lexis.floors import floor_numbers
 from lexis.graph.components import sessions_apart
 from lexis.graph.trusted_loops import TRUSTED_WEIGHT, is_trusted
+from lexis.graph.walked_steps import carried_before
 from lexis.room_names import instance_names, unused_names
 from lexis.types import LexisMap
 
@@ -16,10 +17,12 @@ from lexis.types import LexisMap
 def map_info(map: LexisMap) -> dict[str, Any]:
     """Return a summary of a map as plain data for JSON.
 
-    It has rooms, floors, counts of keyframes and loops, path length [m] and duration [s].
+    It has rooms, floors, counts of keyframes and loops, path length [m] and duration [s]. The path is without the steps in
+    which the robot was carried elsewhere.
     """
     steps = np.linalg.norm(np.diff(map.T_W_B[:, :3, 3], axis=0), axis=1)
     same = np.diff([keyframe.session for keyframe in map.keyframes]) == 0
+    carried = carried_before(map)
     size = map.camera.intrinsics
     rooms = [
         {
@@ -36,7 +39,8 @@ def map_info(map: LexisMap) -> dict[str, Any]:
         "keyframes": len(map.keyframes),
         "sessions": map.keyframes[-1].session + 1,
         "sessions_apart": sessions_apart(map),
-        "path_m": float(steps[same].sum()),
+        "carried_before": carried.tolist(),
+        "path_m": float(np.delete(steps, carried - 1)[np.delete(same, carried - 1)].sum()),
         "duration_s": float(np.diff([keyframe.stamp for keyframe in map.keyframes])[same].sum()),
         "floors": floor_numbers(map.floors),
         "rooms": rooms,
@@ -61,6 +65,7 @@ def info_text(info: dict[str, Any]) -> str:
     return "\n".join([
         f"keyframes   {info['keyframes']}",
         *([f"sessions    {info['sessions']}{_apart(info['sessions_apart'])}"] if info["sessions"] > 1 else []),
+        *([f"carried     {_carried(info['carried_before'])}"] if info["carried_before"] else []),
         f"path        {info['path_m']:.1f} m between keyframes",
         f"duration    {info['duration_s']:.1f} s",
         f"floors      {len(info['floors'])}",
@@ -74,6 +79,10 @@ def info_text(info: dict[str, Any]) -> str:
         f"{'room':{width}s}  {'floor':>6s}  keyframes  probable",
         *rooms,
     ])  # fmt: skip
+
+
+def _carried(keyframes: Sequence[int]) -> str:
+    return f"elsewhere before the keyframes {', '.join(map(str, keyframes))}"
 
 
 def _apart(sessions: Sequence[int]) -> str:

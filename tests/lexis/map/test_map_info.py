@@ -32,6 +32,17 @@ def test_figures_are_those_of_the_map(lexis_map):
     assert info["unused_room_names"] == ["kitchen"] and info["encoder"]["name"] == "test"
 
 
+def test_the_path_is_without_the_step_in_which_the_robot_was_carried(lexis_map):
+    T_W_B = lexis_map.T_W_B.copy()
+    T_W_B[20:, 1, 3] += 2.0
+    before, after = map_info(lexis_map), map_info(replace(lexis_map, T_W_B=T_W_B))
+    step_m = np.linalg.norm(lexis_map.T_W_B[20, :3, 3] - lexis_map.T_W_B[19, :3, 3])
+    assert (before["carried_before"], after["carried_before"]) == ([], [20])
+    assert after["path_m"] == pytest.approx(before["path_m"] - step_m)
+    assert "carried     elsewhere before the keyframes 20" in info_text(after).splitlines()
+    assert not any(line.startswith("carried") for line in info_text(before).splitlines())
+
+
 def test_the_text_names_every_room_with_its_floor_and_keyframes(lexis_map):
     stairs = replace(lexis_map, rooms=(*lexis_map.rooms[:2], replace(lexis_map.rooms[2], floor=None)))
     lines = info_text(map_info(stairs)).splitlines()
