@@ -154,7 +154,7 @@ class PoseGraph:
 
         The first keyframe of a session begins a new component, at its odometry pose. With `place`, it joins the component of
         the keyframe `place.beside`, at the given relative pose. The caller must then add the loop edges that connect it,
-        because the optimiser knows no other relation.
+        because the optimiser knows no other relation. Any other keyframe lies at the given place, too, if there is one.
         """
         T_W_B, covariance = orthonormal(keyframe.T_O_B), keyframe.step_covariance
         if self._optimiser is None or keyframe.session != self.keyframes[-1].session:
@@ -166,7 +166,8 @@ class PoseGraph:
         else:
             last = int(self.active[-1])
             step, covariance = self._step_from(last, keyframe)
-            T_W_B = orthonormal(self.T_W_B[last] @ step)
+            beside, T_beside_B = (last, step) if place is None else place
+            T_W_B = orthonormal(self.T_W_B[beside] @ T_beside_B)
             self._optimiser.add_keyframe(T_W_B, step, covariance)
         self._active.append(len(self.keyframes))
         self._covariances.append(covariance)

@@ -7,6 +7,7 @@ import numpy as np
 
 from lexis.graph.components import component_of, sessions_of
 from lexis.graph.pose_graph import KnownPlace
+from lexis.graph.walked_steps import carried_before
 from lexis.maths.se3 import between
 from lexis.maths.ties import rounded
 from lexis.types import Keyframe, LexisMap, LoopDecision, LoopEdge
@@ -19,6 +20,7 @@ class RenumberedMap:
         """`first` is the new id of the map's first keyframe, and `session` the new number of its first session."""
         self._map, self._first, self._session = map, first, session
         self._sessions, self._components = sessions_of(map.keyframes), component_of(map)
+        self._carried_before = set(carried_before(map).tolist())
         self._loops: defaultdict[int, list[LoopEdge]] = defaultdict(list)
         for loop in map.loops:
             if self._sessions[loop.query] != self._sessions[loop.match]:
@@ -34,14 +36,15 @@ class RenumberedMap:
     def place(self, id: int) -> KnownPlace | None:
         """Return where a keyframe lies, if the map knows this from something other than odometry.
 
-        A retired keyframe has a place relative to its anchor. The first keyframe of a session has a place relative to the
-        nearest keyframe of the earlier sessions in its component, if there are any. For other keyframes, the result is None.
+        A retired keyframe has a place relative to its anchor, and a keyframe before which the robot was carried elsewhere
+        has one relative to the keyframe before it. The first keyframe of a session has a place relative to the nearest
+        keyframe of the earlier sessions in its component, if there are any. For other keyframes, the result is None.
         """
         anchor = self._map.keyframes[id].anchor
         if anchor is not None:
             return self._relative(anchor, id)
         if id > 0 and self._sessions[id] == self._sessions[id - 1]:
-            return None
+            return self._relative(id - 1, id) if id in self._carried_before else None
         earlier = np.flatnonzero(self._components[:id] == self._components[id])
         if not len(earlier):
             return None

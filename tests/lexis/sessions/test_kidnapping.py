@@ -1,14 +1,18 @@
 """A robot walks laps on a circle and is carried elsewhere; a verifier that knows the truth stands in for PnP."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers.box_room import FORWARD_CAMERA
 from helpers.map_builder import keyframe
 
 from lexis.config import Config, PlaceRecognitionConfig, PoseGraphConfig, SessionConfig, VerificationConfig
+from lexis.graph.components import sessions_apart
 from lexis.graph.pose_graph import PoseGraph
 from lexis.graph.walked_steps import walked_steps
 from lexis.maths import se3
+from lexis.merging import merge
 from lexis.sessions.kidnapping import find_kidnapping
 from lexis.slam import Slam
 from lexis.types import Features, LoopDecision, LoopEdge, Observation, Percept
@@ -106,6 +110,21 @@ def test_the_loops_that_show_it_become_part_of_the_map():
     assert len({query for query, _ in across}) >= 10
     assert accepted == {(loop.query, loop.match) for loop in found.loops}
     assert len(found.loops) == len(accepted)
+
+
+def test_a_corrected_map_stays_right_when_it_is_merged_into_another_one():
+    """The correction is part of the map: it does not have to be found again."""
+    true = poses(140, {CARRIED: along(AWAY)})
+    corrected, first = walk(true, poses(140), verifier(true)), walk(true[:30], true[:30], verifier(true))
+
+    def within_sessions(query, candidates, graph, camera, config):
+        index = [keyframe.observation_index for keyframe in graph.keyframes]
+        known = verifier(np.stack([true[i] for i in index]))
+        return replace(known(query, candidates, graph, camera, config), far=())
+
+    merged = merge(first, corrected, Encoder(), verifier=within_sessions)
+    assert sessions_apart(merged) == []
+    np.testing.assert_allclose(merged.T_W_B, np.concatenate([true[:30], true]), atol=1e-3)
 
 
 def test_no_plan_leads_along_the_step_in_which_the_robot_was_carried():
