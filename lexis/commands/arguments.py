@@ -111,7 +111,8 @@ def print_summary(lexis_map: LexisMap, folder: Path) -> None:
         speed = f"{info['path_m'] / info['duration_s']:.0f} m/s on average"
         print(f"warning: the camera moves at {speed}; positions have to be in metres, and stamps in seconds")
     if carried := info["carried_before"]:
-        print(f"the robot was carried elsewhere before keyframe {', '.join(map(str, carried))}, and is there in the map")
+        keyframes = ", ".join(map(str, carried))
+        print(f"the robot was carried elsewhere before keyframe {keyframes}; the poses after it are corrected")
     if missing := unused_names(lexis_map.room_names, lexis_map.rooms):
         print(f"no room: {', '.join(missing)}")
     if apart := sessions_apart(lexis_map):

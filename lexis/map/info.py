@@ -82,7 +82,7 @@ def info_text(info: dict[str, Any]) -> str:
 
 
 def _carried(keyframes: Sequence[int]) -> str:
-    return f"elsewhere before the keyframes {', '.join(map(str, keyframes))}"
+    return f"elsewhere before keyframe{'s' if len(keyframes) > 1 else ''} {', '.join(map(str, keyframes))}"
 
 
 def _apart(sessions: Sequence[int]) -> str:

@@ -39,7 +39,7 @@ def test_the_path_is_without_the_step_in_which_the_robot_was_carried(lexis_map):
     step_m = np.linalg.norm(lexis_map.T_W_B[20, :3, 3] - lexis_map.T_W_B[19, :3, 3])
     assert (before["carried_before"], after["carried_before"]) == ([], [20])
     assert after["path_m"] == pytest.approx(before["path_m"] - step_m)
-    assert "carried     elsewhere before the keyframes 20" in info_text(after).splitlines()
+    assert "carried     elsewhere before keyframe 20" in info_text(after).splitlines()
     assert not any(line.startswith("carried") for line in info_text(before).splitlines())
 
 
