@@ -182,8 +182,8 @@ class PlaceRecognitionConfig(Settings, place="place_recognition", error=ConfigEr
     """Estimated angle that lowers the log odds by 1 [rad]; they fall with its square."""
     lost_log_odds: Annotated[float, Ge(0)] = 13.4
     """Largest amount by which the estimated distance and angle can lower the log odds of a revisit. The amount is limited,
-    because the estimated pose may be completely wrong. It is 0.3 above the fitted value: with less, a robot that was carried
-    finds more revisits, but every robot gives more false answers (lexis/pages/places.md)."""
+    because the estimated pose may be completely wrong. It is 0.3 above the fitted value, which gives fewer false
+    answers. A robot that was carried elsewhere is found by far loops instead (lexis/pages/places.md)."""
 
 
 @dataclass(frozen=True)
@@ -317,9 +317,9 @@ class SessionConfig(Settings, place="sessions", error=ConfigError):
     window_m: Annotated[float, Gt(0)] = 20.0
     """Largest length of the path from a keyframe with loop edges to the current keyframe [m]. Older loop edges are
     forgotten."""
-    kidnapped: Annotated[int, Ge(2)] | None = 10
-    """Least number of keyframes whose far loops must agree before the finished map is corrected, because the robot was
-    carried elsewhere during a session. None: the map is never corrected. See `lexis.sessions.kidnapping`."""
+    kidnapping_agreeing: Annotated[int, Ge(2)] | None = 10
+    """Least number of keyframes whose far loops must agree on one displacement before the finished map is corrected; the
+    robot was then carried elsewhere in the session. None: the map is never corrected. See `lexis.sessions.kidnapping`."""
 
 
 @dataclass(frozen=True)

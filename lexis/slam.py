@@ -48,7 +48,7 @@ from lexis.place_recognition import PlaceRecogniser, propose
 from lexis.room_labels import most_similar, similarities
 from lexis.semantics import Labeller, Semantics, Views, derive_by_component
 from lexis.sessions.compatibility import check_continues
-from lexis.sessions.kidnapping import find_kidnapping
+from lexis.sessions.kidnapping import find_kidnapping, strongest
 from lexis.sessions.relocalisation import Relocaliser, at_any_distance, candidates_elsewhere, shift_of, without_support
 from lexis.sessions.renumbered_map import RenumberedMap
 from lexis.sight.visible_space import VisibleSpace, spaces_in_view
@@ -210,8 +210,7 @@ class Slam:
         if not self._graph.keyframes:
             raise LexisError("no observation was processed; valid: at least one before finish()")
         self._optimise(final=True)
-        while self._correct_kidnapping():
-            pass
+        self._correct_kidnapping()
         return self._map()
 
     def _begin_session(self) -> None:
@@ -311,15 +310,19 @@ class Slam:
         self._optimise(final=True)
         return True
 
-    def _correct_kidnapping(self) -> bool:
-        """Move the last keyframes to where the robot was carried, if loops agree on it; return whether they were moved."""
-        agreeing = self._config.sessions.kidnapped
-        found = None if agreeing is None else find_kidnapping(self._graph, agreeing, self._config.verification)
+    def _correct_kidnapping(self) -> None:
+        """Move the last keyframes to where the robot was carried, if loops agree on it."""
+        agreeing, verification = self._config.sessions.kidnapping_agreeing, self._config.verification
+        if agreeing is None:
+            return
+        with self._timed("relocalise"):
+            found = find_kidnapping(self._graph, agreeing, verification)
         if found is None:
-            return False
-        self._record.accept(found.loops)
-        self._graph.displace(found.step, found.shift, found.loops)
-        return self._optimise(final=True)
+            return
+        loops = strongest(found.loops, verification.max_edges)
+        self._record.accept(loops)
+        self._graph.displace(found.step, found.shift, loops)
+        self._optimise(final=True)
 
     def _optimise(self, final: bool = False) -> bool:
         with self._timed("optimise"):

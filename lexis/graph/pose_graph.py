@@ -221,6 +221,7 @@ class PoseGraph:
             self._optimiser.add_session(T_W_B)
         self._component_of = np.append(self._component_of, component)
         self.session_start = keyframe.id
+        self.far_loops.begin_session()
 
     def resume(
         self,
@@ -272,11 +273,11 @@ class PoseGraph:
         T_W_B = self.T_W_B.copy()
         T_W_B[step:] = shift @ T_W_B[step:]
         self._move_to(T_W_B)
-        self.far_loops.remove(loops)
         self.add_loops(loops)
 
     def _move_to(self, T_W_B: Poses) -> None:
         self._T_W_B.replace(np.arange(len(T_W_B)), T_W_B)
+        self._retired.follow(T_W_B)
         self._restart()
 
     def add_loops(self, loops: Sequence[LoopEdge]) -> None:

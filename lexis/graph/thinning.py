@@ -89,6 +89,10 @@ class Retired:
             self.add(id, anchor, between(T_W_B[anchor], T_W_B[id]))
         return moved | successor
 
+    def follow(self, T_W_B: Poses) -> None:
+        """Take the poses relative to the anchors from the poses `T_W_B` of all keyframes."""
+        self._T_anchor_B.replace(np.arange(len(self.ids)), between(T_W_B[self.anchors], T_W_B[self.ids]))
+
     def following(self, first: int, T_W_B: Poses) -> tuple[Ids, Float64[np.ndarray, "k 4 4"]]:
         """Return the ids of the retired keyframes whose anchors have ids from `first` on, and their poses.
 

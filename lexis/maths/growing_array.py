@@ -30,7 +30,7 @@ class GrowingArray:
         self._buffer[self._count] = row
         self._count += 1
 
-    def replace(self, indices: Int[np.ndarray, "k"], rows: Shaped[np.ndarray, "k *row"]) -> None:
+    def replace(self, indices: Int[np.ndarray, "k"] | slice, rows: Shaped[np.ndarray, "k *row"] | bool) -> None:
         """Replace the rows with the given indices, in a time that does not depend on the number of all rows."""
         self._buffer[indices] = rows
 

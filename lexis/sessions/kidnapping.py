@@ -8,30 +8,37 @@ that no trusted loop bridges.
 Rooms that look alike also give far loops that agree. They must not correct the map:
 
 - When a robot that was not carried comes back, trusted loops bridge all of its steps.
-- If it does not come back, several steps are skipped equally often. The map is then corrected only if the robot has made
-  several visits to places that agree, because it usually sees rooms that look alike in one visit. Among these steps, the
-  one whose images are least similar is chosen.
+- If it does not come back, several steps are skipped equally often. The map is then corrected only if the loops are of
+  several visits or of a long one, because the robot usually sees rooms that look alike in one short visit. Among these
+  steps, the one whose images are least similar is chosen.
+
+A session is corrected once, for the kidnapping that most keyframes show: loops across the corrected step would also bridge
+the step of a second kidnapping.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import groupby, islice
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int
 
 from lexis.config import VerificationConfig
-from lexis.graph.far_loops import LEVEL_M
+from lexis.graph.far_loops import LEVEL_M, is_close
 from lexis.graph.pose_graph import PoseGraph
 from lexis.graph.trusted_loops import is_trusted
 from lexis.maths.ties import rounded
 from lexis.sessions.relocalisation import agree, shift_of
-from lexis.types import LoopArrays, LoopEdge, Pose
+from lexis.types import LoopArrays, LoopEdge, Pose, Poses
 from lexis.verification import within_drift
 
 _BETWEEN_VISITS = 8
 """Two visits lie more than this many keyframes apart."""
-_NEAR_M = 1.0
-"""Two loops move a keyframe to the same place if both places are at most this far apart [m]."""
+_LONG = 40
+"""Number of agreeing keyframes that suffices in one visit. In rooms that look alike, at most 22 agree
+(lexis/pages/places.md)."""
+_NEAR_M, _NEAR_RAD = 1.5, 0.35
+"""Two loops displace a keyframe alike if they lead to poses that differ by at most this [m, rad]."""
 
 _Steps = Bool[np.ndarray, "steps"]
 """A flag for every step of the path. A step is named by the keyframe to which it leads."""
@@ -57,33 +64,42 @@ class Kidnapping:
 
     @property
     def is_certain(self) -> bool:
-        """Whether the loops agree on this step alone, or were found in several visits."""
+        """Whether the loops agree on this step alone, or are of several visits or of a long one."""
         several_visits = bool((np.diff(self.queries) > _BETWEEN_VISITS).any())
-        return self.is_only_step or several_visits
+        return self.is_only_step or several_visits or len(self.queries) >= _LONG
 
 
 def find_kidnapping(graph: PoseGraph, agreeing: int, tolerances: VerificationConfig) -> Kidnapping | None:
     """Return the kidnapping in the last session that most keyframes show, or None if none is certain.
 
-    The far loops of at least `agreeing` keyframes must agree, within the limits of `lexis.verification.within_drift`.
+    At least `agreeing` keyframes must have far loops that agree, within the limits of `lexis.verification.within_drift`.
     """
     is_open = ~_bridged(graph)
     left = [loop for loop in _far_loops(graph, tolerances) if is_open[loop.match + 1 : loop.query + 1].any()]
     certain = []
     while left:
         fits = agree(left[0], left, graph, tolerances)
-        found = _by_votes([left[i] for i in np.flatnonzero(fits).tolist()], is_open, graph)
-        if len(found.queries) >= agreeing and found.is_certain and _is_level(found, graph):
-            certain.append(found)
+        fits[0] = True  # rounding errors may exceed tolerances of 0
+        group = [left[i] for i in np.flatnonzero(fits).tolist()]
         left = [left[i] for i in np.flatnonzero(~fits).tolist()]
+        if _count_queries(group) >= agreeing:
+            found = _by_votes(group, is_open, graph)
+            if _count_queries(found.loops) >= agreeing and found.is_certain and _is_level(found, graph):
+                certain.append(found)
     return max(certain, key=lambda found: len(found.queries), default=None)
+
+
+def strongest(loops: Iterable[LoopEdge], count: int) -> list[LoopEdge]:
+    """Return the loops without those of a query that already has `count` loops with more inliers, ascending by query."""
+    ranked = sorted(loops, key=lambda loop: (loop.query, -loop.inliers))
+    return [loop for _, own in groupby(ranked, key=lambda loop: loop.query) for loop in islice(own, count)]
 
 
 def _far_loops(graph: PoseGraph, tolerances: VerificationConfig) -> list[LoopEdge]:
     """Return the far loops of the last session that are still far from the estimate, without those of retired keyframes."""
     known = [
         loop
-        for loop in graph.far_loops.all
+        for loop in graph.far_loops.kept
         if loop.query >= graph.session_start and graph.keyframes[loop.query].anchor is None
     ]
     loops = LoopArrays.of(known)
@@ -103,14 +119,17 @@ def _bridged(graph: PoseGraph) -> _Steps:
 
 
 def _by_votes(loops: Sequence[LoopEdge], is_open: _Steps, graph: PoseGraph) -> Kidnapping:
-    """Return the open step that most of the loops skip, with these loops."""
+    """Return the open step that most of the loops skip, with those of the loops that displace the robot as most do."""
     votes = np.zeros(len(is_open), int)
     for loop in loops:
         votes[loop.match + 1 : loop.query + 1] += is_open[loop.match + 1 : loop.query + 1]
     steps = np.flatnonzero(votes == votes.max())
     step = int(steps[_similarities(steps, graph).argmin()])
     skipping = [loop for loop in loops if loop.match < step <= loop.query]
-    return Kidnapping(step, tuple(skipping), _usual_shift(skipping, step, graph), len(steps) == 1)
+    shifts = np.stack([shift_of(loop, graph) for loop in skipping])
+    usual, alike = _usual(shifts @ graph.T_W_B[step])
+    agreeing = tuple(skipping[i] for i in np.flatnonzero(alike).tolist())
+    return Kidnapping(step, agreeing, shifts[usual], len(steps) == 1)
 
 
 def _similarities(steps: Int[np.ndarray, "k"], graph: PoseGraph) -> Float64[np.ndarray, "k"]:
@@ -119,18 +138,18 @@ def _similarities(steps: Int[np.ndarray, "k"], graph: PoseGraph) -> Float64[np.n
     return rounded((before.astype(np.float64) * after).sum(axis=2).mean(axis=1))
 
 
-def _usual_shift(loops: Sequence[LoopEdge], step: int, graph: PoseGraph) -> Pose:
-    """Return the shift by one of the loops that moves the keyframe `step` close to where most of the others move it.
-
-    Some of the loops may be false, and be a few metres off.
-    """
-    shifts = np.stack([shift_of(loop, graph) for loop in loops])
-    moved = (shifts @ graph.T_W_B[step])[:, :3, 3]
-    near = np.linalg.norm(moved[:, None] - moved, axis=2) <= _NEAR_M
-    return np.asarray(shifts[near.sum(axis=1).argmax()])
+def _usual(poses: Poses) -> tuple[int, Bool[np.ndarray, "n"]]:
+    """Return the row of the pose to which most of the poses are near, and which ones are."""
+    near = np.stack([is_close(pose, poses, _NEAR_M, _NEAR_RAD) for pose in poses])
+    usual = int(near.sum(axis=1).argmax())
+    return usual, near[usual]
 
 
 def _is_level(found: Kidnapping, graph: PoseGraph) -> bool:
     """Whether the displacement hardly changes the height of the robot."""
     T_W_B = graph.T_W_B[found.step]
     return bool(abs((found.shift @ T_W_B - T_W_B)[2, 3]) < LEVEL_M)
+
+
+def _count_queries(loops: Iterable[LoopEdge]) -> int:
+    return len({loop.query for loop in loops})

@@ -106,6 +106,7 @@ class Relocaliser:
     def _divided(self, edge: LoopEdge, edges: Sequence[LoopEdge], graph: PoseGraph) -> tuple[list[LoopEdge], list[LoopEdge]]:
         """Divide edges into those that imply the same relative pose of the components as `edge`, and the others."""
         fits = agree(edge, edges, graph, self._tolerances)
+        fits |= np.array([other is edge for other in edges])  # rounding errors may exceed tolerances of 0
         same, others = ([edges[i] for i in np.flatnonzero(chosen).tolist()] for chosen in (fits, ~fits))
         return same, others
 

@@ -55,12 +55,10 @@ def test_a_far_loop_is_false_if_other_loops_bridge_all_of_its_steps():
     assert len(far.poses_of(29, T_W_B)) == 1
 
 
-def test_a_far_loop_that_is_removed_leads_nowhere():
-    loops = [far_loop(28, 3), far_loop(28, 14)]
-    far = far_loops(loops=loops)
-    far.remove(loops[:1])
-    assert list(far.all) == loops[1:]
-    assert len(far.poses_of(29, T_W_B)) == 2
+def test_a_new_session_begins_without_displaced_poses():
+    far = far_loops(loops=[far_loop(28, 3)])
+    far.begin_session()
+    assert len(far.poses_of(29, T_W_B)) == 1
 
 
 def compared(far, query, candidates, loops=()):
@@ -75,7 +73,7 @@ def test_the_search_ends_when_keyframes_were_compared_several_times_in_vain():
     in_vain = [compared(far, query, [15, query - 18]) for query in range(21, 26)]
     assert elsewhere == [True] * 4
     assert in_vain == [True] * 4 + [False]
-    assert len(far.all) == 1
+    assert len(far.kept) == 1
 
 
 def test_the_search_goes_on_when_a_far_loop_confirms_the_displacement():

@@ -10,10 +10,10 @@ from helpers.map_builder import keyframe
 from lexis.config import Config, PlaceRecognitionConfig, PoseGraphConfig, SessionConfig, VerificationConfig
 from lexis.graph.components import sessions_apart
 from lexis.graph.pose_graph import PoseGraph
-from lexis.graph.walked_steps import walked_steps
+from lexis.graph.walked_steps import carried_before, walked_steps
 from lexis.maths import se3
 from lexis.merging import merge
-from lexis.sessions.kidnapping import find_kidnapping
+from lexis.sessions.kidnapping import find_kidnapping, strongest
 from lexis.slam import Slam
 from lexis.types import Features, LoopDecision, LoopEdge, Observation, Percept
 from lexis.verification import plausible
@@ -93,13 +93,25 @@ def test_the_images_show_the_step_if_no_loop_bridges_the_steps_around_it():
 
 
 def test_without_the_setting_the_map_follows_the_odometry():
-    true, config = poses(140, {CARRIED: along(AWAY)}), Config(sessions=SessionConfig(kidnapped=None))
+    true, config = poses(140, {CARRIED: along(AWAY)}), Config(sessions=SessionConfig(kidnapping_agreeing=None))
     np.testing.assert_allclose(walk(true, poses(140), verifier(true), config).T_W_B, poses(140), atol=1e-3)
 
 
-def test_a_robot_that_is_carried_twice_ends_in_the_right_place():
-    true = poses(200, {CARRIED: along(AWAY), 130: along(AWAY)})
-    np.testing.assert_allclose(walk(true, poses(200), verifier(true)).T_W_B, true, atol=1e-3)
+def test_retired_keyframes_are_corrected_too():
+    true, thinned = poses(300, {130: along(AWAY)}), Config(pose_graph=PoseGraphConfig(retire_above=100))
+    found = walk(true, poses(300), verifier(true), thinned)
+    assert sum(keyframe.anchor is not None for keyframe in found.keyframes) > 50
+    np.testing.assert_allclose(found.T_W_B, true, atol=0.02)
+    assert carried_before(found).tolist() == [130]
+
+
+def test_a_robot_that_is_turned_in_place_is_corrected_and_may_walk_there():
+    turn = se3.exp(np.array([0.0, 0.0, np.pi / 2, 0.0, 0.0, 0.0]))
+    true = poses(160, {CARRIED: turn})
+    estimated = walk(true, poses(160), verifier(true))
+    np.testing.assert_allclose(estimated.T_W_B, true, atol=1e-3)
+    assert carried_before(estimated).tolist() == [CARRIED]
+    assert (CARRIED - 1, CARRIED) in {tuple(step) for step in walked_steps(estimated).tolist()}
 
 
 def test_the_loops_that_show_it_become_part_of_the_map():
@@ -186,3 +198,40 @@ def test_many_keyframes_have_to_agree():
 def test_far_loops_that_fit_the_corrected_map_show_nothing():
     far = [far_loop(query, query - 30, along(30)) for query in range(40, 55)]
     assert find_kidnapping(graph_with([(29, 0), (59, 30)], far), 2, VerificationConfig()) is None
+
+
+def test_a_few_false_loops_among_them_do_not_displace_the_map():
+    beside = se3.exp(np.array([0.0, 0.0, 0.0, 0.0, 2.5, 0.0]))
+    true = [far_loop(query, query - 30) for query in range(40, 55)]
+    false = [far_loop(query, query - 30, STEP @ beside) for query in range(37, 40)]
+    found = find_kidnapping(graph_with([(29, 0), (59, 30)], [*false, *true]), 15, VerificationConfig(gate_m=3.0))
+    assert found is not None and list(found.loops) == true
+
+
+@pytest.mark.parametrize(("gap", "certain"), [(8, False), (9, True)])
+def test_if_several_steps_are_possible_the_loops_must_be_of_several_visits(gap, certain):
+    far = [far_loop(query, query - 30) for query in (*range(40, 45), *range(44 + gap, 49 + gap))]
+    found = find_kidnapping(graph_with([(28, 0), (59, 30)], far), 10, VerificationConfig())
+    assert (found is not None) == certain
+
+
+@pytest.mark.parametrize("changed", [29, 30])
+def test_among_several_steps_the_image_changes_most_where_the_robot_was_carried(changed):
+    far = [far_loop(query, query - 30) for query in (*range(40, 45), *range(53, 58))]
+    graph = graph_with([(28, 0), (59, 30)], far)
+    embeddings = np.eye(2, graph.keyframes[0].embedding.size, dtype=np.float32)
+    for i, each in enumerate(graph.keyframes):
+        graph.keyframes[i] = replace(each, embedding=embeddings[int(i >= changed)])
+    found = find_kidnapping(graph, 10, VerificationConfig())
+    assert found is not None and found.step == changed
+
+
+def test_tolerances_of_zero_are_no_error():
+    far = [far_loop(query, query - 30) for query in range(40, 55)]
+    exact = VerificationConfig(gate_m=0.0, gate_share=0.0, gate_rad=0.0, gate_rad_m=0.0)
+    assert find_kidnapping(graph_with([(29, 0), (59, 30)], far), 15, exact) is None
+
+
+def test_each_keyframe_keeps_the_loops_with_most_inliers():
+    loops = [replace(far_loop(50, match), inliers=match) for match in (3, 1, 2)] + [far_loop(51, 4)]
+    assert [(loop.query, loop.match) for loop in strongest(loops, 2)] == [(50, 3), (50, 2), (51, 4)]
