@@ -195,6 +195,15 @@ def test_many_keyframes_have_to_agree():
     assert find_kidnapping(graph_with(bridges, far), 16, VerificationConfig()) is None
 
 
+def test_a_loop_that_is_not_trusted_bridges_no_step():
+    far = [far_loop(query, query - 30) for query in range(40, 55)]
+    graph = graph_with([(29, 0), (59, 30)], far)
+    graph.add_loops([far_loop(35, 20, STEP)])
+    assert graph.loop_weights[-1] < 0.5
+    found = find_kidnapping(graph, 15, VerificationConfig())
+    assert found is not None and found.step == 30
+
+
 def test_far_loops_that_fit_the_corrected_map_show_nothing():
     far = [far_loop(query, query - 30, along(30)) for query in range(40, 55)]
     assert find_kidnapping(graph_with([(29, 0), (59, 30)], far), 2, VerificationConfig()) is None
