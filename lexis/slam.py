@@ -315,7 +315,7 @@ class Slam:
         agreeing, verification = self._config.sessions.kidnapping_agreeing, self._config.verification
         if agreeing is None:
             return
-        with self._timed("relocalise"):
+        with self._timed("optimise"):
             found = find_kidnapping(self._graph, agreeing, verification)
         if found is None:
             return

@@ -20,7 +20,7 @@ from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float64
 
 from lexis.maths.growing_array import GrowingArray
 from lexis.maths.se3 import between, inverse, rotation_angle
@@ -99,7 +99,7 @@ class FarLoops:
             self._is_bridged.replace(slice(loop.match + 1, loop.query + 1), True)
         self._drop_false_ones()
 
-    def poses_of(self, query: int, T_W_B: Poses) -> Poses:
+    def poses_of(self, query: int, T_W_B: Poses) -> Float64[np.ndarray, "poses 4 4"]:
         """Return the poses that the keyframe `query` may have: its estimate first, then those that far loops imply.
 
         Poses that nearly coincide are returned once, and of many different ones those of the newest loops. `T_W_B` are the
@@ -129,7 +129,7 @@ class FarLoops:
         ]
 
 
-def _implied(loops: Sequence[_PossibleLoop], query: int, T_W_B: Poses) -> Poses:
+def _implied(loops: Sequence[_PossibleLoop], query: int, T_W_B: Poses) -> Float64[np.ndarray, "loops 4 4"]:
     """Return the pose of the keyframe `query` that each loop implies."""
     arrays = LoopArrays.of([each.loop for each in loops])
     moved = T_W_B[arrays.match] @ arrays.T_match_query @ inverse(T_W_B[arrays.query])

@@ -6,13 +6,13 @@ GRAPH_MUTANTS = (
     Mutant(
         "odometry is added in the world frame",
         "graph/pose_graph.py",
-        "T_W_B = orthonormal(self.T_W_B[last] @ step)",
-        "T_W_B = orthonormal(step @ self.T_W_B[last])",
+        "T_W_B = orthonormal(self.T_W_B[beside] @ T_beside_B)",
+        "T_W_B = orthonormal(T_beside_B @ self.T_W_B[beside])",
     ),
     Mutant(
         "new keyframes start at the odometry pose, not at the corrected one",
         "graph/pose_graph.py",
-        "T_W_B = orthonormal(self.T_W_B[last] @ step)",
+        "T_W_B = orthonormal(self.T_W_B[beside] @ T_beside_B)",
         "T_W_B = keyframe.T_O_B",
     ),
     Mutant(
@@ -24,8 +24,8 @@ GRAPH_MUTANTS = (
     Mutant(
         "the last loops are not used, because the final optimisation is forgotten",
         "slam.py",
-        "        self._optimise(final=True)\n        return self._map()",
-        "        return self._map()",
+        "        self._optimise(final=True)\n        self._correct_kidnapping()\n",
+        "        self._correct_kidnapping()\n",
     ),
     Mutant(
         "the newest keyframe of the map has the pose of the odometry",

@@ -48,8 +48,8 @@ PLACE_MUTANTS = (
     Mutant(
         "places are compared by odometry poses instead of corrected ones",
         "place_recognition.py",
-        "T_old_query = between(graph.T_W_B[ids], graph.T_W_B[query.id])",
-        "T_old_query = between(np.reshape([graph.keyframes[i].T_O_B for i in ids], (-1, 4, 4)), query.T_O_B)",
+        "T_old_query = between(graph.T_W_B[ids, None], T_W_query)",
+        "T_old_query = between(np.reshape([graph.keyframes[i].T_O_B for i in ids], (-1, 1, 4, 4)), query.T_O_B[None])",
     ),
     Mutant(
         "loops are not compared with the current estimate",
@@ -120,8 +120,8 @@ PLACE_MUTANTS = (
     Mutant(
         "loop candidates of nearly equal probability are ranked at random",
         "place_recognition.py",
-        "odds = of_pairs.max(axis=(1, 2))",
-        "odds = of_pairs.max(axis=(1, 2)) + 0.1 * np.random.random(len(ids))",
+        "odds = of_pairs.max(axis=(1, 2, 3))",
+        "odds = of_pairs.max(axis=(1, 2, 3)) + 0.1 * np.random.random(len(ids))",
     ),
     Mutant(
         "stamps are kept in single precision",
