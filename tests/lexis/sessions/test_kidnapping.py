@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.box_room import FORWARD_CAMERA
+from helpers.circle_encoder import CircleEncoder
 from helpers.map_builder import keyframe
 
 from lexis.config import Config, PlaceRecognitionConfig, PoseGraphConfig, SessionConfig, VerificationConfig
@@ -26,16 +27,6 @@ COVARIANCE = np.diag(np.repeat([0.001, 0.003], 3) ** 2)
 LOOP_COVARIANCE = np.diag(np.repeat([0.005, 0.02], 3) ** 2)
 STEP = se3.exp(np.array([0.0, 0.0, 2 * np.pi / LAP, 0.501, 0.0, 0.0]))
 UP = se3.exp(np.array([0.0, 0.0, 0.0, 0.0, 0.0, 3.0]))
-
-
-class Encoder:
-    name = fingerprint = "circle"
-
-    def encode_image(self, image):
-        raise AssertionError("there are no images")
-
-    def encode_rooms(self, names):
-        return np.eye(len(names), 4, dtype=np.float32)
 
 
 def poses(count, moved=None):
@@ -70,7 +61,7 @@ def verifier(true, false=lambda query, match: None):
 
 def walk(true, odometry, verify, config=None):
     """Run LEXIS on a robot at the poses `true`, at which odometry estimates the poses `odometry`."""
-    slam, rng = Slam(FORWARD_CAMERA, Encoder(), ("office", "kitchen"), config, verify), np.random.default_rng(2)
+    slam, rng = Slam(FORWARD_CAMERA, CircleEncoder(), ("office", "kitchen"), config, verify), np.random.default_rng(2)
     for i, (T_W_B, T_O_B) in enumerate(zip(true, odometry, strict=True)):
         embedding = np.array([0.3, 0.0, *T_W_B[:2, 3] / 3.2])
         percept = Percept(
@@ -134,7 +125,7 @@ def test_a_corrected_map_stays_right_when_it_is_merged_into_another_one():
         known = verifier(np.stack([true[i] for i in index]))
         return replace(known(query, candidates, graph, camera, config), far=())
 
-    merged = merge(first, corrected, Encoder(), verifier=within_sessions)
+    merged = merge(first, corrected, CircleEncoder(), verifier=within_sessions)
     assert sessions_apart(merged) == []
     np.testing.assert_allclose(merged.T_W_B, np.concatenate([true[:30], true]), atol=1e-3)
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.box_room import FORWARD_CAMERA
+from helpers.circle_encoder import CircleEncoder
 from helpers.map_builder import keyframe, with_retired
 from helpers.same_map import assert_same
 
@@ -31,18 +32,6 @@ FIRST, SECOND = 60, 30
 """Keyframes of the two sessions."""
 MOVED = se3.exp(np.array([0.0, 0.0, 1.0, 30.0, -20.0, 0.5]))
 """Where the odometry of the second session starts, in the frame of the first session."""
-
-
-class Encoder:
-    """Every image is an office, and images from nearby places of the circle are similar."""
-
-    name = fingerprint = "circle"
-
-    def encode_image(self, image):
-        raise AssertionError("there are no images")
-
-    def encode_rooms(self, names):
-        return np.eye(len(names), 4, dtype=np.float32)
 
 
 def circle(first, count):
@@ -95,7 +84,7 @@ def nothing(query, candidates, graph, camera, config):
 def walk(indices, verify, config=None, map=None):
     rng = np.random.default_rng(2)
     start = np.eye(4) if indices[0] == 0 else se3.inverse(MOVED)
-    slam = Slam(FORWARD_CAMERA, Encoder(), ROOMS, config, verify, map=map)
+    slam = Slam(FORWARD_CAMERA, CircleEncoder(), ROOMS, config, verify, map=map)
     for i in indices:
         slam.process(observation(i, start @ TRUE[i], rng))
     return slam
@@ -119,7 +108,7 @@ def test_a_recognised_session_takes_the_frame_of_the_map(first):
 def test_a_map_that_the_user_has_moved_stays_there_when_it_is_continued_or_merged(first):
     moved = replace(first, T_W_B=MOVED @ first.T_W_B)
     other = walk(range(FIRST, FIRST + SECOND), verifier()).finish()
-    for joined in (second(moved, verifier()), merge(moved, other, Encoder(), verifier=verifier())):
+    for joined in (second(moved, verifier()), merge(moved, other, CircleEncoder(), verifier=verifier())):
         assert sessions_apart(joined) == []
         np.testing.assert_allclose(joined.T_W_B, MOVED @ TRUE, atol=1e-3)
 
@@ -141,7 +130,7 @@ def test_rooms_and_ways_do_not_cross_components(first):
     assert all(len(set(components[list(room.keyframes)])) == 1 for room in apart.rooms)
     rows, columns = PathPlanner(apart).graph.nonzero()
     assert (components[rows] == components[columns]).all()
-    assert_same(replace(relabel(apart, ROOMS, Encoder()), stage_seconds={}), replace(apart, stage_seconds={}))
+    assert_same(replace(relabel(apart, ROOMS, CircleEncoder()), stage_seconds={}), replace(apart, stage_seconds={}))
 
 
 def assert_each_query_has_one_entry(lexis_map):
@@ -238,7 +227,7 @@ def test_rooms_by_which_loops_are_sought_are_derived_anew_when_a_session_is_join
         given.append(({keyframe for room in rooms for keyframe in room.keyframes}, graph.is_split))
         return ()
 
-    slam = Slam(FORWARD_CAMERA, Encoder(), ROOMS, config, verifier(), recogniser, map=first)
+    slam = Slam(FORWARD_CAMERA, CircleEncoder(), ROOMS, config, verifier(), recogniser, map=first)
     for i in range(FIRST, FIRST + SECOND):
         slam.process(observation(i, se3.inverse(MOVED) @ TRUE[i], np.random.default_rng(i)))
     slam.finish()
@@ -260,14 +249,14 @@ def test_a_map_that_was_saved_without_features_is_continued_and_merged_and_saved
     write_spark_dsg(first, tmp_path / "graph.json")
     for featureless in (bare, read_spark_dsg(tmp_path / "graph.json")):
         other = second(featureless, nothing)
-        for both in (other, merge(other, featureless, Encoder(), verifier=nothing)):
+        for both in (other, merge(other, featureless, CircleEncoder(), verifier=nothing)):
             save_map(both, tmp_path / "both")
             assert_same(load_map(tmp_path / "both"), both)
 
 
 def test_two_maps_are_merged_like_a_second_session(first):
     other = walk(range(FIRST, FIRST + SECOND), verifier()).finish()
-    merged = merge(first, other, Encoder(), verifier=verifier())
+    merged = merge(first, other, CircleEncoder(), verifier=verifier())
     assert [keyframe.session for keyframe in merged.keyframes] == [0] * FIRST + [1] * SECOND
     np.testing.assert_allclose(merged.T_W_B, TRUE, atol=1e-3)
 
@@ -288,7 +277,7 @@ def test_sessions_that_the_second_map_has_joined_stay_joined_in_a_merged_map(fir
     """The verifier does not find the loops between the sessions of the second map again."""
     joined = with_retired(second(first, verifier()), anchors)
     base = walk(range(30), verifier()).finish()
-    merged = merge(base, joined, Encoder(), verifier=check)
+    merged = merge(base, joined, CircleEncoder(), verifier=check)
     assert sessions_apart(merged) == apart
     start = merged.T_W_B[30] if apart else TRUE[0]
     np.testing.assert_allclose(se3.between(start, merged.T_W_B[30:]), se3.between(TRUE[0], TRUE), atol=2e-3)
@@ -311,27 +300,29 @@ def test_a_loop_of_a_replayed_keyframe_leaves_the_decisions_on_other_keyframes_a
         return accepted(decisions, edges)
 
     monkeypatch.setattr("lexis.graph.loop_record.accepted", recorded)
-    merge(walk(range(30), verifier()).finish(), joined, Encoder(), verifier=without_second)
+    merge(walk(range(30), verifier()).finish(), joined, CircleEncoder(), verifier=without_second)
     kept = [queries for _, queries in looked_at if len(queries) == 1]
     assert len(kept) >= 2
     assert all(judged <= queries for judged, queries in looked_at if len(queries) == 1)
 
 
-class OtherWeights(Encoder):
+class OtherWeights(CircleEncoder):
     name = fingerprint = "other weights"
 
 
 def test_maps_of_different_encoders_are_not_merged(first):
     other = walk(range(FIRST, FIRST + SECOND), verifier()).finish()
     with pytest.raises(MapError, match="similarities across weights mean nothing"):
-        merge(first, replace(other, encoder=EncoderId("other weights", "other weights")), Encoder(), verifier=verifier())
+        merge(
+            first, replace(other, encoder=EncoderId("other weights", "other weights")), CircleEncoder(), verifier=verifier()
+        )
     with pytest.raises(MapError, match="similarities across weights mean nothing"):
         merge(first, other, OtherWeights(), verifier=verifier())
 
 
 def test_replayed_maps_and_observations_after_them_are_sessions_of_their_own(first):
     other = walk(range(FIRST, FIRST + SECOND), verifier()).finish()
-    slam = Slam(FORWARD_CAMERA, Encoder(), ROOMS, verifier=verifier())
+    slam = Slam(FORWARD_CAMERA, CircleEncoder(), ROOMS, verifier=verifier())
     slam.replay(first)
     slam.replay(other)
     rng = np.random.default_rng(2)
@@ -361,7 +352,7 @@ def test_a_map_is_not_replayed_between_the_observations_of_a_session(first):
 
 def test_loops_that_a_merged_map_finds_again_are_in_it_once(first):
     joined = second(first, verifier())
-    merged = merge(walk(range(30), verifier()).finish(), joined, Encoder(), verifier=verifier())
+    merged = merge(walk(range(30), verifier()).finish(), joined, CircleEncoder(), verifier=verifier())
     pairs = [(loop.query, loop.match) for loop in merged.loops]
     assert len(set(pairs)) == len(pairs)
     np.testing.assert_allclose(merged.T_W_B, np.concatenate([TRUE[:30], TRUE]), atol=2e-3)
@@ -379,10 +370,10 @@ def test_a_snapshot_does_not_change_the_run(first):
 
 def test_another_camera_or_other_names_are_refused(first):
     with pytest.raises(MapError, match="room names"):
-        Slam(FORWARD_CAMERA, Encoder(), ("office",), map=first)
+        Slam(FORWARD_CAMERA, CircleEncoder(), ("office",), map=first)
     turned = replace(FORWARD_CAMERA, T_B_C=FORWARD_CAMERA.T_B_C @ se3.exp(np.array([0, 0.1, 0, 0, 0, 0])))
     with pytest.raises(MapError, match="same camera"):
-        Slam(turned, Encoder(), ROOMS, map=first)
+        Slam(turned, CircleEncoder(), ROOMS, map=first)
 
 
 def test_components_side_by_side_keep_their_shape(rng):
