@@ -80,7 +80,8 @@ class _Listener:
     def __call__(
         self, query: Keyframe, label: str, rooms: Sequence[RoomInstance], graph: PoseGraph, config: PlaceRecognitionConfig
     ) -> tuple[int, ...]:
-        self.estimated.append(_estimated(query.id, graph, config))
+        T_old_query = between(graph.T_W_B[: query.id + 1], graph.T_W_B[query.id])
+        self.estimated.append((np.linalg.norm(T_old_query[:, :3, 3], axis=1), rotation_angle(T_old_query)))
         self.old.append(old_enough(query.id, graph.stamps, graph.path_m, config))
         self.active.append(graph.active.copy())
         paper = PlaceRecognitionConfig(method="room", candidates=_ALL)
@@ -100,20 +101,6 @@ class _Listener:
         embeddings = np.array([keyframe.embedding for keyframe in self.keyframes])
         local = tuple(self.orb), akaze, tuple(self.patches)
         return SeenKeyframes(embeddings, *local, eligible, estimated[0], estimated[1], active, in_room)
-
-
-def _estimated(
-    query: int, graph: PoseGraph, config: PlaceRecognitionConfig
-) -> tuple[Float64[np.ndarray, "k"], Float64[np.ndarray, "k"]]:
-    """Return the estimated distance [m] and angle [rad] between the keyframe `query` and each keyframe up to it.
-
-    Where far loops give the query several poses, the one counts with which LEXIS finds a revisit the most probable.
-    """
-    T_old_query = between(graph.T_W_B[: query + 1, None], graph.far_loops.poses_of(query, graph.T_W_B))
-    distances_m, angles_rad = np.linalg.norm(T_old_query[..., :3, 3], axis=2), rotation_angle(T_old_query)
-    best = ((distances_m / config.place_m) ** 2 + (angles_rad / config.place_rad) ** 2).argmin(axis=1)
-    rows = np.arange(query + 1)
-    return distances_m[rows, best], angles_rad[rows, best]
 
 
 def record_walks(
