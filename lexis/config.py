@@ -184,9 +184,6 @@ class PlaceRecognitionConfig(Settings, place="place_recognition", error=ConfigEr
     """Largest amount by which the estimated distance and angle can lower the log odds of a revisit. The amount is limited,
     because the estimated pose may be completely wrong. It is 0.3 above the fitted value, which gives fewer false
     answers. A robot that was carried elsewhere is found by far loops instead (lexis/pages/places.md)."""
-    carried_log_odds: Annotated[float, Ge(0)] = 8.0
-    """Log odds that are subtracted for poses that far loops imply, because a robot is rarely carried elsewhere. Revisits at
-    such poses thus rank behind those at the estimated pose."""
 
 
 @dataclass(frozen=True)

@@ -93,7 +93,7 @@ def by_probability(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRec
     views from different places in a room may overlap enough for a loop. See `revisit_log_odds` for the probability.
 
     If far loops imply that the robot has been carried, the query may have several poses (`lexis.graph.far_loops`). The most
-    probable one counts; those other than the estimate are less probable by `carried_log_odds`.
+    probable one counts.
     """
     least = logit(config.least_probability)
     T_W_query = graph.far_loops.poses_of(query.id, graph.T_W_B)
@@ -102,7 +102,6 @@ def by_probability(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRec
     distances, angles = np.linalg.norm(T_old_query[..., :3, 3], axis=-1), camera_angles(T_old_query, graph.rotations)
     similarities = _cosines(query, graph.embeddings_of(ids).astype(np.float64))
     of_pairs = rounded(revisit_log_odds(similarities[:, None], distances[..., None, None], angles, config))
-    of_pairs[:, 1:] -= config.carried_log_odds
     odds = of_pairs.max(axis=(1, 2, 3))
     if not (odds >= least).any():
         return ()
