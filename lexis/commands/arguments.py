@@ -13,7 +13,7 @@ from lexis.files.reading import FileKind, read_json
 from lexis.files.replace import check_outside, check_replaceable
 from lexis.graph.components import sessions_apart
 from lexis.map.folder import JSON_FILE, load_map, save_map
-from lexis.map.info import map_info
+from lexis.map.info import carried_text, map_info
 from lexis.room_names import instance_names, unused_names
 from lexis.types import LexisMap
 
@@ -111,8 +111,7 @@ def print_summary(lexis_map: LexisMap, folder: Path) -> None:
         speed = f"{info['path_m'] / info['duration_s']:.0f} m/s on average"
         print(f"warning: the camera moves at {speed}; positions have to be in metres, and stamps in seconds")
     if carried := info["carried_before"]:
-        keyframes = ", ".join(map(str, carried))
-        print(f"the robot was carried elsewhere before keyframe {keyframes}; the poses after it are corrected")
+        print(f"the robot was carried {carried_text(carried)}; the poses after that are corrected")
     if missing := unused_names(lexis_map.room_names, lexis_map.rooms):
         print(f"no room: {', '.join(missing)}")
     if apart := sessions_apart(lexis_map):

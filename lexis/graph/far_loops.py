@@ -96,7 +96,7 @@ class FarLoops:
     def bridge(self, loops: Iterable[LoopEdge]) -> None:
         """Bridge the steps between the keyframes of loops that fit the estimate, each between keyframes of one session."""
         for loop in loops:
-            self._is_bridged.replace(slice(loop.match + 1, loop.query + 1), True)
+            self._is_bridged.replace(steps_of(loop), True)
         self._drop_false_ones()
 
     def poses_of(self, query: int, T_W_B: Poses) -> Float64[np.ndarray, "poses 4 4"]:
@@ -127,6 +127,11 @@ class FarLoops:
             for each in self._possible
             if count[each.loop.query + 1] > count[each.loop.match + 1] and each.failures < _MOST_FAILURES
         ]
+
+
+def steps_of(loop: LoopEdge) -> slice:
+    """Return the steps between the two keyframes of a loop. A step has the id of the keyframe to which it leads."""
+    return slice(loop.match + 1, loop.query + 1)
 
 
 def _implied(loops: Sequence[_PossibleLoop], query: int, T_W_B: Poses) -> Float64[np.ndarray, "loops 4 4"]:

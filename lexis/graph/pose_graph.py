@@ -3,7 +3,7 @@
 Odometry connects the keyframes of one session. Sessions that loops connect form a component, whose poses share a frame.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -291,16 +291,17 @@ class PoseGraph:
             self._optimiser.add_loops(self._acting(loops))
         self.loops.extend(loops)
         self._added += len(loops)
-        self.far_loops.bridge(self._within_sessions(loops))
+        self.far_loops.bridge(self.within_sessions(loops))
 
     def add_far_loops(self, query: int, candidates: Sequence[int], loops: Sequence[LoopEdge]) -> None:
         """Keep verified loops that the current poses rule out, outside the graph; those between two sessions are dropped.
 
         They are the far loops of the newest keyframe, `query`, which was compared with the candidates.
         """
-        self.far_loops.add(query, candidates, self._within_sessions(loops), self.T_W_B)
+        self.far_loops.add(query, candidates, self.within_sessions(loops), self.T_W_B)
 
-    def _within_sessions(self, loops: Sequence[LoopEdge]) -> list[LoopEdge]:
+    def within_sessions(self, loops: Iterable[LoopEdge]) -> list[LoopEdge]:
+        """Return the loops whose two keyframes are of one session."""
         return [loop for loop in loops if self.keyframes[loop.query].session == self.keyframes[loop.match].session]
 
     def optimise_if_due(self, final: bool = False) -> bool:

@@ -65,7 +65,7 @@ def info_text(info: dict[str, Any]) -> str:
     return "\n".join([
         f"keyframes   {info['keyframes']}",
         *([f"sessions    {info['sessions']}{_apart(info['sessions_apart'])}"] if info["sessions"] > 1 else []),
-        *([f"carried     {_carried(info['carried_before'])}"] if info["carried_before"] else []),
+        *([f"carried     {carried_text(info['carried_before'])}"] if info["carried_before"] else []),
         f"path        {info['path_m']:.1f} m between keyframes",
         f"duration    {info['duration_s']:.1f} s",
         f"floors      {len(info['floors'])}",
@@ -81,7 +81,8 @@ def info_text(info: dict[str, Any]) -> str:
     ])  # fmt: skip
 
 
-def _carried(keyframes: Sequence[int]) -> str:
+def carried_text(keyframes: Sequence[int]) -> str:
+    """Return a note about the keyframes before which the robot was carried."""
     return f"elsewhere before keyframe{'s' if len(keyframes) > 1 else ''} {', '.join(map(str, keyframes))}"
 
 

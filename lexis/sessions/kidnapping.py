@@ -18,17 +18,17 @@ the step of a second kidnapping.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import groupby, islice
+from itertools import compress, groupby, islice
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int
 
 from lexis.config import VerificationConfig
-from lexis.graph.far_loops import LEVEL_M, is_close
+from lexis.graph.far_loops import LEVEL_M, is_close, steps_of
 from lexis.graph.pose_graph import PoseGraph
 from lexis.graph.trusted_loops import is_trusted
 from lexis.maths.ties import rounded
-from lexis.sessions.relocalisation import agree, shift_of
+from lexis.sessions.relocalisation import agree, queries_of, shift_of
 from lexis.types import LoopArrays, LoopEdge, Pose, Poses
 from lexis.verification import within_drift
 
@@ -60,7 +60,7 @@ class Kidnapping:
     @property
     def queries(self) -> list[int]:
         """Ids of the later keyframes of the loops, ascending."""
-        return sorted({loop.query for loop in self.loops})
+        return sorted(queries_of(self.loops))
 
     @property
     def is_certain(self) -> bool:
@@ -75,16 +75,15 @@ def find_kidnapping(graph: PoseGraph, agreeing: int, tolerances: VerificationCon
     At least `agreeing` keyframes must have far loops that agree, within the limits of `lexis.verification.within_drift`.
     """
     is_open = ~_bridged(graph)
-    left = [loop for loop in _far_loops(graph, tolerances) if is_open[loop.match + 1 : loop.query + 1].any()]
+    left = [loop for loop in _far_loops(graph, tolerances) if is_open[steps_of(loop)].any()]
     certain = []
     while left:
         fits = agree(left[0], left, graph, tolerances)
-        fits[0] = True  # rounding errors may exceed tolerances of 0
         group = [left[i] for i in np.flatnonzero(fits).tolist()]
         left = [left[i] for i in np.flatnonzero(~fits).tolist()]
-        if _count_queries(group) >= agreeing:
+        if len(queries_of(group)) >= agreeing:
             found = _by_votes(group, is_open, graph)
-            if _count_queries(found.loops) >= agreeing and found.is_certain and _is_level(found, graph):
+            if len(found.queries) >= agreeing and found.is_certain and _is_level(found, graph):
                 certain.append(found)
     return max(certain, key=lambda found: len(found.queries), default=None)
 
@@ -110,19 +109,17 @@ def _far_loops(graph: PoseGraph, tolerances: VerificationConfig) -> list[LoopEdg
 
 def _bridged(graph: PoseGraph) -> _Steps:
     """Return which steps lie between the keyframes of a trusted loop of one session."""
-    ends = np.zeros(len(graph.keyframes) + 1, int)
-    for loop, trusted in zip(graph.loops, is_trusted(graph.loop_weights).tolist(), strict=True):
-        if trusted and graph.sessions[loop.match] == graph.sessions[loop.query]:
-            ends[loop.match + 1] += 1
-            ends[loop.query + 1] -= 1
-    return np.asarray(np.cumsum(ends)[:-1] > 0, bool)
+    bridged = np.zeros(len(graph.keyframes), bool)
+    for loop in graph.within_sessions(compress(graph.loops, is_trusted(graph.loop_weights))):
+        bridged[steps_of(loop)] = True
+    return bridged
 
 
 def _by_votes(loops: Sequence[LoopEdge], is_open: _Steps, graph: PoseGraph) -> Kidnapping:
     """Return the open step that most of the loops skip, with those of the loops that displace the robot as most do."""
     votes = np.zeros(len(is_open), int)
     for loop in loops:
-        votes[loop.match + 1 : loop.query + 1] += is_open[loop.match + 1 : loop.query + 1]
+        votes[steps_of(loop)] += is_open[steps_of(loop)]
     steps = np.flatnonzero(votes == votes.max())
     step = int(steps[_similarities(steps, graph).argmin()])
     skipping = [loop for loop in loops if loop.match < step <= loop.query]
@@ -149,7 +146,3 @@ def _is_level(found: Kidnapping, graph: PoseGraph) -> bool:
     """Whether the displacement hardly changes the height of the robot."""
     T_W_B = graph.T_W_B[found.step]
     return bool(abs((found.shift @ T_W_B - T_W_B)[2, 3]) < LEVEL_M)
-
-
-def _count_queries(loops: Iterable[LoopEdge]) -> int:
-    return len({loop.query for loop in loops})

@@ -10,7 +10,7 @@ Until a session is joined to another component of the map, nothing is known abou
    objects look alike. Nor are many keyframes in one of two rooms that look alike, since each of them has edges to both.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -86,19 +86,19 @@ class Relocaliser:
 
     def _suffice(self, found: Sequence[LoopEdge], graph: PoseGraph) -> bool:
         """Whether edges that agree come from enough keyframes, on a piece of the path that is long enough."""
-        queries = _queries(found)
+        queries = queries_of(found)
         long_enough = reaches(graph.path_between(min(queries), max(queries)), self._config.span_m)
         return len(queries) >= self._config.agreeing and bool(long_enough)
 
     def _prevail(self, found: Sequence[LoopEdge], rivals: Sequence[LoopEdge], graph: PoseGraph) -> bool:
         """Whether the keyframes with edges that agree outweigh those with `rivals`, the edges that contradict them."""
-        ours = _queries(found)
-        if len(ours) <= len(_queries(rivals) - ours):
+        ours = queries_of(found)
+        if len(ours) <= len(queries_of(rivals) - ours):
             return False
         left = list(rivals)
         while left:
             agreeing, left = self._divided(left[0], left, graph)
-            theirs = _queries(agreeing)
+            theirs = queries_of(agreeing)
             if len(theirs) > 1 and len(ours - theirs) < max(_TELLING, 2 * len(theirs - ours)):
                 return False
         return True
@@ -106,7 +106,6 @@ class Relocaliser:
     def _divided(self, edge: LoopEdge, edges: Sequence[LoopEdge], graph: PoseGraph) -> tuple[list[LoopEdge], list[LoopEdge]]:
         """Divide edges into those that imply the same relative pose of the components as `edge`, and the others."""
         fits = agree(edge, edges, graph, self._tolerances)
-        fits |= np.array([other is edge for other in edges])  # rounding errors may exceed tolerances of 0
         same, others = ([edges[i] for i in np.flatnonzero(chosen).tolist()] for chosen in (fits, ~fits))
         return same, others
 
@@ -128,7 +127,8 @@ def without_support(decisions: Sequence[LoopDecision]) -> list[LoopDecision]:
     ]
 
 
-def _queries(edges: Sequence[LoopEdge]) -> set[int]:
+def queries_of(edges: Iterable[LoopEdge]) -> set[int]:
+    """Return the ids of the later keyframes of some edges."""
     return {edge.query for edge in edges}
 
 
@@ -149,4 +149,5 @@ def agree(
     measured = graph.T_W_B[rows.match] @ rows.T_match_query
     predicted = shift_of(edge, graph) @ graph.T_W_B[rows.query]
     path_m = np.abs(graph.path_m[rows.query] - graph.path_m[edge.query])
-    return within_drift(measured, predicted, path_m, config)
+    itself = np.array([other is edge for other in others], bool)  # its rounding errors may exceed tolerances of 0
+    return np.asarray(itself | within_drift(measured, predicted, path_m, config))
