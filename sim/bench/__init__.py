@@ -6,10 +6,9 @@ same walks, and `places` compares LEXIS's own methods of place recognition. `sca
 one long walk. `sessions` measures whether a robot that returns to a house recognises where it is. `rigs` measures whether a
 robot that walks back along its path recognises places from the opposite direction.
 
-`public_pose_graphs` optimises the graphs in g2o files, and `kernels` tests robust kernels against the false loops of
-`injected_loops`. `planning` compares drives along the same plans with different pose estimates, and `answers` asks the
-`everyday_questions`. `fidelity` compares runs on simulated features with runs on rendered images, and the subpackage
-`encoders` compares vision-language models. `houses` chooses the houses of a benchmark, and `row_files` writes a benchmark's
+The subpackage `pose_graphs` measures the optimiser alone. `planning` compares drives along the same plans with different
+pose estimates, and `answers` asks the `everyday_questions`. `fidelity` compares runs on simulated features with runs on
+rendered images, and the subpackage `encoders` compares vision-language models. `houses` chooses the houses of a benchmark, and `row_files` writes a benchmark's
 rows as a CSV file and as a picture. `collection` runs all benchmarks of the `benchmark_list`. `stage_costs` measures what
 each stage of LEXIS costs.
 

@@ -30,7 +30,7 @@ RIG_HELP = f"cameras of each run, of {', '.join(PINHOLE_RIGS)} (default: wide fr
 
 
 def _pose_graph(arguments: argparse.Namespace) -> Iterator[Table]:
-    from sim.bench.public_pose_graphs import PoseGraphRow, optimise_files
+    from sim.bench.pose_graphs.g2o_files import PoseGraphRow, optimise_files
     from sim.report.figures import shown
 
     title = "cost: half of the sum of squared residuals; excess: share above the least known cost"
@@ -45,7 +45,7 @@ def _pose_graph(arguments: argparse.Namespace) -> Iterator[Table]:
 
 def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
     from lexis.config import Config, read_config
-    from sim.bench.kernels import draw_kernels, kernel_runs, mapped_houses, summarised
+    from sim.bench.pose_graphs.kernels import draw_kernels, kernel_runs, mapped_houses, summarised
     from sim.bench.row_files import PICTURES, check_files, write_rows
     from sim.report.figures import shown
 

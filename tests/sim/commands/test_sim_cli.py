@@ -14,11 +14,11 @@ from helpers.command_line import status_of
 
 from lexis.config import Config, PlannerConfig
 from lexis.files.replace import write_contents
-from sim.bench.kernels import KernelRow
 from sim.bench.peers.difficulty_sweep import SweepRow
 from sim.bench.peers.labels import LabelRow
 from sim.bench.peers.room_methods import MethodRow
 from sim.bench.peers.trajectories import TrajectoryRow
+from sim.bench.pose_graphs.kernels import KernelRow
 from sim.bench.rigs import RigRow
 from sim.bench.segmentation import SegmentationRow
 from sim.bench.speed import Section, SpeedFigure
@@ -202,7 +202,13 @@ def test_rooms_against_openness_are_measured_at_the_fidelity_that_is_asked_for(
         ("stages", {"stage_costs.measure_stages": [[StageRow("home", 0, "nothing", *[math.nan] * 4)]]}),
         ("settings", {"peers.responses.measure_responses": [[StageRow("home", 0, "nothing", *[math.nan] * 4)]]}),
         ("rigs", {"rigs.measure_rigs": [RigRow("wide", 1, 0, 0, 3, 0, None, None, None, 9.0)]}),
-        ("kernels", {"kernels.mapped_houses": [], "kernels.summarised": [KernelRow("local", 0.0, "dcs", 1, *[None] * 7)]}),
+        (
+            "kernels",
+            {
+                "pose_graphs.kernels.mapped_houses": [],
+                "pose_graphs.kernels.summarised": [KernelRow("local", 0.0, "dcs", 1, *[None] * 7)],
+            },
+        ),
     ],
 )
 def test_a_benchmark_of_figures_that_no_house_has_shows_dashes_and_no_zeros(benchmark, results, monkeypatch, capsys):

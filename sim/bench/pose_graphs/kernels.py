@@ -18,7 +18,7 @@ from lexis.graph.pose_graph import PoseGraph
 from lexis.graph.trusted_loops import is_trusted
 from lexis.types import Keyframe, LoopEdge, Poses
 from sim.bench.houses import for_seeds
-from sim.bench.injected_loops import KINDS, injected
+from sim.bench.pose_graphs.injected_loops import KINDS, injected
 from sim.bench.row_files import Curve, draw_panels, grouped, mean_and_std
 from sim.harness import Scenario, run
 from sim.harness.adapters import Lexis

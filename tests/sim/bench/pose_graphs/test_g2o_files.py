@@ -8,8 +8,8 @@ import pytest
 
 from lexis.files.g2o import read_g2o
 from lexis.maths.se3 import between, exp
-from sim.bench import public_pose_graphs as module
-from sim.bench.public_pose_graphs import KnownGraph, names_of, optimise_files, optimiser_of
+from sim.bench.pose_graphs import g2o_files as module
+from sim.bench.pose_graphs.g2o_files import KnownGraph, names_of, optimise_files, optimiser_of
 from sim.errors import SimError
 
 

@@ -11,9 +11,17 @@ from lexis.config import Config, PoseGraphConfig, VerificationConfig
 from lexis.evaluation.loops import true_edges
 from lexis.maths.se3 import between, exp, inverse, log
 from lexis.types import NO_FEATURES, NO_LANDMARKS, Keyframe, LoopArrays, LoopEdge
-from sim.bench import kernels as module
-from sim.bench.injected_loops import GROUP, KINDS, injected
-from sim.bench.kernels import KERNELS, KernelRow, MappedHouse, draw_kernels, kernel_runs, mapped_houses, summarised
+from sim.bench.pose_graphs import kernels as module
+from sim.bench.pose_graphs.injected_loops import GROUP, KINDS, injected
+from sim.bench.pose_graphs.kernels import (
+    KERNELS,
+    KernelRow,
+    MappedHouse,
+    draw_kernels,
+    kernel_runs,
+    mapped_houses,
+    summarised,
+)
 from sim.bench.row_files import PICTURES, check_files, write_rows
 from sim.errors import SimError
 from sim.harness import Scenario
