@@ -104,6 +104,7 @@ _LIST = (
         80,
     ),
     ("kernels", "kernels --houses {houses} --seed 500 --csv {out}/kernels.csv --plot {out}/kernels.png", 15),
+    ("failing-odometry", "odometry --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/failing-odometry.csv", 30),
     ("sessions", "sessions --houses {houses} --seed 500", 25),
     ("planning", "planning --houses {houses} --fidelity {fidelity} --drivers {drivers} --seed 500", 40),
     ("certainty", "certainty --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 15),

@@ -40,7 +40,7 @@ LENGTH_HELP = (
 )
 SWAY_HELP = "how the body swings as it walks (default: %(default)s)"
 START_HELP = "swing on the spot for five seconds before the walk, which lets visual-inertial systems initialise"
-_TOURS = {kind.replace(" ", "-"): kind for kind in TOUR_KINDS}
+TOURS = {kind.replace(" ", "-"): kind for kind in TOUR_KINDS}
 RIG_HELP = (
     "wide, stereo, front-rear, four or fisheye; LEXIS sees all their pinholes; only RigRenderer in Python draws the fisheye "
     "(default: %(default)s)"
@@ -244,7 +244,7 @@ def scenario_of_arguments(arguments: argparse.Namespace) -> "Scenario":
 
 def add_tour(parser: argparse.ArgumentParser) -> None:
     """Add options for the path of the walk, the motion of the body and the frame rate."""
-    parser.add_argument("--tour", choices=_TOURS, default="rooms", help=TOUR_HELP)
+    parser.add_argument("--tour", choices=TOURS, default="rooms", help=TOUR_HELP)
     parser.add_argument("--length", type=number(1.0, LONGEST_M), metavar="M", help=LENGTH_HELP)
     parser.add_argument("--reverse", action="store_true", help="walk the tour in the opposite direction")
     parser.add_argument("--sway", choices=SWAYS, default="none", help=SWAY_HELP)
@@ -277,7 +277,7 @@ def walk_options(arguments: argparse.Namespace) -> dict[str, Any]:
         "preset": arguments.preset,
         "seed": arguments.seed,
         "house": checked_house(arguments.house) if arguments.house else None,
-        "tour_kind": _TOURS[arguments.tour],
+        "tour_kind": TOURS[arguments.tour],
         "length_m": arguments.length,
         "reverse": arguments.reverse,
         "sway": arguments.sway,

@@ -1,4 +1,4 @@
-"""Benchmarks of pose graphs, of long walks, of several sessions and of rigs of several cameras."""
+"""Benchmarks of pose graphs, odometry, long walks, several sessions and rigs of several cameras."""
 
 import argparse
 from collections.abc import Iterator
@@ -10,7 +10,7 @@ from rich.table import Table
 
 from lexis.command_line import positive
 from sim.commands.action import Action
-from sim.commands.arguments import PINHOLE_RIGS, SEED, EachOnce, argument, number
+from sim.commands.arguments import PINHOLE_RIGS, SEED, TOUR_HELP, TOURS, EachOnce, argument, number
 from sim.commands.benchmarks.bench_options import (
     CONFIG,
     CSV,
@@ -72,6 +72,31 @@ def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
         write_rows(rows, arguments.csv)
     if arguments.plot:
         draw_kernels(rows, arguments.plot)
+    yield table
+
+
+def _odometry(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.odometry import CASES, USUAL, measure_odometry, summary
+    from sim.bench.row_files import check_files, write_rows
+    from sim.report.figures import shown
+
+    check_files(arguments.csv, valid=(".csv",))
+    seeds = seeds_of(arguments)
+    measured = measure_odometry(arguments.preset, seeds, arguments.fidelity, TOURS[arguments.tour])
+    rows = list(tracked(measured, len(CASES) * arguments.houses, "runs"))
+    title = f"{arguments.preset}, {seeds_text(seeds)}, {arguments.fidelity}, tour {arguments.tour}: means over houses"
+    errors = ("ATE of odometry, m", "ATE, m", "share of odometry", "largest excess, m")
+    maps = ("labels", f"against {USUAL}", "room PQ", "far loops refused", "false loops trusted", "maps corrected")
+    table = Table("case", "houses", *errors, *maps, title=title)
+    for case, found in summary(rows).items():
+        table.add_row(
+            *(case, str(found.houses), shown(found.odometry_m, "{:.3f}"), shown(found.ate_m, "{:.3f}")),
+            *(shown(found.share_of_odometry, "{:.2f}"), shown(found.largest_excess_m, "{:+.3f}")),
+            *(shown(found.labels, "{:.3f}"), shown(found.labels_gained, "{:+.3f}"), shown(found.rooms, "{:.3f}")),
+            *(shown(found.refused, "{:.1f}"), str(found.false), str(found.corrected)),
+        )
+    if arguments.csv:
+        write_rows(rows, arguments.csv)
     yield table
 
 
@@ -186,6 +211,13 @@ BENCHMARKS = (
             ),
             SEED,
         ),
+    ),
+    Action(
+        "odometry",
+        printing(_odometry),
+        "labels, rooms and trajectories with each preset of odometry, and when the odometry fails or the robot is kidnapped",
+        "lexis-sim bench odometry --preset home --houses 10 --seed 500 --tour loop",
+        (PRESET, HOUSES, FIDELITY, argument("--tour", choices=TOURS, default="rooms", help=TOUR_HELP), CSV, SEED),
     ),
     Action(
         "rigs",

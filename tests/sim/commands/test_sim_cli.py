@@ -14,6 +14,7 @@ from helpers.command_line import status_of
 
 from lexis.config import Config, PlannerConfig
 from lexis.files.replace import write_contents
+from sim.bench.odometry import OdometryRow
 from sim.bench.peers.difficulty_sweep import SweepRow
 from sim.bench.peers.labels import LabelRow
 from sim.bench.peers.room_methods import MethodRow
@@ -201,6 +202,7 @@ def test_rooms_against_openness_are_measured_at_the_fidelity_that_is_asked_for(
         ("table2", {"peers.labels.compare_labels": [[LabelRow("home", 1, "a", None, None)]]}),
         ("stages", {"stage_costs.measure_stages": [[StageRow("home", 0, "nothing", *[math.nan] * 4)]]}),
         ("settings", {"peers.responses.measure_responses": [[StageRow("home", 0, "nothing", *[math.nan] * 4)]]}),
+        ("odometry", {"odometry.measure_odometry": [OdometryRow("mono", 1, *[None] * 4, 3, 1, False)]}),
         ("rigs", {"rigs.measure_rigs": [RigRow("wide", 1, 0, 0, 3, 0, None, None, None, 9.0)]}),
         (
             "kernels",
