@@ -11,6 +11,7 @@ from typing import Any
 from lexis.graph.trusted_loops import is_trusted
 from lexis.graph.walked_steps import carried_before
 from sim.bench.row_files import grouped, mean_and_std
+from sim.errors import SimError
 from sim.faults.poses import Kidnap, OdometryFreeze, OdometryJump
 from sim.fidelity import Fidelity
 from sim.harness import Scenario, evaluate, run
@@ -82,13 +83,21 @@ class CaseSummary:
     """Number of maps that LEXIS has corrected."""
 
 
-def measure_odometry(preset: str, seeds: Sequence[int], fidelity: Fidelity, tour: TourKind) -> Iterator[OdometryRow]:
-    """Walk a house for each seed in each case of `CASES`, and yield the figures of every walk."""
+def measure_odometry(
+    cases: Sequence[str], preset: str, seeds: Sequence[int], fidelity: Fidelity, tour: TourKind
+) -> Iterator[OdometryRow]:
+    """Walk a house for each seed in each of the `cases`, and yield the figures of every walk.
+
+    Raises `SimError` for a case that is no key of `CASES`.
+    """
+    for case in cases:
+        if case not in CASES:
+            raise SimError(f"unknown case {case!r}; valid: {', '.join(map(repr, CASES))}")
     usual = Scenario(preset=preset, tour_kind=tour, fidelity=fidelity, frame_rate_hz=usual_rate_hz(fidelity))
     slam = Lexis(usual.encoder)
     for seed in seeds:
-        for case, settings in CASES.items():
-            yield _row(case, run(replace(usual, seed=seed, **settings), slam), slam)
+        for case in cases:
+            yield _row(case, run(replace(usual, seed=seed, **CASES[case]), slam), slam)
 
 
 def _row(case: str, finished: Run, slam: Lexis) -> OdometryRow:

@@ -81,9 +81,9 @@ def _odometry(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.report.figures import shown
 
     check_files(arguments.csv, valid=(".csv",))
-    seeds = seeds_of(arguments)
-    measured = measure_odometry(arguments.preset, seeds, arguments.fidelity, TOURS[arguments.tour])
-    rows = list(tracked(measured, len(CASES) * arguments.houses, "runs"))
+    seeds, cases = seeds_of(arguments), arguments.cases or list(CASES)
+    measured = measure_odometry(cases, arguments.preset, seeds, arguments.fidelity, TOURS[arguments.tour])
+    rows = list(tracked(measured, len(cases) * arguments.houses, "runs"))
     title = f"{arguments.preset}, {seeds_text(seeds)}, {arguments.fidelity}, tour {arguments.tour}: means over houses"
     errors = ("ATE of odometry, m", "ATE, m", "share of odometry", "largest excess, m")
     maps = ("labels", f"against {USUAL}", "room PQ", "far loops refused", "false loops trusted", "maps corrected")
@@ -217,7 +217,21 @@ BENCHMARKS = (
         printing(_odometry),
         "labels, rooms and trajectories with each preset of odometry, and when the odometry fails or the robot is kidnapped",
         "lexis-sim bench odometry --preset home --houses 10 --seed 500 --tour loop",
-        (PRESET, HOUSES, FIDELITY, argument("--tour", choices=TOURS, default="rooms", help=TOUR_HELP), CSV, SEED),
+        (
+            argument(
+                "--cases",
+                nargs="+",
+                action=EachOnce,
+                metavar="CASE",
+                help="only these presets and faults, such as mono and kidnap (default: all)",
+            ),
+            PRESET,
+            HOUSES,
+            FIDELITY,
+            argument("--tour", choices=TOURS, default="rooms", help=TOUR_HELP),
+            CSV,
+            SEED,
+        ),
     ),
     Action(
         "rigs",

@@ -67,6 +67,7 @@ from worlds.spec import HouseSpec
         (["house", "check", "broken.json"], "broken.json"),
         (["bench", "speed", "--preset", "castle"], "home"),
         (["bench", "planning", "--pictures", "file.txt"], "file.txt: is a file; valid: the name of a folder"),
+        (["bench", "odometry", "--cases", "lost"], "unknown case 'lost'; valid: 'multicam', 'mono', 'degraded'"),
         (["bench", "planning", "--drivers", "LEXIS, deaf"], "valid: 'truth', 'LEXIS', 'odometry', 'LEXIS, blind'"),
         (["bench", "stages", "--presets", "home", "ori", "home"], "--presets: 'home' is given twice; valid: each name once"),
         (["bench", "rigs", "--rigs", "four", "four"], "--rigs: 'four' is given twice"),
