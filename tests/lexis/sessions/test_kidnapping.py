@@ -215,15 +215,30 @@ def test_if_several_steps_are_possible_the_loops_must_be_of_several_visits(gap, 
     assert (found is not None) == certain
 
 
+def shows(graph, changed):
+    """Let the image change completely before each of the keyframes `changed`."""
+    embeddings = np.eye(2, graph.keyframes[0].embedding.size, dtype=np.float32)
+    for i, each in enumerate(graph.keyframes):
+        graph.keyframes[i] = replace(each, embedding=embeddings[sum(step <= i for step in changed) % 2])
+
+
 @pytest.mark.parametrize("changed", [29, 30])
 def test_among_several_steps_the_image_changes_most_where_the_robot_was_carried(changed):
     far = [far_loop(query, query - 30) for query in (*range(40, 45), *range(53, 58))]
     graph = graph_with([(28, 0), (59, 30)], far)
-    embeddings = np.eye(2, graph.keyframes[0].embedding.size, dtype=np.float32)
-    for i, each in enumerate(graph.keyframes):
-        graph.keyframes[i] = replace(each, embedding=embeddings[int(i >= changed)])
+    shows(graph, [changed])
     found = find_kidnapping(graph, 10, VerificationConfig())
     assert found is not None and found.step == changed
+
+
+@pytest.mark.parametrize(("changed", "steps"), [([], {28, 29, 30}), ([10], {10}), ([29], {29})])
+def test_a_step_by_itself_has_to_be_more_probable_than_several_that_lie_together(changed, steps):
+    """If the robot was carried in one of four steps, 10, 28, 29 and 30, the step 10 may displace 20 keyframes wrongly."""
+    far = [far_loop(query, query % 10, along(query - 30 - query % 10)) for query in (*range(40, 45), *range(54, 59))]
+    graph = graph_with([(9, 0), (27, 10), (59, 30)], far)
+    shows(graph, changed)
+    found = find_kidnapping(graph, 10, VerificationConfig())
+    assert found is not None and found.step in steps
 
 
 def test_tolerances_of_zero_are_no_error():
