@@ -3,9 +3,9 @@
 At each step:
 
 1. Advance the progress along the route to the point nearest to the robot.
-2. Steer to the farthest point of the route ahead to which the straight line has enough clearance, if the route is level and
-   nearly straight up to this point. If not even the nearest such point has enough clearance, plan a local path in the map of
-   recent scans (`LocalMap`), and steer to the farthest cell of this path to which the straight line has enough clearance.
+2. If the straight line to the look-ahead point on the route has enough clearance, steer to this point. Otherwise, plan a
+   local path in the map of recent scans (`LocalMap`). Steer to the farthest cell of the path to which the straight line has
+   enough clearance.
 3. Turn in proportion to the heading error. The larger this error, the slower the robot drives. Stop in front of obstacles.
 """
 
@@ -25,9 +25,8 @@ SPEED_M_S = 0.7
 _TURN_RATE_RAD_S = 1.5
 _TURN_GAIN_HZ = 4.0
 _LOOKAHEAD_M = 0.7
-"""Least length of route up to the point that the robot steers to [m], except on local paths and at the route's end."""
 HORIZON_M = 1.7
-"""Length of the part of the route ahead that the robot steers to and that local planning considers [m]."""
+"""Length of the part of the route ahead of the robot that local planning considers [m]."""
 _KEEP_M = RADIUS_M + 0.05
 """Clearance that the straight line to the next target on a local path has, if possible [m]."""
 LEAST_M = RADIUS_M + 0.03
@@ -98,11 +97,10 @@ class Controller:
 
     def _target(self, here: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "2"] | None:
         """Return the point to steer to; None if the robot should stay where it is, because the local path ends there."""
-        farthest_m = HORIZON_M if self._map.has_obstacles else _LOOKAHEAD_M
-        for point in self._route.straight_ahead(_LOOKAHEAD_M, farthest_m)[::-1]:
-            if self._map.clearance(here, point) >= _EASY_M:
-                self._planned_at = np.full(2, np.inf)
-                return np.asarray(point)
+        carrot = self._route.ahead(_LOOKAHEAD_M)[-1]
+        if self._map.clearance(here, carrot) >= _EASY_M:
+            self._planned_at = np.full(2, np.inf)
+            return np.asarray(carrot)
         nearest = self._nearest(here)
         at_end = nearest + 1 >= len(self._path)
         if np.linalg.norm(here - self._planned_at) >= _REPLAN_M or (at_end and self._has_new_scan):

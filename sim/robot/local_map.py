@@ -66,11 +66,6 @@ class LocalMap:
         self._scans.append((climbed_m, hits @ np.array([[cos, sin], [-sin, cos]]) + (x, y)))
         self._points = np.concatenate([points for height, points in self._scans if abs(height - climbed_m) <= _SAME_M])
 
-    @property
-    def has_obstacles(self) -> bool:
-        """Whether the scans show any obstacle. Without scans, as for a blind robot, free space is only assumed."""
-        return bool(len(self._points))
-
     def clearance(self, start: Float64[np.ndarray, "2"], end: Float64[np.ndarray, "2"]) -> float:
         """Return the distance from a line segment to the nearest obstacle point [m]; infinite if there are no points."""
         if not len(self._points):

@@ -9,8 +9,6 @@ from lexis.stairs import lift_rides
 _SAMPLE_M = 0.1
 _LEVEL_M = 0.3
 """Largest difference in height of route points that count as on one level [m]. It allows for errors of the map."""
-_STRAIGHT = 0.85
-"""A part of the route is nearly straight if its ends are at least this share of its length apart."""
 _WINDOW_M = 0.8
 """Length of route ahead in which the point nearest to the robot is searched [m]. It is short, because another part of the
 route may pass close by."""
@@ -60,26 +58,6 @@ class Route:
         later = min(self._at + round(metres / _SAMPLE_M), len(self.points) - 1)
         if np.ptp(self._heights[self._at : later + 1]) <= _LEVEL_M:
             self._at = later
-
-    def straight_ahead(self, least_m: float, most_m: float) -> Float64[np.ndarray, "j 2"]:
-        """Return the route's points that are `least_m` to `most_m` ahead, as far as the route is nearly straight.
-
-        The first of them is returned in any case; near the route's end, it is the end. No more points are returned near
-        stairs, where a corner that is cut may lead to the side of a flight.
-        """
-        points, first = self.ahead(most_m), round(least_m / _SAMPLE_M)
-        if self._climbs_within(most_m):
-            return points[: first + 1][-1:]
-        along = _SAMPLE_M * np.arange(len(points))
-        straight = np.linalg.norm(points - points[0], axis=1) >= _STRAIGHT * along
-        straight[: first + 1] = True
-        last = len(points) if straight.all() else int(np.argmin(straight))
-        return points[min(first, last - 1) : last]
-
-    def _climbs_within(self, metres: float) -> bool:
-        """Return whether the route is not level in the last or the next `metres` of the present progress."""
-        count = round(metres / _SAMPLE_M)
-        return bool(np.ptp(self._heights[max(self._at - count, 0) : self._at + count + 1]) > _LEVEL_M)
 
     def ahead(self, metres: float) -> Float64[np.ndarray, "j 2"]:
         """Return the route's points in the next `metres`, from the present progress."""

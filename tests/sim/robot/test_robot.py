@@ -11,7 +11,6 @@ from sim.robot import DeadReckoning, Robot
 from sim.robot.body import RADIUS_M, Body
 from sim.robot.controller import HORIZON_M, LEAST_M, Controller
 from sim.robot.local_map import CELL_M, LocalMap
-from sim.robot.route import Route
 from worlds.house import Furniture, build_house
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
@@ -78,40 +77,6 @@ def test_passing_the_end_of_a_plan_is_not_arriving():
 def test_the_robot_stops_where_its_plan_ends_on_either_side_of_a_door_or_in_it(x):
     driven = go(two_rooms(), (1.0, 1.5), (x, 1.5))
     np.testing.assert_allclose(driven.path[-1, :2], [x, 1.5], atol=0.12)
-
-
-ZIGZAG = [(0.8 + 0.6 * i, 1.5 + 0.15 * (i % 2)) for i in range(5)]
-"""A route of 2.47 m between places that are 2.4 m apart: the keyframes of a plan are seldom on a straight line."""
-
-
-def test_the_robot_cuts_small_corners_where_its_scans_show_free_space():
-    blind, seeing = (go(two_rooms(), *ZIGZAG, blind=blind) for blind in (True, False))
-    assert abs(seeing.length_m - (2.4 - 0.1)) < 0.02  # a drive ends 0.1 m in front of the route's end
-    assert blind.length_m > seeing.length_m + 0.04
-
-
-def test_the_robot_cuts_no_corner_in_which_something_stands():
-    corner = [(0.8, 0.8), (0.8, 2.0), (2.0, 2.0)]
-    stool = Furniture("stool", "lab stool", "office", 0, (1.2, 1.6, 0.0), 0.0, (0.4, 0.4, 0.6), True)
-    driven = go(replace(two_rooms(), furniture=(stool,)), *corner)
-    assert not driven.touched
-    np.testing.assert_allclose(driven.path[-1, :2], corner[-1], atol=0.12)
-
-
-@pytest.mark.parametrize(
-    ("waypoints", "farthest"),
-    [
-        ([(0, 0, 0), (5, 0, 0)], (1.7, 0.0)),  # straight
-        ([(0, 0, 0), (1, 0, 0), (1, 5, 0)], (1.0, 0.1)),  # round a corner: 1.00 m apart, on a route of 1.1 m
-        ([(0, 0, 0), (1, 0, 0), (5, 0, 3.5)], (0.7, 0.0)),  # in front of a flight of stairs
-        ([(0, 0, 0), (1, 0, 0), (0, 0, 0)], (1.0, 0.0)),  # there and back
-        ([(0, 0, 0), (0.5, 0, 0), (0, 0, 0)], (0.3, 0.0)),  # back already at the least distance
-        ([(0, 0, 0), (0.2, 0, 0)], (0.2, 0.0)),  # at the end
-    ],
-)
-def test_points_straight_ahead_end_where_the_route_turns_or_climbs(waypoints, farthest):
-    ahead = Route(np.array(waypoints, float)).straight_ahead(0.7, 1.7)
-    np.testing.assert_allclose(ahead[-1], farthest, atol=1e-9)
 
 
 def test_a_drift_that_leads_a_blind_robot_into_the_jamb_is_made_good_by_the_scan():
