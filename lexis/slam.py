@@ -36,6 +36,7 @@ from lexis.config import Config
 from lexis.errors import LexisError
 from lexis.features import FeatureExtractor
 from lexis.graph.components import session_components, side_by_side
+from lexis.graph.far_loops import shifts_of
 from lexis.graph.loop_record import LoopRecord
 from lexis.graph.pose_graph import KnownPlace, PoseGraph
 from lexis.inputs import check_camera, check_observation, check_room_names, with_copied_geometry
@@ -49,7 +50,7 @@ from lexis.room_labels import most_similar, similarities
 from lexis.semantics import Labeller, Semantics, Views, derive_by_component
 from lexis.sessions.compatibility import check_continues
 from lexis.sessions.kidnapping import find_kidnapping, strongest
-from lexis.sessions.relocalisation import Relocaliser, at_any_distance, candidates_elsewhere, shift_of, without_support
+from lexis.sessions.relocalisation import Relocaliser, at_any_distance, candidates_elsewhere, without_support
 from lexis.sessions.renumbered_map import RenumberedMap
 from lexis.sight.visible_space import VisibleSpace, spaces_in_view
 from lexis.timing import StageTimer
@@ -306,7 +307,7 @@ class Slam:
         if not agreed:
             return False
         self._record.accept(agreed)
-        self._graph.join(agreed, shift_of(agreed[-1], self._graph))
+        self._graph.join(agreed, shifts_of(agreed[-1:], self._graph.T_W_B)[0])
         self._optimise(final=True)
         return True
 

@@ -134,11 +134,15 @@ def steps_of(loop: LoopEdge) -> slice:
     return slice(loop.match + 1, loop.query + 1)
 
 
+def shifts_of(loops: Sequence[LoopEdge], T_W_B: Poses) -> Float64[np.ndarray, "loops 4 4"]:
+    """Return the rigid motion in the frame W, for each loop, that moves the later keyframe to where the loop sees it."""
+    arrays = LoopArrays.of(loops)
+    return np.asarray(T_W_B[arrays.match] @ arrays.T_match_query @ inverse(T_W_B[arrays.query]))
+
+
 def _implied(loops: Sequence[_PossibleLoop], query: int, T_W_B: Poses) -> Float64[np.ndarray, "loops 4 4"]:
     """Return the pose of the keyframe `query` that each loop implies."""
-    arrays = LoopArrays.of([each.loop for each in loops])
-    moved = T_W_B[arrays.match] @ arrays.T_match_query @ inverse(T_W_B[arrays.query])
-    return np.asarray(moved @ T_W_B[query])
+    return np.asarray(shifts_of([each.loop for each in loops], T_W_B) @ T_W_B[query])
 
 
 def is_close(pose: Pose, others: Poses, most_m: float, most_rad: float) -> Bool[np.ndarray, "others"]:

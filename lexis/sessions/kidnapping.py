@@ -25,11 +25,11 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int
 
 from lexis.config import VerificationConfig
-from lexis.graph.far_loops import LEVEL_M, is_close, steps_of
+from lexis.graph.far_loops import LEVEL_M, is_close, shifts_of, steps_of
 from lexis.graph.pose_graph import PoseGraph
 from lexis.graph.trusted_loops import is_trusted
 from lexis.maths.ties import rounded
-from lexis.sessions.relocalisation import agree, queries_of, shift_of
+from lexis.sessions.relocalisation import agree, queries_of
 from lexis.types import LoopArrays, LoopEdge, Pose, Poses
 from lexis.verification import within_drift
 
@@ -128,7 +128,7 @@ def _by_votes(loops: Sequence[LoopEdge], is_open: _Steps, graph: PoseGraph) -> K
     steps = np.flatnonzero(votes == votes.max())
     step = int(steps[_median(np.exp(-_SIMILARITY_WEIGHT * _similarities(steps, graph)))])
     skipping = [loop for loop in loops if loop.match < step <= loop.query]
-    shifts = np.stack([shift_of(loop, graph) for loop in skipping])
+    shifts = shifts_of(skipping, graph.T_W_B)
     usual, alike = _usual(shifts @ graph.T_W_B[step])
     agreeing = tuple(skipping[i] for i in np.flatnonzero(alike).tolist())
     return Kidnapping(step, agreeing, shifts[usual], len(steps) == 1)

@@ -17,11 +17,11 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from lexis.config import SessionConfig, VerificationConfig
+from lexis.graph.far_loops import shifts_of
 from lexis.graph.pose_graph import PoseGraph
-from lexis.maths.se3 import inverse
 from lexis.maths.ties import reaches
 from lexis.place_recognition import most_similar_keyframes
-from lexis.types import Keyframe, LoopArrays, LoopDecision, LoopEdge, LoopOutcome, Pose
+from lexis.types import Keyframe, LoopArrays, LoopDecision, LoopEdge, LoopOutcome
 from lexis.verification import within_drift
 
 _ANY_M, _ANY_RAD = 1e9, 4.0
@@ -110,11 +110,6 @@ class Relocaliser:
         return same, others
 
 
-def shift_of(edge: LoopEdge, graph: PoseGraph) -> Pose:
-    """Return the rigid motion that, according to this edge, moves the query's component into the match's component."""
-    return np.asarray(graph.T_W_B[edge.match] @ edge.T_match_query @ inverse(graph.T_W_B[edge.query]))
-
-
 def without_support(decisions: Sequence[LoopDecision]) -> list[LoopDecision]:
     """Return the decisions on candidates in other components, as long as their edges join nothing.
 
@@ -140,14 +135,14 @@ def _ends(edge: LoopEdge, components: Int[np.ndarray, "n"]) -> tuple[int, int]:
 def agree(
     edge: LoopEdge, others: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig
 ) -> Bool[np.ndarray, "others"]:
-    """Whether other edges shift their queries as `edge` shifts its own, within the accuracy of odometry; see `shift_of`.
+    """Whether other edges shift their queries as `edge` shifts its own, within the accuracy of odometry; see `shifts_of`.
 
     The limits are those for loops within a component. They grow with the path between the queries of the two edges, as drift
     does.
     """
     rows = LoopArrays.of(others)
     measured = graph.T_W_B[rows.match] @ rows.T_match_query
-    predicted = shift_of(edge, graph) @ graph.T_W_B[rows.query]
+    predicted = shifts_of([edge], graph.T_W_B) @ graph.T_W_B[rows.query]
     path_m = np.abs(graph.path_m[rows.query] - graph.path_m[edge.query])
     itself = np.array([other is edge for other in others], bool)  # its rounding errors may exceed tolerances of 0
     return np.asarray(itself | within_drift(measured, predicted, path_m, config))
