@@ -3,7 +3,7 @@
 `speed` (with `memory`, `overlap` and `plain`) measures times, and `throughput` measures houses per second. `segmentation`
 measures the labels, rooms, loops and plans of whole runs. The subpackage `peers` compares LEXIS with other methods on the
 same walks, and `places` compares LEXIS's own methods of place recognition. `scale` measures how time and memory grow along
-one long walk. `odometry` measures maps with each preset of odometry, and with odometry that fails. `sessions` measures
+one long walk. `odometry` measures maps with odometry that drifts and fails. `sessions` measures
 whether a robot that returns to a house recognises where it is. `rigs` measures whether a robot that walks back along its
 path recognises places from the opposite direction.
 

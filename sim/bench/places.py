@@ -23,8 +23,8 @@ from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.se3 import between, rotation_angle
 from lexis.place_recognition import old_enough, propose, revisit_log_odds
 from lexis.types import Keyframe, RoomInstance
+from sim.bench.odometry import CASES, USUAL
 from sim.errors import SimError
-from sim.faults.poses import Kidnap
 from sim.fidelity import Fidelity
 from sim.harness import Scenario, run
 from sim.harness.adapters import Lexis
@@ -40,9 +40,9 @@ METHODS: Mapping[str, PlaceRecognitionConfig] = MappingProxyType(
 """Settings of place recognition by the names of the methods. All methods may propose the same number of candidates."""
 _CONDITIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
-        "usual odometry": {},
-        "degraded odometry": {"odometry": "degraded"},
-        "kidnapped": {"faults": (Kidnap(at_s=40.0, skip_s=10.0),)},
+        "usual odometry": CASES[USUAL],
+        "degraded odometry": CASES["degraded"],
+        "kidnapped": CASES["kidnap"],
     }
 )
 """Settings of scenarios by the name of the condition in which a house is walked."""

@@ -215,11 +215,12 @@ def test_if_several_steps_are_possible_the_loops_must_be_of_several_visits(gap, 
     assert (found is not None) == certain
 
 
-def shows(graph, changed):
-    """Let the image change completely before each of the keyframes `changed`."""
-    embeddings = np.eye(2, graph.keyframes[0].embedding.size, dtype=np.float32)
+def shows(graph, changed, similarity=0.0):
+    """Let the image change before each of the keyframes `changed`, to another one of the given similarity."""
+    first, second = np.eye(2, graph.keyframes[0].embedding.size, dtype=np.float32)
+    other = np.float32(similarity) * first + np.float32(np.sqrt(1.0 - similarity**2)) * second
     for i, each in enumerate(graph.keyframes):
-        graph.keyframes[i] = replace(each, embedding=embeddings[sum(step <= i for step in changed) % 2])
+        graph.keyframes[i] = replace(each, embedding=other if sum(step <= i for step in changed) % 2 else first)
 
 
 @pytest.mark.parametrize("changed", [29, 30])
@@ -231,12 +232,15 @@ def test_among_several_steps_the_image_changes_most_where_the_robot_was_carried(
     assert found is not None and found.step == changed
 
 
-@pytest.mark.parametrize(("changed", "steps"), [([], {28, 29, 30}), ([10], {10}), ([29], {29})])
-def test_a_step_by_itself_has_to_be_more_probable_than_several_that_lie_together(changed, steps):
+@pytest.mark.parametrize(
+    ("changed", "similarity", "steps"),
+    [([], 0.0, {28, 29, 30}), ([10], 0.98, {28, 29, 30}), ([10], 0.8, {10}), ([29], 0.8, {29})],
+)
+def test_a_step_by_itself_has_to_be_more_probable_than_several_that_lie_together(changed, similarity, steps):
     """If the robot was carried in one of four steps, 10, 28, 29 and 30, the step 10 may displace 20 keyframes wrongly."""
     far = [far_loop(query, query % 10, along(query - 30 - query % 10)) for query in (*range(40, 45), *range(54, 59))]
     graph = graph_with([(9, 0), (27, 10), (59, 30)], far)
-    shows(graph, changed)
+    shows(graph, changed, similarity)
     found = find_kidnapping(graph, 10, VerificationConfig())
     assert found is not None and found.step in steps
 

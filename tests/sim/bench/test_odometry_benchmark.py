@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from sim.bench.odometry import CASES, USUAL, OdometryRow, measure_odometry, summary
+from sim.faults.poses import OdometryJump
 
 ROW = OdometryRow(USUAL, 1, 0.4, 0.1, 0.9, 0.8, 3, 1, False)
 
@@ -15,7 +16,7 @@ def laps():
     return {row.case: row for row in measure_odometry(list(CASES), "home", [300], "features", "loop")}
 
 
-def test_every_case_walks_the_same_path_and_has_its_own_odometry(laps):
+def test_every_case_has_its_own_odometry(laps):
     assert list(laps) == list(CASES)
     assert laps["mono"].odometry_m < laps["degraded"].odometry_m
     assert laps["odometry-freeze"].odometry_m > laps[USUAL].odometry_m < laps["kidnap"].odometry_m
@@ -28,6 +29,12 @@ def test_lexis_refuses_what_does_not_fit_and_corrects_the_map_of_a_robot_that_wa
         assert row.false == 0 and row.ate_m < 0.35 * row.odometry_m
         assert row.labels > laps[USUAL].labels - 0.05
     assert laps["kidnap"].refused > 3 * laps[USUAL].refused
+
+
+def test_a_walk_that_ends_before_its_fault_begins_is_left_out(monkeypatch):
+    late = {"late": {"faults": (OdometryJump(at_s=1e4),)}, "mono": CASES["mono"]}
+    monkeypatch.setattr("sim.bench.odometry.CASES", late)
+    assert [row.case for row in measure_odometry(["late", "mono"], "random", [1], "features", "rooms")] == ["mono"]
 
 
 def test_the_summary_compares_every_case_with_the_usual_one_in_the_same_house():
@@ -46,3 +53,4 @@ def test_a_figure_that_a_walk_cannot_have_is_left_out():
     assert (both.houses, both.ate_m, both.labels, both.rooms) == (2, 0.1, 0.9, 0.8)
     assert alone.share_of_odometry is alone.largest_excess_m is alone.labels_gained is alone.rooms is None
     assert summary([replace(ROW, odometry_m=0.0)])[USUAL].share_of_odometry is None
+    assert summary([replace(ROW, case="kidnap")])["kidnap"].labels_gained is None
