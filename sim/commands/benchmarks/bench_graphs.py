@@ -234,8 +234,8 @@ BENCHMARKS = (
                 nargs="+",
                 action=EachOnce,
                 metavar="CASE",
-                help="only some of multicam, mono, degraded (presets), odometry-jump, odometry-freeze and kidnap, which begin "
-                "after 40 s (default: all)",
+                help="only some of multicam, mono, degraded (presets), odometry-jump, odometry-freeze and kidnap, which "
+                "begin after 40 s (default: all)",
             ),
             PRESET,
             HOUSES,
