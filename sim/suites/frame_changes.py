@@ -12,7 +12,7 @@ from jaxtyping import Int
 from lexis.config import VerificationConfig
 from lexis.graph.pose_estimate import PoseEstimate
 from lexis.maths.se3 import adjoint, inverse, transform, upright
-from lexis.types import Camera, Covariance, Keyframe, Observation, Percept, Pose, Poses
+from lexis.types import Camera, Covariance, Keyframe, LoopEdge, Observation, Percept, Pose, Poses
 from lexis.verification import Verification, Verifier
 from sim.harness.feature_input import FeatureInput
 from sim.suites.stream_changes import NoChange
@@ -75,17 +75,15 @@ class _BetweenOtherBodies:
         self, query: Keyframe, candidates: Sequence[int], graph: PoseEstimate, camera: Camera, config: VerificationConfig
     ) -> Verification:
         """Return the loops of the run's verifier, converted to the frames of the SLAM."""
-        T_B_N = self.frames.T_B_N
         verified = self.verifier(query, candidates, _InOriginalFrames(graph, self.frames), camera, config)
-        edges = (
-            replace(
-                edge,
-                T_match_query=inverse(T_B_N) @ edge.T_match_query @ T_B_N,
-                covariance=_in_frame(T_B_N, edge.covariance),
-            )
-            for edge in verified.edges
-        )
-        return replace(verified, edges=tuple(edges))
+        edges, far = (tuple(map(self._converted, loops)) for loops in (verified.edges, verified.far))
+        return replace(verified, edges=edges, far=far)
+
+    def _converted(self, loop: LoopEdge) -> LoopEdge:
+        """Return a loop between the new body frames."""
+        T_B_N = self.frames.T_B_N
+        T_match_query = inverse(T_B_N) @ loop.T_match_query @ T_B_N
+        return replace(loop, T_match_query=T_match_query, covariance=_in_frame(T_B_N, loop.covariance))
 
 
 class _InOriginalFrames:

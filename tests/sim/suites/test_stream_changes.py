@@ -4,16 +4,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.box_room import FORWARD_CAMERA
+from helpers.map_builder import keyframe
 from helpers.open_flat import OPEN_FLAT
 
-from lexis.maths.se3 import between, compose_covariance, inverse, is_rigid
+from lexis.config import PoseGraphConfig, VerificationConfig
+from lexis.graph.pose_graph import PoseGraph
+from lexis.maths.se3 import between, compose_covariance, exp, inverse, is_rigid
+from lexis.types import LoopEdge
+from lexis.verification import Verification
 from sim.errors import EstimateError
 from sim.harness import Estimate, EstimatedLoops, Lexis, run
 from sim.harness.adapters import OdometryOnly
 from sim.suites.agreement import agreement
 from sim.suites.changed_stream import _moved, changed
 from sim.suites.false_loops import FalseLoops
-from sim.suites.frame_changes import MovedOrigin, TurnedBody
+from sim.suites.frame_changes import MovedOrigin, TurnedBody, _BetweenOtherBodies
 from sim.suites.stream_changes import (
     CapitalLetters,
     HeightDrift,
@@ -256,6 +262,20 @@ def test_other_frames_give_rigid_poses_and_the_same_distances(change):
     for a, b in zip(plain.seen, moved.seen, strict=True):
         same = np.linalg.eigvalsh(a.increment_covariance), np.linalg.eigvalsh(b.increment_covariance)
         np.testing.assert_allclose(*same, rtol=1e-6, atol=1e-15)
+
+
+def test_loops_far_from_the_estimate_are_converted_like_all_others():
+    """LEXIS may correct its map by loops that were refused because they are far from its estimate."""
+    loop = LoopEdge(1, 0, exp(np.array([0.1, 0.2, 0.3, 1.0, 2.0, 3.0])), np.diag(np.arange(1.0, 7.0)), 50)
+    far = replace(loop, match=2)
+    verifier = _BetweenOtherBodies(lambda *_: Verification((loop,), (), (far,)), TurnedBody())
+    query = keyframe(np.random.default_rng(1), 1, np.eye(4))
+    found = verifier(query, [0, 2], PoseGraph(PoseGraphConfig()), FORWARD_CAMERA, VerificationConfig())
+    (edge,), (other,) = found.edges, found.far
+    assert (edge.match, other.match) == (0, 2)
+    np.testing.assert_array_equal(edge.T_match_query, other.T_match_query)
+    np.testing.assert_array_equal(edge.covariance, other.covariance)
+    assert not np.allclose(edge.T_match_query, loop.T_match_query)
 
 
 def test_copies_of_an_observation_that_close_the_same_loop_close_it_once():
