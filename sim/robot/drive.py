@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from sim.errors import SimError
+from sim.odometry.simulation import METRES_PER_RADIAN
 from sim.robot.body import Body
 from sim.robot.controller import SPEED_M_S, STEP_S, Controller
 from sim.robot.dead_reckoning import DeadReckoning
@@ -18,7 +19,8 @@ from worlds.truth import NOWHERE, room_at
 from worlds.walkable import polyline_length
 
 _SCAN_EVERY_M = 0.1
-"""Distance that the robot drives between two range scans [m]."""
+"""Distance that the robot drives between two range scans [m]. A turn counts as a distance (`METRES_PER_RADIAN`), because
+scans become as inexact by it: the estimated pose drifts."""
 _SCAN_EVERY_S = 0.5
 """Longest time between two range scans [s], even if the robot is slow or stands."""
 _LEAST_TIME_S = 60.0
@@ -108,7 +110,7 @@ class Robot:
             yaw += turn
             pose.advance(forward, turn)
             path.append(self._body.position)
-            unseen += max(forward, _SCAN_EVERY_M * STEP_S / _SCAN_EVERY_S)
+            unseen += max(forward + METRES_PER_RADIAN * abs(turn), _SCAN_EVERY_M * STEP_S / _SCAN_EVERY_S)
             if touched:
                 return touched, yaw
         return (), yaw

@@ -7,10 +7,12 @@ import pytest
 
 from sim.errors import SimError
 from sim.odometry.config import ODOMETRY_PRESETS, OdometryConfig
+from sim.odometry.simulation import METRES_PER_RADIAN
 from sim.robot import DeadReckoning, Robot
 from sim.robot.body import RADIUS_M, Body
 from sim.robot.controller import HORIZON_M, LEAST_M, Controller
 from sim.robot.local_map import CELL_M, LocalMap
+from sim.robot.scan import RangeScanner
 from worlds.house import Furniture, build_house
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
@@ -122,6 +124,25 @@ def test_the_robot_tries_another_detour_where_the_first_one_ends(stands_m):
             break
         pose.advance(*motion)
     np.testing.assert_allclose([pose.x, pose.y], [3.0, 0.0], atol=0.12)
+
+
+def test_a_robot_that_turns_on_the_spot_scans_as_often_for_its_drift_as_one_that_drives(monkeypatch):
+    """The estimated pose drifts in a turn, too, and with it the obstacles of earlier scans."""
+    moved, scan, advance = [], RangeScanner.scan, DeadReckoning.advance
+
+    def count_scan(self, yaw):
+        moved.append(0.0)
+        return scan(self, yaw)
+
+    def count_motion(self, forward, turn):
+        moved[-1] += forward + METRES_PER_RADIAN * abs(turn)
+        advance(self, forward, turn)
+
+    monkeypatch.setattr(RangeScanner, "scan", count_scan)
+    monkeypatch.setattr(DeadReckoning, "advance", count_motion)
+    result = go(two_rooms(), (1.0, 1.5), (3.0, 1.5), (0.8, 1.5))
+    assert result.length_m > 3.0
+    assert max(moved) < 0.2
 
 
 @pytest.mark.parametrize("degrees", [0.0, 22.5, 45.0])
