@@ -8,7 +8,6 @@ import numpy as np
 from jaxtyping import Float64
 
 from sim.errors import SimError
-from sim.odometry.simulation import METRES_PER_RADIAN
 from sim.robot.body import Body
 from sim.robot.controller import SPEED_M_S, STEP_S, Controller
 from sim.robot.dead_reckoning import DeadReckoning
@@ -18,11 +17,6 @@ from worlds.house import House
 from worlds.truth import NOWHERE, room_at
 from worlds.walkable import polyline_length
 
-_SCAN_EVERY_M = 0.1
-"""Distance that the robot drives between two range scans [m]. A turn counts as a distance (`METRES_PER_RADIAN`), because
-scans become as inexact by it: the estimated pose drifts."""
-_SCAN_EVERY_S = 0.5
-"""Longest time between two range scans [s], even if the robot is slow or stands."""
 _LEAST_TIME_S = 60.0
 _TIME_FACTOR = 4.0
 """The time limit of a drive is `_TIME_FACTOR` times the time of the route at full speed, plus `_LEAST_TIME_S` [s]."""
@@ -97,11 +91,10 @@ class Robot:
         Return the names of what the robot touched, and its yaw in the end [rad].
         """
         controller = Controller(waypoints)
-        first, unseen = path[-1][2], math.inf
+        first = path[-1][2]
         for _ in range(_most_steps(waypoints)):
-            if not self._blind and unseen >= _SCAN_EVERY_M:
+            if not self._blind:
                 controller.see(self._scanner.scan(yaw), pose, float(path[-1][2] - first))
-                unseen = 0.0
             step = controller.step(pose)
             if step is None:
                 break
@@ -110,7 +103,6 @@ class Robot:
             yaw += turn
             pose.advance(forward, turn)
             path.append(self._body.position)
-            unseen += max(forward + METRES_PER_RADIAN * abs(turn), _SCAN_EVERY_M * STEP_S / _SCAN_EVERY_S)
             if touched:
                 return touched, yaw
         return (), yaw

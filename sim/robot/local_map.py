@@ -23,8 +23,10 @@ _FINE = 4
 _HALF = 22
 """Number of cells on either side of the robot's cell."""
 _N = 2 * _HALF + 1
-_SCANS = 12
+_SCANS = 24
 """Number of recent scans that are kept."""
+_EVERY = 2
+"""The latest scan and every second one before it are used, because successive scans are much alike."""
 _SAME_M = 0.4
 """Largest difference in height between a scan that is used and the latest scan [m]. On stairs, scans from other heights show
 other obstacles."""
@@ -64,7 +66,8 @@ class LocalMap:
         """
         cos, sin = np.cos(yaw), np.sin(yaw)
         self._scans.append((climbed_m, hits @ np.array([[cos, sin], [-sin, cos]]) + (x, y)))
-        self._points = np.concatenate([points for height, points in self._scans if abs(height - climbed_m) <= _SAME_M])
+        used = list(self._scans)[::-_EVERY]
+        self._points = np.concatenate([points for height, points in used if abs(height - climbed_m) <= _SAME_M])
 
     def clearance(self, start: Float64[np.ndarray, "2"], end: Float64[np.ndarray, "2"]) -> float:
         """Return the distance from a line segment to the nearest obstacle point [m]; infinite if there are no points."""
