@@ -334,9 +334,9 @@ class PlannerConfig(Settings, place="planner", error=ConfigError):
     """Largest distance between keyframes that are connected because the images show free space between them [m]. With 0,
     there are no such connections. The limit bounds memory: the space is checked at points in proportion to the distance.
     See `lexis.planning.shortcuts`."""
-    radius_m: Annotated[float, Interval(gt=0, le=5)] = 0.2
-    """Width of the free space on either side of a connection through free space (`sight_m`) [m]; about the robot's radius.
-    It is measured between the centres of cells of 0.1 m."""
+    radius_m: Annotated[float, Interval(gt=0, le=5)] = 0.25
+    """Width of the free space on either side of a connection through free space (`sight_m`) [m]; at least the robot's
+    radius."""
 
 
 @dataclass(frozen=True)
