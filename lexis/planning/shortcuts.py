@@ -1,8 +1,9 @@
 """Shortcuts: straight steps between two keyframes of one floor, through space that is known to be free.
 
 Space is free where the camera itself has walked, and where a line of sight to a landmark passes below the height of table
-tops. A line of sight above a table does not count, because the robot could not follow it. The occupied cells of the storey
-(`lexis.sight.storey_grid`) are not free.
+tops. A line of sight above a table does not count, because the robot could not follow it. Cells with an obstacle are not
+free: there, at least the share `BLOCKED_SHARE` of the camera views that reach the cell see a landmark. This share is lower
+than in `lexis.sight.storey_grid`, because most lines of sight pass above low furniture.
 
 A shortcut must have free space on both sides, as wide as the robot. Its ends are at most `sight_m` apart: longer shortcuts
 hardly shorten a path further. Space above or below stairs looks free, but has no floor to drive on, so a shortcut also keeps
@@ -22,9 +23,11 @@ from lexis.floors import NO_FLOOR
 from lexis.maths.ties import rounded
 from lexis.planning.close_pairs import close_pairs
 from lexis.sight.cells import CELL_M
-from lexis.sight.storey_grid import OCCUPIED_SHARE, ViewCounts, count_views, on_storey, storeys
+from lexis.sight.storey_grid import ViewCounts, count_views, on_storey, storeys
 from lexis.types import LexisMap, Pairs
 
+BLOCKED_SHARE = 0.15
+"""A cell is occupied if at least this share of the camera views that reach the cell see a landmark there."""
 STAIRWELL_M = 0.8
 """Least distance of a shortcut from the keyframes on stairs, as seen from above [m]: half the width of stairs, and the
 radius of a robot."""
@@ -82,7 +85,7 @@ class _Clearance:
 
     def __init__(self, views: ViewCounts, stairs: Float64[np.ndarray, "k 2"]) -> None:
         self._views, self._stairs = views, cKDTree(stairs) if len(stairs) else None
-        free = ((views.low > 0) & ~views.occupied(OCCUPIED_SHARE)) | views.walked
+        free = ((views.low > 0) & ~views.occupied(BLOCKED_SHARE)) | views.walked
         self._metres = rounded(distance_transform_edt(free) * CELL_M)
 
     def allows(self, points: Float64[np.ndarray, "m points 2"], config: PlannerConfig) -> Bool[np.ndarray, "m"]:
