@@ -32,7 +32,7 @@ SURE = 0.995
 """Least probability of the room's label at a keyframe that is surely inside the room. It is high, because where a path can
 end first, in front of an open boundary, some images are wrong and still quite sure. With an encoder that is never so sure,
 paths end at the innermost keyframe."""
-CLEAR = 0.15
+CLEAR = 0.25
 """Least evidence at a keyframe that is surely inside its room, as a share of the largest evidence of rooms of its label. It
 is low, because most images just behind an open boundary still show the other room, while their labels are already sure."""
 BEHIND_DOORWAY_M = 0.5
