@@ -27,6 +27,7 @@ from sim.commands.benchmarks.bench_options import (
 )
 from sim.commands.progress import tracked
 from sim.fidelity import FIDELITIES
+from sim.odometry.config import ODOMETRY_PRESETS
 from sim.wording import seeds_text
 
 _CERTAINTIES = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 1.0)
@@ -155,8 +156,10 @@ def _planning(arguments: argparse.Namespace) -> Iterator[Table]:
 
     seeds = seeds_of(arguments)
     drivers = arguments.drivers or list(DRIVERS)
-    scenario = Scenario(preset=arguments.preset, encoder=arguments.encoder, fidelity=arguments.fidelity)
-    title = escape(f"{_houses(arguments)}, {arguments.fidelity}, encoder {arguments.encoder}")
+    scenario = Scenario(
+        preset=arguments.preset, odometry=arguments.odometry, encoder=arguments.encoder, fidelity=arguments.fidelity
+    )
+    title = escape(f"{_houses(arguments)}, {arguments.fidelity}, odometry {arguments.odometry}, encoder {arguments.encoder}")
     table = Table("seed", "driven by", "queries", "success", "spl", "touched", "seconds", title=title)
     rows = []
     for row in drive_houses(scenario, seeds, arguments.pictures, arguments.openness, drivers):
@@ -295,6 +298,7 @@ BENCHMARKS = (
             OPENNESS,
             ENCODER,
             argument("--fidelity", choices=FIDELITIES, default="render", help=FIDELITY_HELP),
+            argument("--odometry", choices=ODOMETRY_PRESETS, default="multicam", help="odometry of walks and drives"),
             argument(
                 "--drivers",
                 nargs="+",

@@ -6,6 +6,7 @@ import pytest
 
 from sim.bench import planning as module
 from sim.bench.planning import DRIVERS, drive_houses
+from sim.cli import main
 from sim.errors import SimError
 from sim.harness import Scenario
 from worlds.presets import sample_from_rooms
@@ -45,3 +46,17 @@ def test_an_unknown_driver_is_refused_before_the_work(tmp_path):
     with pytest.raises(SimError, match="no driver 'nobody'; valid: 'truth', 'LEXIS'"):
         next(drive_houses(FLAT, (5,), tmp_path / "none", drivers=("nobody",)))
     assert not (tmp_path / "none").exists()
+
+
+def test_without_drift_the_odometry_drives_as_the_truth_does():
+    """The paths differ a little, because the local grids of the robot lie differently in the two frames."""
+    truth, odometry = drive_houses(replace(FLAT, odometry="perfect"), (5,), drivers=("truth", "odometry"))
+    assert (truth.success, truth.touched) == (odometry.success, odometry.touched) == (1.0, 0)
+    assert truth.spl == pytest.approx(odometry.spl, abs=0.01)
+
+
+def test_the_command_drives_with_the_odometry_that_it_is_given(monkeypatch):
+    scenarios = []
+    monkeypatch.setattr(module, "drive_houses", lambda scenario, *_: scenarios.append(scenario) or iter(()))
+    assert main(["bench", "planning", "--odometry", "mono"]) == 0
+    assert [scenario.odometry for scenario in scenarios] == ["mono"]
