@@ -32,9 +32,9 @@ SURE = 0.995
 """Least probability of the room's label at a keyframe that is surely inside the room. It is high, because where a path can
 end first, in front of an open boundary, some images are wrong and still quite sure. With an encoder that is never so sure,
 paths end at the innermost keyframe."""
-CLEAR = 0.25
-"""Least evidence at a keyframe that is surely inside its room, as a share of the largest evidence of rooms of its label. It
-is low, because most images just behind an open boundary still show the other room, while their labels are already sure."""
+CLEAR = 0.45
+"""Least evidence at a keyframe that is surely inside its room, as a share of the largest evidence of rooms of its label.
+Just behind an open boundary, about half of the images still show the other room, and the share is lower."""
 BEHIND_DOORWAY_M = 0.5
 """Least distance from a doorway of a keyframe that is surely inside its room behind this doorway [m]."""
 SURE_BEHIND_DOORWAY = 0.95
