@@ -36,7 +36,7 @@ _EASY_M = RADIUS_M + 0.15
 _CLOSE_M = RADIUS_M + 0.02
 """Clearance below which the robot makes no step that brings it closer to an obstacle [m]."""
 _REPLAN_M = 0.16
-"""Distance that the robot drives before the local path is planned again [m]."""
+"""Distance that the robot drives before the local path is planned again [m], unless it reaches the end of the path."""
 _ARRIVED_M, _NEARLY_M = 0.1, 0.5
 """The robot has arrived if it is at most `_ARRIVED_M` from the route's end, in the plan, and at most `_NEARLY_M` of the
 route is left [m]."""
@@ -54,7 +54,6 @@ class Controller:
         self._path: Float64[np.ndarray, "_ 2"] = np.zeros((0, 2))
         self._planned_at = np.full(2, np.inf)
         self._best_m, self._since_s = -1.0, 0.0
-        self._has_new_scan = False
 
     def see(self, hits: Float64[np.ndarray, "hits 2"], pose: DeadReckoning, climbed_m: float) -> None:
         """Add a range scan that was made at the estimated `pose`.
@@ -62,7 +61,6 @@ class Controller:
         `hits` are the scanned points in the body frame [m]. `climbed_m` is the robot's height above the start.
         """
         self._map.add(hits, pose.x, pose.y, pose.yaw, climbed_m)
-        self._has_new_scan = True
 
     def step(self, pose: DeadReckoning) -> tuple[float, float] | None:
         """Return forward motion [m] and left turn [rad] for the next `STEP_S`; None if the robot has arrived or gives up."""
@@ -103,12 +101,8 @@ class Controller:
             return np.asarray(carrot)
         nearest = self._nearest(here)
         at_end = nearest + 1 >= len(self._path)
-        if np.linalg.norm(here - self._planned_at) >= _REPLAN_M or (at_end and self._has_new_scan):
-            self._path, self._planned_at, self._has_new_scan = (
-                self._map.plan_path(here, self._route.ahead(HORIZON_M)),
-                here,
-                False,
-            )
+        if at_end or np.linalg.norm(here - self._planned_at) >= _REPLAN_M:
+            self._path, self._planned_at = self._map.plan_path(here, self._route.ahead(HORIZON_M)), here
             nearest = self._nearest(here)
         if len(self._path) < 2:
             return None
