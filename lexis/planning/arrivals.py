@@ -71,16 +71,16 @@ def surely_inside(map: LexisMap, room: RoomInstance, most_evidence: float, doorw
 def _to_other_labels(
     map: LexisMap, keyframes: Int[np.ndarray, "k"], label: int, doorways: Passages
 ) -> tuple[Float64[np.ndarray, "k"], Bool[np.ndarray, "k"]]:
-    """Return each keyframe's distance from the nearest one with another label [m], and which are well behind a doorway.
+    """Return the distances of keyframes from the nearest one with another label [m], and which are well behind a doorway.
 
-    The distance is infinite if all keyframes have the same label. A keyframe can be well behind a doorway only if its
-    distance is less than `INSIDE_M`.
+    Of the keyframes closer to another label than `INSIDE_M`, those count that a doorway divides from all labels as close.
+    The distance is infinite if there are no other labels.
     """
     positions, others = map.T_W_B[:, :3, 3], np.flatnonzero(map.labels != label)
     own, other = (cKDTree(positions[ids]) for ids in (keyframes, others))
     near = own.sparse_distance_matrix(other, INSIDE_M, output_type="ndarray")
     near = near[rounded(near["v"]) < INSIDE_M]
-    distance = rounded(np.asarray(other.query(positions[keyframes])[0]))
+    distance = rounded(other.query(positions[keyframes])[0])
     pairs = np.stack([keyframes[near["i"]], others[near["j"]]], axis=1)
     beyond = rounded(distances_from_crossed(doorways, map.floors, positions, pairs))
     divided = np.isfinite(beyond) & (beyond >= BEHIND_DOORWAY_M)
