@@ -7,9 +7,8 @@ keyframe is therefore surely inside its room if three conditions hold:
 1. Keyframes with other labels are at least `INSIDE_M` away, because labels are uncertain at the boundary of a room, and
    because a robot whose estimate has drifted stops up to 0.4 m in front of the keyframe.
 2. The images are sure of the label: its probability (`LexisMap.probabilities`) is at least `SURE`.
-3. The evidence at the keyframe (`lexis.planning.evidence`) is at least a share of the evidence at the innermost keyframe
-   of any room with the label. The share is `CLEAR` at `INSIDE_M` from keyframes with other labels, and less farther away
-   (`CLEAR_PER_M`).
+3. The evidence at the keyframe (`lexis.planning.evidence`) is at least the share `CLEAR` of the evidence at the innermost
+   keyframe of any room with the label.
 
 At a doorway, the boundary is known exactly. A robot is therefore also surely inside behind a doorway: all keyframes with
 other labels within `INSIDE_M` are on the other side of narrow passages (`lexis.sight.passages`), from which the keyframe is
@@ -18,7 +17,7 @@ does not count, because half of the images still show the other room.
 """
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int
+from jaxtyping import Bool, Int
 from scipy.spatial import cKDTree
 
 from lexis.maths.ties import rounded
@@ -34,12 +33,8 @@ SURE = 0.995
 end first, in front of an open boundary, some images are wrong and still quite sure. With an encoder that is never so sure,
 paths end at the innermost keyframe."""
 CLEAR = 0.45
-"""Least evidence at a keyframe that is surely inside its room, as a share of the largest evidence of rooms of its label, if
-keyframes with other labels are as near as `INSIDE_M`. Just behind an open boundary, about half of the images still show the
-other room, and the evidence is lower."""
-CLEAR_PER_M = 0.8
-"""Decrease of that share for each metre by which keyframes with other labels are farther away than `INSIDE_M` [1/m]. The
-labels are themselves found from images, and farther from the boundary, the evidence has less to add to them."""
+"""Least evidence at a keyframe that is surely inside its room, as a share of the largest evidence of rooms of its label.
+Just behind an open boundary, about half of the images still show the other room, and the share is lower."""
 BEHIND_DOORWAY_M = 0.5
 """Least distance from a doorway of a keyframe that is surely inside its room behind this doorway [m]."""
 SURE_BEHIND_DOORWAY = 0.95
@@ -57,31 +52,24 @@ def surely_inside(map: LexisMap, room: RoomInstance, most_evidence: float, doorw
         doorways: the narrow passages of the map.
     """
     own, label = np.array(room.keyframes), map.room_names.index(room.label)
-    distance, behind = _to_other_labels(map, own, label, doorways)
+    deep, behind = _depth(map, own, label, doorways)
     probability = rounded(map.probabilities[own, label])
     behind &= probability < 1.0
-    likely = ((distance >= INSIDE_M) & (probability >= SURE)) | (behind & (probability >= SURE_BEHIND_DOORWAY))
-    own, distance, behind = own[likely], distance[likely], behind[likely]
-    if not len(own):
-        return own
-    share = np.clip(CLEAR - CLEAR_PER_M * (distance - INSIDE_M), 0.0, CLEAR)
-    return np.asarray(own[behind | (evidence_at(map, room.label, own) >= share * most_evidence)])
+    likely = (deep & (probability >= SURE)) | (behind & (probability >= SURE_BEHIND_DOORWAY))
+    own, behind = own[likely], behind[likely]
+    return np.asarray(own[behind | (evidence_at(map, room.label, own) >= CLEAR * most_evidence)]) if len(own) else own
 
 
-def _to_other_labels(
+def _depth(
     map: LexisMap, keyframes: Int[np.ndarray, "k"], label: int, doorways: Passages
-) -> tuple[Float64[np.ndarray, "k"], Bool[np.ndarray, "k"]]:
-    """Return the distances of keyframes from the nearest one with another label [m], and which are well behind a doorway.
-
-    Of the keyframes closer to another label than `INSIDE_M`, those count that a doorway divides from all labels as close.
-    The distance is infinite if there are no other labels.
-    """
+) -> tuple[Bool[np.ndarray, "k"], Bool[np.ndarray, "k"]]:
+    """Return which keyframes are far from all keyframes with other labels, and which others are well behind a doorway."""
     positions, others = map.T_W_B[:, :3, 3], np.flatnonzero(map.labels != label)
     own, other = (cKDTree(positions[ids]) for ids in (keyframes, others))
     near = own.sparse_distance_matrix(other, INSIDE_M, output_type="ndarray")
     near = near[rounded(near["v"]) < INSIDE_M]
-    distance = rounded(other.query(positions[keyframes])[0])
     pairs = np.stack([keyframes[near["i"]], others[near["j"]]], axis=1)
     beyond = rounded(distances_from_crossed(doorways, map.floors, positions, pairs))
     divided = np.isfinite(beyond) & (beyond >= BEHIND_DOORWAY_M)
-    return distance, (distance < INSIDE_M) & ~np.isin(np.arange(len(keyframes)), near["i"][~divided])
+    shallow, undivided = (np.isin(np.arange(len(keyframes)), ids) for ids in (near["i"], near["i"][~divided]))
+    return ~shallow, shallow & ~undivided
