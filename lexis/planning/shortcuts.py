@@ -3,7 +3,8 @@
 Space is free where the camera itself has walked, and where a line of sight to a landmark passes below the height of table
 tops. A line of sight above a table does not count, because the robot could not follow it. Cells with an obstacle are not
 free: there, at least the share `BLOCKED_SHARE` of the camera views that reach the cell see a landmark. This share is lower
-than in `lexis.sight.storey_grid`, because most lines of sight pass above low furniture.
+than in `lexis.sight.storey_grid`, because most lines of sight pass above low furniture. Key points are sparse, so a few
+cells of an open floor are on no line of sight; such gaps in free space count as free (`_filled`).
 
 A shortcut must have free space on both sides, as wide as the robot. Its ends are at most `sight_m` apart: longer shortcuts
 hardly shorten a path further. Space above or below stairs looks free, but has no floor to drive on, so a shortcut also keeps
@@ -14,7 +15,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from jaxtyping import Bool, Float64
-from scipy.ndimage import distance_transform_edt
+from scipy.ndimage import binary_closing, distance_transform_edt
 from scipy.spatial import cKDTree
 
 from lexis.config import PlannerConfig
@@ -85,8 +86,9 @@ class _Clearance:
 
     def __init__(self, views: ViewCounts, stairs: Float64[np.ndarray, "k 2"]) -> None:
         self._views, self._stairs = views, cKDTree(stairs) if len(stairs) else None
-        free = ((views.low > 0) & ~views.occupied(BLOCKED_SHARE)) | views.walked
-        self._metres = rounded(distance_transform_edt(free) * CELL_M)
+        blocked = views.occupied(BLOCKED_SHARE)
+        free = ((views.low > 0) & ~blocked) | views.walked
+        self._metres = rounded(distance_transform_edt(_filled(free) & ~blocked) * CELL_M)
 
     def allows(self, points: Float64[np.ndarray, "m points 2"], config: PlannerConfig) -> Bool[np.ndarray, "m"]:
         """Return which shortcuts are free for the robot, given the points on each shortcut."""
@@ -96,3 +98,9 @@ class _Clearance:
             near = np.isfinite(self._stairs.query(points[free].reshape(-1, 2), distance_upper_bound=STAIRWELL_M)[0])
             free[free] = ~near.reshape(-1, points.shape[1]).any(axis=1)
         return np.asarray(free)
+
+
+def _filled(free: Bool[np.ndarray, "rows columns"]) -> Bool[np.ndarray, "rows columns"]:
+    """Return the free cells, and those in gaps between free cells that are at most two cells wide."""
+    padded = np.pad(free, 1)
+    return np.asarray(binary_closing(padded, np.ones((3, 3), bool))[1:-1, 1:-1])

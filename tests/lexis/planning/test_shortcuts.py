@@ -99,6 +99,26 @@ def test_shortcuts_lead_around_a_table_that_few_images_show(lexis_map):
     assert not shapely.crosses(lines(furnished, shortcuts(furnished, PlannerConfig())), across).any()
 
 
+@pytest.mark.parametrize(("cells", "filled"), [(1, True), (2, True), (3, False)])
+def test_narrow_gaps_in_free_space_are_free(cells, filled):
+    """No free cell is lost, and a gap along the border of the grid is none."""
+    free = np.zeros((9, 12), bool)
+    free[2:7, 2:] = True
+    free[:, 4 : 4 + cells] = False
+    found = module._filled(free)
+    assert (found | ~free).all() and found[3:6, 4 : 4 + cells].all() == found[3:6, 4 : 4 + cells].any() == filled
+    assert not found[:2].any() and not found[7:].any() and not found[:, :2].any()
+
+
+def test_a_gap_that_an_obstacle_fills_is_not_free(lexis_map):
+    """A third of the keyframes see a post in the office, which stands between free cells."""
+    post = np.column_stack((np.full(40, 6.0), np.full(40, 2.5), np.linspace(0.3, 1.2, 40)))
+    with_post = with_landmarks(lexis_map, lambda i, points: np.concatenate([points, post]) if i % 3 == 0 else points)
+    near = shapely.distance(lines(with_post, shortcuts(with_post, PlannerConfig())), shapely.Point(6.0, 2.5))
+    assert near.min() >= PlannerConfig().radius_m - CELL_M
+    assert shapely.distance(lines(lexis_map, shortcuts(lexis_map, PlannerConfig())), shapely.Point(6.0, 2.5)).min() < 0.1
+
+
 def test_shortcuts_can_be_switched_off(lexis_map):
     assert not len(shortcuts(lexis_map, PlannerConfig(sight_m=0.0)))
 
