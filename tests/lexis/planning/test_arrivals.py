@@ -9,6 +9,7 @@ from scipy.special import softmax
 
 from lexis.planning import arrivals, path_end
 from lexis.planning.arrivals import BEHIND_DOORWAY_M, INSIDE_M, surely_inside
+from lexis.planning.evidence import evidence_at
 from lexis.sight.passages import Passages
 from lexis.types import NO_LANDMARKS
 
@@ -102,13 +103,23 @@ def test_a_robot_is_not_surely_inside_at_a_keyframe_whose_own_images_are_unsure(
     assert set(inside(lexis_map, lexis_map.rooms[1])) - set(found) == {unsure}
 
 
-@pytest.mark.parametrize(("share", "found"), [(0.9, False), (1.1, True)])
-def test_the_evidence_has_to_be_a_share_of_the_clearest(rng, share, found):
-    x = np.arange(-3.0, 5.1, 0.25)
+def least_share(lexis_map, room, keyframe):
+    """The least evidence, as a share of the clearest, with which a keyframe is surely inside: found by bisection."""
+    low, high = 0.01, 2.0
+    own = float(evidence_at(lexis_map, room.label, np.array([keyframe]))[0])
+    for _ in range(20):
+        share = (low + high) / 2
+        low, high = (low, share) if keyframe in inside(lexis_map, room, own / share) else (share, high)
+    return high
+
+
+def test_the_evidence_has_to_be_a_share_of_the_clearest_and_a_lower_one_deep_inside(rng):
+    x = np.arange(-3.0, 3.01, 0.25)
     lexis_map = along_x(rng, x, (x > -0.01).astype(int))
     office = lexis_map.rooms[1]
-    clear = path_end(lexis_map, office).evidence / (share * arrivals.CLEAR)
-    assert bool(inside(lexis_map, office, clear)) == found
+    shares = [least_share(lexis_map, office, int(np.flatnonzero(x == at)[0])) for at in (0.75, 1.0, 2.0)]
+    assert shares == pytest.approx([arrivals.CLEAR, arrivals.CLEAR_DEEP, arrivals.CLEAR_DEEP], abs=1e-4)
+    assert arrivals.INSIDE_M < 1.0 < arrivals.DEEP_M < 1.25
 
 
 def test_nowhere_is_sure_in_a_room_that_is_one_keyframe_wide(rng):
