@@ -16,7 +16,7 @@ from jaxtyping import Float64
 
 from sim.robot.body import RADIUS_M
 from sim.robot.dead_reckoning import DeadReckoning
-from sim.robot.local_map import LocalMap
+from sim.robot.local_map import FINE_CELL_M, LocalMap
 from sim.robot.route import Route
 
 STEP_S = 0.1
@@ -37,6 +37,8 @@ _CLOSE_M = RADIUS_M + 0.02
 """Clearance below which the robot makes no step that brings it closer to an obstacle [m]."""
 _REPLAN_M = 0.16
 """Distance that the robot drives before the local path is planned again [m], unless it reaches the end of the path."""
+_SHORT = 5
+"""A local path of this many cells or fewer ends where the robot can hardly get on, such as in front of a narrow gap."""
 _ARRIVED_M, _NEARLY_M = 0.1, 0.5
 """The robot has arrived if it is at most `_ARRIVED_M` from the route's end, in the plan, and at most `_NEARLY_M` of the
 route is left [m]."""
@@ -78,7 +80,7 @@ class Controller:
         error = math.remainder(bearing - pose.yaw, math.tau)
         most = _TURN_RATE_RAD_S * STEP_S
         turn = min(max(_TURN_GAIN_HZ * STEP_S * error, -most), most)
-        return self._forward(here, pose.yaw + turn / 2, error), turn
+        return self._forward(here, pose.yaw + turn / 2, error, float(np.linalg.norm(target - here))), turn
 
     def _has_arrived(self, here: Float64[np.ndarray, "2"]) -> bool:
         # Closeness in the plan alone is not enough, because a route may pass below or above its end.
@@ -102,7 +104,7 @@ class Controller:
         nearest = self._nearest(here)
         at_end = nearest + 1 >= len(self._path)
         if at_end or np.linalg.norm(here - self._planned_at) >= _REPLAN_M:
-            self._path, self._planned_at = self._map.plan_path(here, self._route.ahead(HORIZON_M)), here
+            self._path, self._planned_at = self._local_path(here), here
             nearest = self._nearest(here)
         if len(self._path) < 2:
             return None
@@ -112,12 +114,18 @@ class Controller:
                 return np.asarray(target)
         return np.asarray(following[0])
 
+    def _local_path(self, here: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "j 2"]:
+        """Plan a local path along the route, on the fine grid if the path on the ordinary grid ends after `_SHORT` cells."""
+        route = self._route.ahead(HORIZON_M)
+        path = self._map.plan_path(here, route)
+        return path if len(path) > _SHORT else self._map.plan_path(here, route, FINE_CELL_M)
+
     def _nearest(self, here: Float64[np.ndarray, "2"]) -> int:
         """Return the index of the nearest point of the local path; 0 before the first local path."""
         return int(np.argmin(((self._path - here) ** 2).sum(axis=1))) if len(self._path) else 0
 
-    def _forward(self, here: Float64[np.ndarray, "2"], heading: float, error: float) -> float:
-        step = STEP_S * SPEED_M_S * max(0.0, math.cos(error)) ** 2
+    def _forward(self, here: Float64[np.ndarray, "2"], heading: float, error: float, left_m: float) -> float:
+        step = min(STEP_S * SPEED_M_S * max(0.0, math.cos(error)) ** 2, left_m)
         ahead = here + step * np.array([math.cos(heading), math.sin(heading)])
         after, now = self._map.clearance(ahead, ahead), self._map.clearance(here, here)
         return 0.0 if after < min(_CLOSE_M, now) else step

@@ -16,8 +16,9 @@ from scipy.spatial.distance import cdist
 
 from lexis.maths.ties import rounded
 
-CELL_M = 0.08
-"""Side length of a cell of the grid on which local paths are planned [m]."""
+CELL_M, FINE_CELL_M = 0.08, 0.04
+"""Side lengths of a cell of the ordinary and of the fine grid on which local paths are planned [m]. A gap that is hardly
+wider than the robot may lie between the cells of the ordinary grid. The fine grid reaches half as far."""
 _FINE = 4
 """Number of parts into which a cell's side is divided. Obstacle points are rounded to this finer grid."""
 _HALF = 22
@@ -77,36 +78,38 @@ class LocalMap:
         share = np.clip(to @ along / max(float(along @ along), 1e-12), 0.0, 1.0)
         return float(np.sqrt(((to - share[:, None] * along) ** 2).sum(axis=1).min()))
 
-    def plan_path(self, start: Float64[np.ndarray, "2"], route: Float64[np.ndarray, "k 2"]) -> Float64[np.ndarray, "j 2"]:
-        """Plan the cheapest path from `start` along `route`, and return its points.
+    def plan_path(
+        self, start: Float64[np.ndarray, "2"], route: Float64[np.ndarray, "k 2"], cell_m: float = CELL_M
+    ) -> Float64[np.ndarray, "j 2"]:
+        """Plan the cheapest path from `start` along `route` on a grid with cells of side `cell_m`, and return its points.
 
         A path is cheap if it is short, clear of obstacles and close to the route, and ends close to the end of the route.
         """
-        cells = start + _cells() * CELL_M
+        cells = start + _cells() * cell_m
         strayed = cdist(cells, route).min(axis=1)
-        distance = self._distances(start)
+        distance = self._distances(start, cell_m)
         lack = np.clip(1.0 - (distance - self._least_m) / _PREFERRED_M, 0.0, 1.0)
         cost = np.where(distance < self._least_m, _BLOCKED, 1.0 + _CROWDING * lack**2).ravel()
         cost += _STRAYING * np.maximum(strayed - _STRAYED_M, 0.0)
         a, b, length, indptr = _grid()
-        graph = csr_array((length * (cost[a] + cost[b]) / 2, b, indptr), shape=(_N * _N, _N * _N))
+        graph = csr_array((cell_m * length * (cost[a] + cost[b]) / 2, b, indptr), shape=(_N * _N, _N * _N))
         costs, before = (rows[0] for rows in dijkstra(graph, indices=[_HALF * _N + _HALF], return_predecessors=True))
         path = [int(np.argmin(rounded(costs + _MISS_COST * np.linalg.norm(cells - route[-1], axis=1))))]
         while before[path[-1]] >= 0:
             path.append(int(before[path[-1]]))
         return cells[path[::-1]]
 
-    def _distances(self, centre: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "n n"]:
+    def _distances(self, centre: Float64[np.ndarray, "2"], cell_m: float) -> Float64[np.ndarray, "n n"]:
         """Return the distance from each cell to the nearest obstacle point [m]; infinite if there are no points.
 
         Points are rounded to a grid finer than the cells, so that equal distances are equal to the last bit.
         """
-        points = np.rint((self._points - centre) * (_FINE / CELL_M))
+        points = np.rint((self._points - centre) * (_FINE / cell_m))
         points = points[(np.abs(points) <= _FINE * _HALF).all(axis=1)]
         if not len(points):
             return np.full((_N, _N), np.inf)
         distances = np.asarray(cKDTree(points).query(_FINE * _cells())[0])
-        return distances.reshape(_N, _N) * (CELL_M / _FINE)
+        return distances.reshape(_N, _N) * (cell_m / _FINE)
 
 
 @cache
@@ -118,13 +121,16 @@ def _cells() -> Int[np.ndarray, "cells 2"]:
 
 @cache
 def _grid() -> tuple[Int[np.ndarray, "e"], Int[np.ndarray, "e"], Float64[np.ndarray, "e"], Int[np.ndarray, "m"]]:
-    """Return the edges from each cell to its eight neighbours in CSR order: starts, ends, lengths, row pointers."""
+    """Return the edges from each cell to its eight neighbours in CSR order: starts, ends, lengths, row pointers.
+
+    The lengths are in cells.
+    """
     cell = np.arange(_N * _N)
     x, y = cell % _N, cell // _N
     moves = [(i, j) for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j) != (0, 0)]
     ends = np.stack([np.where((x + i >= 0) & (x + i < _N) & (y + j >= 0) & (y + j < _N), cell + j * _N + i, -1)
                      for i, j in moves], axis=1)  # fmt: skip
-    lengths = np.broadcast_to([CELL_M * np.hypot(i, j) for i, j in moves], ends.shape)
+    lengths = np.broadcast_to([np.hypot(i, j) for i, j in moves], ends.shape)
     inside = ends >= 0
     starts = np.broadcast_to(cell[:, None], ends.shape)
     indptr = np.append(0, np.cumsum(inside.sum(axis=1))).astype(np.int32)

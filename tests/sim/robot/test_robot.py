@@ -46,6 +46,12 @@ def go(house, *waypoints, drift=None, off=(0.0, 0.0, 0.0), seed=0, blind=False):
     return Robot(house, blind).drive(points[0], yaw, pose, points)
 
 
+def in_body_frame(points, pose):
+    """Return points of shape (n, 2) in the robot's own frame, at a given pose of the robot."""
+    cos, sin = np.cos(pose.yaw), np.sin(pose.yaw)
+    return (points - (pose.x, pose.y)) @ np.array([[cos, -sin], [sin, cos]])
+
+
 def test_a_body_touches_a_wall_from_where_its_surface_meets_it():
     body = Body(two_rooms())
     wall = 0.05  # half its thickness
@@ -107,6 +113,23 @@ def test_a_wall_is_passed_round_its_near_end_but_not_round_a_far_one(wall_ends_a
     assert (way[-1, 1] < 0.0) == goes_round
 
 
+@pytest.mark.parametrize("aside_m", [0.0, 0.02, 0.04, 0.06])
+def test_the_robot_drives_through_a_gap_that_lies_between_the_cells_of_the_ordinary_grid(aside_m):
+    """The robot's centre may pass the gap on a strip 4 cm wide, `aside_m` from the route."""
+    half = LEAST_M + 0.02
+    y = np.concatenate([np.arange(-2.0, -half, 0.02), [-half, half], np.arange(half, 2.0, 0.02)])
+    gap = np.concatenate([np.stack([np.full(len(y), x), y + aside_m], axis=1) for x in np.arange(0.5, 1.0, 0.05)])
+    controller = Controller(np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]))
+    pose = DeadReckoning(0.0, 0.0, 0.0, OdometryConfig(), np.random.default_rng(0))
+    for _ in range(150):
+        controller.see(in_body_frame(gap, pose), pose, 0.0)
+        if (motion := controller.step(pose)) is None:
+            break
+        pose.advance(*motion)
+        assert np.linalg.norm(in_body_frame(gap, pose), axis=1).min() > RADIUS_M
+    np.testing.assert_allclose([pose.x, pose.y], [2.0, 0.0], atol=0.1)
+
+
 @pytest.mark.parametrize("stands_m", [1.0, 1.05])
 def test_the_robot_tries_another_detour_where_the_first_one_ends(stands_m):
     """A wall across the route seems to have no end at first; then its end comes into view."""
@@ -114,9 +137,8 @@ def test_the_robot_tries_another_detour_where_the_first_one_ends(stands_m):
     pose = DeadReckoning(0.0, 0.0, 0.0, OdometryConfig(), np.random.default_rng(0))
     for step in range(250):
         y = np.arange(-2.0, 2.0 if step < 50 else 0.6, 0.05)
-        wall = np.stack([np.full(len(y), stands_m), y], axis=1) - (pose.x, pose.y)
-        cos, sin = np.cos(pose.yaw), np.sin(pose.yaw)
-        controller.see(wall @ np.array([[cos, -sin], [sin, cos]]), pose, 0.0)
+        wall = np.stack([np.full(len(y), stands_m), y], axis=1)
+        controller.see(in_body_frame(wall, pose), pose, 0.0)
         motion = controller.step(pose)
         if motion is None:
             break
@@ -155,8 +177,7 @@ def test_the_robot_drives_straight_past_what_stands_close_to_its_route_on_both_s
     driven_m = 0.0
     while (motion := controller.step(pose)) is not None:
         pose.advance(*motion)
-        cos, sin = np.cos(pose.yaw), np.sin(pose.yaw)
-        hits = (pieces - (pose.x, pose.y)) @ np.array([[cos, -sin], [sin, cos]])
+        hits = in_body_frame(pieces, pose)
         controller.see(hits[np.linalg.norm(hits, axis=1) < 3.0], pose, 0.0)
         assert np.linalg.norm(hits, axis=1).min() > RADIUS_M
         driven_m += motion[0]
