@@ -2,7 +2,7 @@
 
 A path has to end in the right room, but need not lead to its middle. The labels alone are not reliable enough for a choice
 among all keyframes of a room: the keyframe nearest to the start is mostly one in front of the room, whose label is wrong. A
-keyframe is therefore surely inside its room if three conditions hold:
+keyframe is therefore surely inside its room if four conditions hold:
 
 1. Keyframes with other labels are at least `INSIDE_M` away, because labels are uncertain at the boundary of a room, and
    because a robot whose estimate has drifted stops up to 0.4 m in front of the keyframe.
@@ -10,9 +10,11 @@ keyframe is therefore surely inside its room if three conditions hold:
 3. The evidence at the keyframe (`lexis.planning.evidence`) is at least the share `CLEAR` of the evidence at the innermost
    keyframe of any room with the label. If keyframes with other labels are at least `DEEP_M` away, the share `CLEAR_DEEP` is
    enough.
+4. No doorway or other narrow passage (`lexis.sight.passages`) is within `IN_DOORWAY_M`. A robot that stands in a doorway is
+   in neither room, and labels may be wrong on both sides of it.
 
 At a doorway, the boundary is known exactly. A robot is therefore also surely inside behind a doorway: all keyframes with
-other labels within `INSIDE_M` are on the other side of narrow passages (`lexis.sight.passages`), from which the keyframe is
+other labels within `INSIDE_M` are on the other side of narrow passages, from which the keyframe is
 at least `BEHIND_DOORWAY_M` away. The probability of the label then has to be `SURE_BEHIND_DOORWAY` only, and the evidence
 does not count, because half of the images still show the other room.
 """
@@ -23,7 +25,7 @@ from scipy.spatial import cKDTree
 
 from lexis.maths.ties import rounded
 from lexis.planning.evidence import evidence_at
-from lexis.sight.crossings import distances_from_crossed
+from lexis.sight.crossings import distances_from_crossed, distances_from_nearest
 from lexis.sight.passages import Passages
 from lexis.types import LexisMap, RoomInstance
 
@@ -39,6 +41,9 @@ Just behind an open boundary, about half of the images still show the other room
 DEEP_M, CLEAR_DEEP = 1.1, 0.3
 """The share `CLEAR_DEEP` is enough in place of `CLEAR` at this distance from the nearest keyframe with another label [m].
 With either value much lower, more plans end at the boundary of their goal (sim/pages/results.md, "Plans")."""
+IN_DOORWAY_M = 0.2
+"""A keyframe within this distance of a narrow passage stands in it [m]: half the thickness of a wall, and the uncertainty of
+where the passage is."""
 BEHIND_DOORWAY_M = 0.5
 """Least distance from a doorway of a keyframe that is surely inside its room behind this doorway [m]."""
 SURE_BEHIND_DOORWAY = 0.95
@@ -55,7 +60,7 @@ def surely_inside(map: LexisMap, room: RoomInstance, most_evidence: float, doorw
         most_evidence: the largest evidence at the innermost keyframe of any room with the label.
         doorways: the narrow passages of the map.
     """
-    own, label = np.array(room.keyframes), map.room_names.index(room.label)
+    own, label = _outside_doorways(map, np.array(room.keyframes), doorways), map.room_names.index(room.label)
     distance, behind = _to_other_labels(map, own, label, doorways)
     probability = rounded(map.probabilities[own, label])
     behind &= probability < 1.0
@@ -65,6 +70,12 @@ def surely_inside(map: LexisMap, room: RoomInstance, most_evidence: float, doorw
         return own
     share = np.where(distance >= DEEP_M, CLEAR_DEEP, CLEAR)
     return np.asarray(own[behind | (evidence_at(map, room.label, own) >= share * most_evidence)])
+
+
+def _outside_doorways(map: LexisMap, keyframes: Int[np.ndarray, "k"], doorways: Passages) -> Int[np.ndarray, "outside"]:
+    """Return the keyframes that do not stand in a doorway."""
+    distances = rounded(distances_from_nearest(doorways, map.floors[keyframes], map.T_W_B[keyframes, :3, 3]))
+    return keyframes[distances >= IN_DOORWAY_M]
 
 
 def _to_other_labels(

@@ -1,4 +1,4 @@
-"""Tests whether the straight line between two keyframes goes through a doorway or another narrow passage.
+"""Which lines between keyframes go through a doorway or another narrow passage, and how far keyframes are from passages.
 
 `lexis.sight.passages` finds these passages.
 """
@@ -33,12 +33,30 @@ def distances_from_crossed(
     `crossed`.
     """
     pair, passage = _crossings(found, floors, positions, pairs)
-    (start, end), point = found.ends[passage].transpose(1, 0, 2), positions[pairs[pair, 0], :2]
-    along = ((point - start) * (end - start)).sum(axis=1) / ((end - start) ** 2).sum(axis=1)
-    nearest = start + np.clip(along, 0.0, 1.0)[:, None] * (end - start)
     result = np.full(len(pairs), np.inf)
-    np.minimum.at(result, pair, np.linalg.norm(point - nearest, axis=1))
+    np.minimum.at(result, pair, _distances(found, passage, positions[pairs[pair, 0], :2]))
     return result
+
+
+def distances_from_nearest(found: Passages, floors: PerKeyframe, positions: Positions) -> Float64[np.ndarray, "n"]:
+    """Return how far each keyframe is from the nearest passage of its floor, seen from above [m].
+
+    The distance is infinite on floors without passages.
+    """
+    keyframe, passage = np.nonzero(floors[:, None] == found.floor)
+    result = np.full(len(floors), np.inf)
+    np.minimum.at(result, keyframe, _distances(found, passage, positions[keyframe, :2]))
+    return result
+
+
+def _distances(
+    found: Passages, passages: Int[np.ndarray, "m"], points: Float64[np.ndarray, "m 2"]
+) -> Float64[np.ndarray, "m"]:
+    """Return the distance of each point from one of the passages [m]."""
+    start, end = found.ends[passages].transpose(1, 0, 2)
+    along = ((points - start) * (end - start)).sum(axis=1) / ((end - start) ** 2).sum(axis=1)
+    nearest = start + np.clip(along, 0.0, 1.0)[:, None] * (end - start)
+    return np.asarray(np.linalg.norm(points - nearest, axis=1))
 
 
 def _crossings(

@@ -8,7 +8,7 @@ from helpers.map_builder import build_map, corridor_with_offices, random_pose
 from scipy.special import softmax
 
 from lexis.planning import arrivals, path_end
-from lexis.planning.arrivals import BEHIND_DOORWAY_M, INSIDE_M, surely_inside
+from lexis.planning.arrivals import BEHIND_DOORWAY_M, IN_DOORWAY_M, INSIDE_M, surely_inside
 from lexis.planning.evidence import evidence_at
 from lexis.sight.passages import Passages
 from lexis.types import NO_LANDMARKS
@@ -61,11 +61,20 @@ def test_a_doorway_makes_no_difference_to_a_method_that_states_no_probability(rn
 
 
 @pytest.mark.parametrize("door_x", [-0.95, 0.95, 5.0])
-def test_a_doorway_that_does_not_divide_the_rooms_makes_no_difference(rng, door_x):
+def test_a_doorway_that_does_not_divide_the_rooms_makes_a_difference_only_in_the_doorway(rng, door_x):
     x = np.arange(-3.0, 3.1, 0.1)
     lexis_map = along_x(rng, x, (x > 0.0).astype(int))
     office = lexis_map.rooms[1]
-    assert inside(lexis_map, office, doorways=doorway(door_x)) == inside(lexis_map, office)
+    expected = [k for k in inside(lexis_map, office) if abs(x[k] - door_x) > IN_DOORWAY_M]
+    assert inside(lexis_map, office, doorways=doorway(door_x)) == expected
+
+
+def test_a_robot_in_a_doorway_is_not_surely_inside_though_all_labels_near_it_are_those_of_the_room(rng):
+    """The labels change one metre behind the doorway, at x = 0."""
+    x = np.arange(-3.0, 3.1, 0.1)
+    lexis_map = along_x(rng, x, (x > -0.01).astype(int))
+    found = x[inside(lexis_map, lexis_map.rooms[1], doorways=doorway(1.05))]
+    assert found.min() < 1.0 and (np.abs(found - 1.05) > IN_DOORWAY_M).all()
 
 
 def test_the_nearest_other_label_counts_and_not_the_nearest_other_room(rng):

@@ -5,7 +5,7 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lexis.sight.crossings import crossed, distances_from_crossed
+from lexis.sight.crossings import crossed, distances_from_crossed, distances_from_nearest
 from lexis.sight.passages import Passages
 
 
@@ -22,6 +22,9 @@ def test_lines_cross_passages_as_in_the_plane(seed):
     away = shapely.distance(shapely.points(positions[pairs[:, :1], :2]), passages)
     nearest = np.where(expected, away, np.inf).min(axis=1)
     np.testing.assert_allclose(distances_from_crossed(found, floors, positions, pairs), nearest, atol=1e-9)
+    away = shapely.distance(shapely.points(positions[:, None, :2]), passages)
+    nearest = np.where(floors[:, None] == floor, away, np.inf).min(axis=1)
+    np.testing.assert_allclose(distances_from_nearest(found, floors, positions), nearest, atol=1e-9)
 
 
 def test_a_gap_in_the_recording_crosses_no_passage():
