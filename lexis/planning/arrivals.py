@@ -14,9 +14,9 @@ keyframe is therefore surely inside its room if four conditions hold:
    in neither room, and labels may be wrong on both sides of it.
 
 At a doorway, the boundary is known exactly. A robot is therefore also surely inside behind a doorway: all keyframes with
-other labels within `INSIDE_M` are on the other side of narrow passages, from which the keyframe is
-at least `BEHIND_DOORWAY_M` away. The probability of the label then has to be `SURE_BEHIND_DOORWAY` only, and the evidence
-does not count, because half of the images still show the other room.
+other labels within `INSIDE_M` are on the other side of narrow passages, from which the keyframe is at least
+`BEHIND_DOORWAY_M` away. The probability of the label then has to be `SURE_BEHIND_DOORWAY` only, and the evidence does not
+count, because half of the images still show the other room.
 """
 
 import numpy as np

@@ -4,8 +4,8 @@ At each step:
 
 1. Advance the progress along the route to the point nearest to the robot.
 2. If the straight line to the look-ahead point on the route has enough clearance, steer to this point. Otherwise, plan a
-   local path in the map of recent scans (`LocalMap`). Steer to the farthest cell of the path to which the straight line has
-   enough clearance.
+   local path in the map of recent scans (`LocalMap`), and again on a finer grid if it ends after a few cells. Steer to the
+   farthest cell of the path to which the straight line has enough clearance.
 3. Turn in proportion to the heading error. The larger this error, the slower the robot drives. Stop in front of obstacles.
 """
 
@@ -37,8 +37,8 @@ _CLOSE_M = RADIUS_M + 0.02
 """Clearance below which the robot makes no step that brings it closer to an obstacle [m]."""
 _REPLAN_M = 0.16
 """Distance that the robot drives before the local path is planned again [m], unless it reaches the end of the path."""
-_SHORT = 5
-"""A local path of this many cells or fewer ends where the robot can hardly get on, such as in front of a narrow gap."""
+_FEW_CELLS = 5
+"""A local path of this many cells or fewer ends where the robot can hardly go on, such as in front of a narrow gap."""
 _ARRIVED_M, _NEARLY_M = 0.1, 0.5
 """The robot has arrived if it is at most `_ARRIVED_M` from the route's end, in the plan, and at most `_NEARLY_M` of the
 route is left [m]."""
@@ -115,17 +115,18 @@ class Controller:
         return np.asarray(following[0])
 
     def _local_path(self, here: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "j 2"]:
-        """Plan a local path along the route, on the fine grid if the path on the ordinary grid ends after `_SHORT` cells."""
+        """Plan a local path along the route, again on the fine grid if the path ends after `_FEW_CELLS` cells."""
         route = self._route.ahead(HORIZON_M)
         path = self._map.plan_path(here, route)
-        return path if len(path) > _SHORT else self._map.plan_path(here, route, FINE_CELL_M)
+        return path if len(path) > _FEW_CELLS else self._map.plan_path(here, route, FINE_CELL_M)
 
     def _nearest(self, here: Float64[np.ndarray, "2"]) -> int:
         """Return the index of the nearest point of the local path; 0 before the first local path."""
         return int(np.argmin(((self._path - here) ** 2).sum(axis=1))) if len(self._path) else 0
 
-    def _forward(self, here: Float64[np.ndarray, "2"], heading: float, error: float, left_m: float) -> float:
-        step = min(STEP_S * SPEED_M_S * max(0.0, math.cos(error)) ** 2, left_m)
+    def _forward(self, here: Float64[np.ndarray, "2"], heading: float, error: float, most_m: float) -> float:
+        """Return the length of the next step [m], at most `most_m`, given the heading and the heading error [rad]."""
+        step = min(STEP_S * SPEED_M_S * max(0.0, math.cos(error)) ** 2, most_m)
         ahead = here + step * np.array([math.cos(heading), math.sin(heading)])
         after, now = self._map.clearance(ahead, ahead), self._map.clearance(here, here)
         return 0.0 if after < min(_CLOSE_M, now) else step

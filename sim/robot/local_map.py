@@ -19,8 +19,8 @@ from lexis.maths.ties import rounded
 CELL_M, FINE_CELL_M = 0.08, 0.04
 """Side lengths of a cell of the ordinary and of the fine grid on which local paths are planned [m]. A gap that is hardly
 wider than the robot may lie between the cells of the ordinary grid. The fine grid reaches half as far."""
-_FINE = 4
-"""Number of parts into which a cell's side is divided. Obstacle points are rounded to this finer grid."""
+_PARTS = 4
+"""Number of parts into which a cell's side is divided. Obstacle points are rounded to the corners of these parts."""
 _HALF = 22
 """Number of cells on either side of the robot's cell."""
 _N = 2 * _HALF + 1
@@ -104,12 +104,12 @@ class LocalMap:
 
         Points are rounded to a grid finer than the cells, so that equal distances are equal to the last bit.
         """
-        points = np.rint((self._points - centre) * (_FINE / cell_m))
-        points = points[(np.abs(points) <= _FINE * _HALF).all(axis=1)]
+        points = np.rint((self._points - centre) * (_PARTS / cell_m))
+        points = points[(np.abs(points) <= _PARTS * _HALF).all(axis=1)]
         if not len(points):
             return np.full((_N, _N), np.inf)
-        distances = np.asarray(cKDTree(points).query(_FINE * _cells())[0])
-        return distances.reshape(_N, _N) * (cell_m / _FINE)
+        distances = np.asarray(cKDTree(points).query(_PARTS * _cells())[0])
+        return distances.reshape(_N, _N) * (cell_m / _PARTS)
 
 
 @cache
