@@ -8,8 +8,7 @@ keyframe is therefore surely inside its room if four conditions hold:
    because a robot whose estimate has drifted stops up to 0.4 m in front of the keyframe.
 2. The images are sure of the label: its probability (`LexisMap.probabilities`) is at least `SURE`.
 3. The evidence at the keyframe (`lexis.planning.evidence`) is at least the share `CLEAR` of the evidence at the innermost
-   keyframe of any room with the label. If keyframes with other labels are at least `DEEP_M` away, the share `CLEAR_DEEP` is
-   enough.
+   keyframe of any room with the label.
 4. No doorway or other narrow passage (`lexis.sight.passages`) is within `IN_DOORWAY_M`. A robot that stands in a doorway is
    in neither room, and labels may be wrong on both sides of it.
 
@@ -20,7 +19,7 @@ count, because half of the images still show the other room.
 """
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int
+from jaxtyping import Bool, Int
 from scipy.spatial import cKDTree
 
 from lexis.maths.ties import rounded
@@ -38,9 +37,6 @@ paths end at the innermost keyframe."""
 CLEAR = 0.45
 """Least evidence at a keyframe that is surely inside its room, as a share of the largest evidence of rooms of its label.
 Just behind an open boundary, about half of the images still show the other room, and the share is lower."""
-DEEP_M, CLEAR_DEEP = 1.1, 0.3
-"""The share `CLEAR_DEEP` is enough in place of `CLEAR` at this distance from the nearest keyframe with another label [m].
-With either value much lower, more plans end at the boundary of their goal (sim/pages/results.md, "Plans")."""
 IN_DOORWAY_M = 0.2
 """A keyframe within this distance of a narrow passage stands in it [m]: half the thickness of a wall, and the uncertainty of
 where the passage is."""
@@ -61,15 +57,12 @@ def surely_inside(map: LexisMap, room: RoomInstance, most_evidence: float, doorw
         doorways: the narrow passages of the map.
     """
     own, label = _outside_doorways(map, np.array(room.keyframes), doorways), map.room_names.index(room.label)
-    distance, behind = _to_other_labels(map, own, label, doorways)
+    deep, behind = _depth(map, own, label, doorways)
     probability = rounded(map.probabilities[own, label])
     behind &= probability < 1.0
-    likely = ((distance >= INSIDE_M) & (probability >= SURE)) | (behind & (probability >= SURE_BEHIND_DOORWAY))
-    own, distance, behind = own[likely], distance[likely], behind[likely]
-    if not len(own):
-        return own
-    share = np.where(distance >= DEEP_M, CLEAR_DEEP, CLEAR)
-    return np.asarray(own[behind | (evidence_at(map, room.label, own) >= share * most_evidence)])
+    likely = (deep & (probability >= SURE)) | (behind & (probability >= SURE_BEHIND_DOORWAY))
+    own, behind = own[likely], behind[likely]
+    return np.asarray(own[behind | (evidence_at(map, room.label, own) >= CLEAR * most_evidence)]) if len(own) else own
 
 
 def _outside_doorways(map: LexisMap, keyframes: Int[np.ndarray, "k"], doorways: Passages) -> Int[np.ndarray, "outside"]:
@@ -78,20 +71,16 @@ def _outside_doorways(map: LexisMap, keyframes: Int[np.ndarray, "k"], doorways: 
     return keyframes[distances >= IN_DOORWAY_M]
 
 
-def _to_other_labels(
+def _depth(
     map: LexisMap, keyframes: Int[np.ndarray, "k"], label: int, doorways: Passages
-) -> tuple[Float64[np.ndarray, "k"], Bool[np.ndarray, "k"]]:
-    """Return each keyframe's distance from the nearest one with another label [m], and which are well behind a doorway.
-
-    The distance is infinite if all keyframes have the same label. A keyframe can be well behind a doorway only if its
-    distance is less than `INSIDE_M`.
-    """
+) -> tuple[Bool[np.ndarray, "k"], Bool[np.ndarray, "k"]]:
+    """Return which keyframes are far from all keyframes with other labels, and which others are well behind a doorway."""
     positions, others = map.T_W_B[:, :3, 3], np.flatnonzero(map.labels != label)
     own, other = (cKDTree(positions[ids]) for ids in (keyframes, others))
     near = own.sparse_distance_matrix(other, INSIDE_M, output_type="ndarray")
     near = near[rounded(near["v"]) < INSIDE_M]
-    distance = rounded(np.asarray(other.query(positions[keyframes])[0]))
     pairs = np.stack([keyframes[near["i"]], others[near["j"]]], axis=1)
     beyond = rounded(distances_from_crossed(doorways, map.floors, positions, pairs))
     divided = np.isfinite(beyond) & (beyond >= BEHIND_DOORWAY_M)
-    return distance, (distance < INSIDE_M) & ~np.isin(np.arange(len(keyframes)), near["i"][~divided])
+    shallow, undivided = (np.isin(np.arange(len(keyframes)), ids) for ids in (near["i"], near["i"][~divided]))
+    return ~shallow, shallow & ~undivided
