@@ -1,4 +1,4 @@
-"""Which lines between keyframes go through a doorway or another narrow passage, and how far keyframes are from passages.
+"""Finds lines between keyframes that cross a doorway or another narrow passage, and measures distances from passages.
 
 `lexis.sight.passages` finds these passages.
 """
