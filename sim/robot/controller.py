@@ -14,6 +14,7 @@ import math
 import numpy as np
 from jaxtyping import Float64
 
+from lexis.maths.ties import rounded
 from sim.robot.body import RADIUS_M
 from sim.robot.dead_reckoning import DeadReckoning
 from sim.robot.local_map import FINE_CELL_M, LocalMap
@@ -115,8 +116,12 @@ class Controller:
         return np.asarray(following[0])
 
     def _local_path(self, here: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "j 2"]:
-        """Plan a local path along the route, again on the fine grid if the path ends after `_FEW_CELLS` cells."""
-        route = self._route.ahead(HORIZON_M)
+        """Plan a local path along the route, again on the fine grid if the path ends after `_FEW_CELLS` cells.
+
+        Where the route turns back, as on the landing between two flights of stairs, the path leads only to the turn: later
+        points of the route may be close to the robot, but behind a railing.
+        """
+        route = _until_it_turns_back(self._route.ahead(HORIZON_M))
         path = self._map.plan_path(here, route)
         return path if len(path) > _FEW_CELLS else self._map.plan_path(here, route, FINE_CELL_M)
 
@@ -130,3 +135,11 @@ class Controller:
         ahead = here + step * np.array([math.cos(heading), math.sin(heading)])
         after, now = self._map.clearance(ahead, ahead), self._map.clearance(here, here)
         return 0.0 if after < min(_CLOSE_M, now) else step
+
+
+def _until_it_turns_back(route: Float64[np.ndarray, "k 2"]) -> Float64[np.ndarray, "j 2"]:
+    """Return the part of a route before its first step whose direction differs by more than 120 degrees from the first."""
+    steps = np.diff(route, axis=0)
+    lengths = np.linalg.norm(steps, axis=1)
+    back = rounded(steps @ steps[0]) < rounded(-0.5 * lengths * lengths[0]) if len(steps) else np.zeros(0, bool)
+    return route[: int(np.argmax(back)) + 1] if back.any() else route

@@ -130,6 +130,24 @@ def test_the_robot_drives_through_a_gap_that_lies_between_the_cells_of_the_ordin
     np.testing.assert_allclose([pose.x, pose.y], [2.0, 0.0], atol=0.1)
 
 
+@pytest.mark.parametrize("beyond_m", [0.0, 0.1, 0.2, 0.3])
+def test_the_robot_goes_round_the_end_of_a_railing_beyond_the_turn_of_its_route(beyond_m):
+    """A route turns back on the landing between two flights, and has drifted: the landing lies `beyond_m` farther ahead."""
+    along = np.arange(-3.0, beyond_m, 0.02)
+    sides = np.concatenate([np.stack([np.full(len(along), x), along], axis=1) for x in (-0.9, 0.0, 0.9)])
+    across = np.arange(-0.9, 0.9, 0.02)
+    stairs = np.concatenate([sides, np.stack([across, np.full(len(across), beyond_m + 0.9)], axis=1)])
+    way = np.array([[-0.45, -2.0], [-0.45, 0.0], [-0.2, 0.2], [0.05, 0.0], [0.05, -1.0], [0.45, -2.0]])
+    controller = Controller(np.append(way, np.zeros((len(way), 1)), axis=1))
+    pose = DeadReckoning(-0.3, -1.5, np.pi / 2, OdometryConfig(), np.random.default_rng(0))
+    for _ in range(200):
+        controller.see(in_body_frame(stairs, pose), pose, 0.0)
+        if (motion := controller.step(pose)) is None:
+            break
+        pose.advance(*motion)
+    np.testing.assert_allclose([pose.x, pose.y], way[-1], atol=0.1)
+
+
 @pytest.mark.parametrize("stands_m", [1.0, 1.05])
 def test_the_robot_tries_another_detour_where_the_first_one_ends(stands_m):
     """A wall across the route seems to have no end at first; then its end comes into view."""
