@@ -1,4 +1,6 @@
-"""`LocalMap`: the obstacle points of recent scans around the robot, and local paths that avoid these points.
+"""`LocalMap`: the obstacle points around the robot, and local paths that avoid these points.
+
+The points are those of recent scans, and, on stairs, those places where the robot has been on another level.
 
 A local path is the cheapest path on a grid around the robot (Dijkstra). Cells cost more if they are close to obstacles or
 far from the route. The path may end before the route ends, if the rest would cost more than to miss the route's end.
@@ -31,6 +33,11 @@ _EVERY = 2
 _SAME_M = 0.4
 """Largest difference in height between a scan that is used and the latest scan [m]. On stairs, scans from other heights show
 other obstacles."""
+_TRAIL_POSES = 300
+"""Number of recent poses of the robot that are kept: those of about 30 s."""
+_OTHER_LEVEL_M = 1.0
+"""Largest difference in height between the robot and an earlier pose that counts as an obstacle [m]. On spiral stairs, the
+robot may be straight above a pose of the turn before."""
 _PREFERRED_M = 0.25
 """Preferred clearance in addition to the least distance from obstacles [m]; more clearance lowers the cost no further."""
 _BLOCKED = 1000.0
@@ -49,7 +56,7 @@ route is preferred because it was walked before, and is therefore free of obstac
 
 
 class LocalMap:
-    """The obstacle points of the last few range scans, in the frame of the robot's estimated pose.
+    """The obstacle points around the robot, in the frame of its estimated pose.
 
     `least_m` is the least distance that the robot's centre keeps from each point [m].
     """
@@ -57,18 +64,28 @@ class LocalMap:
     def __init__(self, least_m: float) -> None:
         self._least_m = least_m
         self._scans: deque[tuple[float, Float64[np.ndarray, "_ 2"]]] = deque(maxlen=_SCANS)
+        self._trail: deque[tuple[float, float, float]] = deque(maxlen=_TRAIL_POSES)
         self._points = np.zeros((0, 2))
 
     def add(self, hits: Float64[np.ndarray, "hits 2"], x: float, y: float, yaw: float, climbed_m: float) -> None:
         """Add a scan that was made at the estimated pose (x, y, yaw) and at a height of `climbed_m` above the start.
 
         `hits` are the scanned points in the body frame [m]. Earlier scans from other heights are ignored while the robot is
-        at this height.
+        at this height. Places where the robot has been on another level of the stairs count as obstacles: no plan leads back
+        up the flight that the robot came down, but drift may move the route down the next flight there.
         """
         cos, sin = np.cos(yaw), np.sin(yaw)
         self._scans.append((climbed_m, hits @ np.array([[cos, sin], [-sin, cos]]) + (x, y)))
         used = list(self._scans)[::-_EVERY]
-        self._points = np.concatenate([points for height, points in used if abs(height - climbed_m) <= _SAME_M])
+        seen = [points for height, points in used if abs(height - climbed_m) <= _SAME_M]
+        self._trail.append((x, y, climbed_m))
+        self._points = np.concatenate([*seen, self._on_another_level()])
+
+    def _on_another_level(self) -> Float64[np.ndarray, "_ 2"]:
+        """Return where the robot has been on another level of the stairs that it is on."""
+        trail = np.array(self._trail)
+        apart_m = np.abs(trail[:, 2] - trail[-1, 2])
+        return np.asarray(trail[(apart_m > _SAME_M) & (apart_m <= _OTHER_LEVEL_M), :2])
 
     def clearance(self, start: Float64[np.ndarray, "2"], end: Float64[np.ndarray, "2"]) -> float:
         """Return the distance from a line segment to the nearest obstacle point [m]; infinite if there are no points."""

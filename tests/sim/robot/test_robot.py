@@ -148,6 +148,26 @@ def test_the_robot_goes_round_the_end_of_a_railing_beyond_the_turn_of_its_route(
     np.testing.assert_allclose([pose.x, pose.y], way[-1], atol=0.1)
 
 
+@pytest.mark.parametrize("aside_m", [0.1, 0.15, 0.2])
+def test_the_robot_does_not_go_back_up_the_flight_that_it_came_down(aside_m):
+    """The route down the next flight has drifted to the other side of the railing, `aside_m` into the first flight."""
+    along = np.arange(-3.0, 0.0, 0.02)
+    sides = np.concatenate([np.stack([np.full(len(along), x), along], axis=1) for x in (-0.9, 0.0, 0.9)])
+    across = np.arange(-0.9, 0.9, 0.02)
+    stairs = np.concatenate([sides, np.stack([across, np.full(len(across), 0.9)], axis=1)])
+    x = -aside_m
+    way = np.array([[-0.45, -2.0, 1.2], [-0.45, 0.4, 0.0], [x, 0.4, 0.0], [x, -1.3, -0.8], [0.45, -2.0, -1.2]])
+    controller = Controller(way)
+    pose = DeadReckoning(-0.45, -2.0, np.pi / 2, OdometryConfig(), np.random.default_rng(0))
+    for _ in range(200):
+        climbed_m = 0.6 * max(-pose.y, 0.0) * (1.0 if pose.x < 0.0 else -1.0) - 1.2
+        controller.see(in_body_frame(stairs, pose), pose, climbed_m)
+        if (motion := controller.step(pose)) is None:
+            break
+        pose.advance(*motion)
+    np.testing.assert_allclose([pose.x, pose.y], way[-1, :2], atol=0.1)
+
+
 @pytest.mark.parametrize("stands_m", [1.0, 1.05])
 def test_the_robot_tries_another_detour_where_the_first_one_ends(stands_m):
     """A wall across the route seems to have no end at first; then its end comes into view."""
