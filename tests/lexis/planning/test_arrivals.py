@@ -8,7 +8,7 @@ from helpers.map_builder import build_map, corridor_with_offices, random_pose
 from scipy.special import softmax
 
 from lexis.planning import arrivals, path_end
-from lexis.planning.arrivals import BEHIND_DOORWAY_M, IN_DOORWAY_M, INSIDE_M, surely_inside
+from lexis.planning.arrivals import BEHIND_DOORWAY_M, IN_DOORWAY_M, INSIDE_M, NEAR_M, SURE, VERY_SURE, surely_inside
 from lexis.planning.evidence import evidence_at
 from lexis.sight.passages import Passages
 from lexis.types import NO_LANDMARKS
@@ -38,6 +38,29 @@ def test_a_robot_is_surely_inside_as_far_from_other_rooms_as_needed(rng):
     lexis_map = along_x(rng, x, (x > -0.01).astype(int))
     found = x[inside(lexis_map, lexis_map.rooms[1])]
     assert INSIDE_M - 0.11 <= found.min() <= INSIDE_M + 0.5 and found.max() == x.max()
+
+
+def office_with(lexis_map, probability):
+    """A map of a kitchen and an office whose images are equally sure of the office everywhere."""
+    return replace(lexis_map, probabilities=np.tile([1.0 - probability, probability], (len(lexis_map.keyframes), 1)))
+
+
+@pytest.mark.parametrize(("probability", "from_m"), [(VERY_SURE + 0.001, INSIDE_M), (SURE + 0.001, NEAR_M)])
+def test_near_other_rooms_the_images_have_to_be_more_sure(rng, probability, from_m):
+    x = np.arange(-3.0, 5.1, 0.1)
+    lexis_map = office_with(along_x(rng, x, (x > -0.01).astype(int)), probability)
+    found = x[inside(lexis_map, lexis_map.rooms[1], clear=0.01)]
+    assert from_m - 0.11 <= found.min() <= from_m + 0.01
+    np.testing.assert_array_equal(found, x[x >= found.min()])
+
+
+def test_behind_a_doorway_a_robot_that_is_surely_inside_stays_so_farther_inside(rng):
+    """The images are a little less sure than they have to be without a doorway."""
+    x = np.arange(-3.0, 5.1, 0.1)
+    lexis_map = office_with(along_x(rng, x, (x > 0.0).astype(int)), VERY_SURE - 0.001)
+    found = x[inside(lexis_map, lexis_map.rooms[1], clear=0.01, doorways=doorway(0.05))]
+    assert found.min() < INSIDE_M
+    np.testing.assert_array_equal(found, x[x >= found.min()])
 
 
 def doorway(x):
