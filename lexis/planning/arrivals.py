@@ -7,8 +7,8 @@ robot is therefore surely inside the room at a keyframe to which one of three ca
 1. At a distance of at least `INSIDE_M` from keyframes with other labels, the images have to be very sure of the label: its
    probability (`LexisMap.probabilities`) is at least `VERY_SURE`. The evidence (`lexis.planning.evidence`) also has to be at
    least the share `CLEAR` of the evidence at the innermost keyframe of any room with the label.
-2. At a distance of at least `NEAR_M` from keyframes with other labels, a probability of `SURE` is enough. The evidence has to
-   be as large as in case 1.
+2. At a distance of at least `NEAR_M` from keyframes with other labels, a probability of `SURE` is enough. The evidence has
+   to be as large as in case 1.
 3. Behind a doorway or another narrow passage (`lexis.sight.passages`), the boundary of the room is known exactly: a keyframe
    with another label within `NEAR_M` is beyond a passage that is at least `BEHIND_DOORWAY_M` away, and so are all of those
    within `DIVIDED_M`. A probability of `SURE` is enough, and the evidence does not count, because half of the images still
@@ -32,11 +32,11 @@ INSIDE_M, NEAR_M = 0.9, 1.5
 uncertain at the boundary, and a robot whose estimate has drifted stops up to 0.4 m in front of the keyframe. Between
 `INSIDE_M` and `NEAR_M`, its images have to be very sure."""
 VERY_SURE, SURE = 0.995, 0.96
-"""Least probabilities of the room's label. Where a path can end first, in front of an open boundary, some images are wrong and
-still quite sure. With an encoder that is never so sure, paths end at the innermost keyframe."""
+"""Least probabilities of the room's label. Where a path can end first, in front of an open boundary, some images are wrong
+and still quite sure. With an encoder that is never so sure, paths end at the innermost keyframe."""
 CLEAR = 0.45
-"""Least evidence at a keyframe, as a share of the largest evidence of rooms of its label. Just behind an open boundary, about
-half of the images still show the other room, and the share is lower."""
+"""Least evidence at a keyframe, as a share of the largest evidence of rooms of its label. Just behind an open boundary,
+about half of the images still show the other room, and the share is lower."""
 DIVIDED_M, BEHIND_DOORWAY_M = 1.1, 0.5
 """Behind a doorway, all keyframes with other labels within `DIVIDED_M` are beyond doorways, and the robot is at least
 `BEHIND_DOORWAY_M` away from these doorways [m]."""
