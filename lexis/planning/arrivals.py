@@ -17,6 +17,8 @@ robot is therefore surely inside the room at a keyframe to which one of three ca
 No path ends within `IN_DOORWAY_M` of a passage, because a robot that stands in a doorway is in neither room.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from jaxtyping import Float64, Int
 from scipy.spatial import cKDTree
@@ -55,11 +57,10 @@ def surely_inside(map: LexisMap, room: RoomInstance, most_evidence: float, doorw
         doorways: the narrow passages of the map.
     """
     own, label = _outside_doorways(map, np.array(room.keyframes), doorways), map.room_names.index(room.label)
-    nearest, undivided, divided = _distances_from_others(map, own, label, doorways)
-    probability = rounded(map.probabilities[own, label])
+    other, probability = _distances_from_others(map, own, label, doorways), rounded(map.probabilities[own, label])
     sure = (probability >= SURE) & (probability < 1.0)  # the methods of the paper state 1 for all labels
-    behind = sure & (divided < NEAR_M) & (undivided >= DIVIDED_M)
-    far = (nearest >= INSIDE_M) & (probability >= VERY_SURE) | sure & (nearest >= NEAR_M)
+    behind = sure & (other.divided < NEAR_M) & (other.undivided >= DIVIDED_M)
+    far = (other.nearest >= INSIDE_M) & (probability >= VERY_SURE) | (other.nearest >= NEAR_M) & sure
     own, behind = own[far | behind], behind[far | behind]
     return np.asarray(own[behind | (evidence_at(map, room.label, own) >= CLEAR * most_evidence)]) if len(own) else own
 
@@ -70,14 +71,18 @@ def _outside_doorways(map: LexisMap, keyframes: Int[np.ndarray, "k"], doorways: 
     return keyframes[distances >= IN_DOORWAY_M]
 
 
-def _distances_from_others(
-    map: LexisMap, keyframes: Int[np.ndarray, "k"], label: int, doorways: Passages
-) -> tuple[Float64[np.ndarray, "k"], Float64[np.ndarray, "k"], Float64[np.ndarray, "k"]]:
-    """Return the distances from the nearest keyframe with another label, if it is within `NEAR_M`; otherwise infinity [m].
+class _OtherLabels(NamedTuple):
+    """Distances of keyframes from the nearest keyframe with another label [m]; infinite if none is within `NEAR_M`."""
 
-    The three distances are those from the nearest of all such keyframes, of those that no doorway divides from the
-    keyframe, and of those beyond a doorway from which the keyframe is at least `BEHIND_DOORWAY_M` away.
-    """
+    nearest: Float64[np.ndarray, "k"]
+    divided: Float64[np.ndarray, "k"]
+    """Distance from the nearest one beyond a doorway, if the keyframe is at least `BEHIND_DOORWAY_M` from the doorway."""
+    undivided: Float64[np.ndarray, "k"]
+    """Distance from the nearest of all others."""
+
+
+def _distances_from_others(map: LexisMap, keyframes: Int[np.ndarray, "k"], label: int, doorways: Passages) -> _OtherLabels:
+    """Return the distances of the keyframes from those with another label than `label`."""
     positions, others = map.T_W_B[:, :3, 3], np.flatnonzero(map.labels != label)
     own, other = (cKDTree(positions[ids]) for ids in (keyframes, others))
     near = own.sparse_distance_matrix(other, NEAR_M, output_type="ndarray")
@@ -86,7 +91,7 @@ def _distances_from_others(
     pairs = np.stack([keyframes[near["i"]], others[near["j"]]], axis=1)
     beyond = rounded(distances_from_crossed(doorways, map.floors, positions, pairs))
     divided = np.isfinite(beyond) & (beyond >= BEHIND_DOORWAY_M)
-    nearest = np.full((3, len(keyframes)), np.inf)
-    for distances, counted in zip(nearest, (np.ones(len(near), bool), ~divided, divided), strict=True):
+    least = np.full((2, len(keyframes)), np.inf)
+    for distances, counted in zip(least, (divided, ~divided), strict=True):
         np.minimum.at(distances, near["i"][counted], metres[counted])
-    return nearest[0], nearest[1], nearest[2]
+    return _OtherLabels(least.min(axis=0), *least)
