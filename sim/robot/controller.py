@@ -139,7 +139,9 @@ class Controller:
 
 def _until_it_turns_back(route: Float64[np.ndarray, "k 2"]) -> Float64[np.ndarray, "j 2"]:
     """Return the part of a route before its first step whose direction differs by more than 120 degrees from the first."""
+    if len(route) < 2:
+        return route
     steps = np.diff(route, axis=0)
     lengths = np.linalg.norm(steps, axis=1)
-    back = rounded(steps @ steps[0]) < rounded(-0.5 * lengths * lengths[0]) if len(steps) else np.zeros(0, bool)
-    return route[: int(np.argmax(back)) + 1] if back.any() else route
+    back = np.flatnonzero(rounded(steps @ steps[0]) < rounded(-0.5 * lengths * lengths[0]))
+    return route[: back[0] + 1] if len(back) else route

@@ -130,42 +130,43 @@ def test_the_robot_drives_through_a_gap_that_lies_between_the_cells_of_the_ordin
     np.testing.assert_allclose([pose.x, pose.y], [2.0, 0.0], atol=0.1)
 
 
-@pytest.mark.parametrize("beyond_m", [0.0, 0.1, 0.2, 0.3])
-def test_the_robot_goes_round_the_end_of_a_railing_beyond_the_turn_of_its_route(beyond_m):
-    """A route turns back on the landing between two flights, and has drifted: the landing lies `beyond_m` farther ahead."""
-    along = np.arange(-3.0, beyond_m, 0.02)
-    sides = np.concatenate([np.stack([np.full(len(along), x), along], axis=1) for x in (-0.9, 0.0, 0.9)])
-    across = np.arange(-0.9, 0.9, 0.02)
-    stairs = np.concatenate([sides, np.stack([across, np.full(len(across), beyond_m + 0.9)], axis=1)])
-    way = np.array([[-0.45, -2.0], [-0.45, 0.0], [-0.2, 0.2], [0.05, 0.0], [0.05, -1.0], [0.45, -2.0]])
-    controller = Controller(np.append(way, np.zeros((len(way), 1)), axis=1))
-    pose = DeadReckoning(-0.3, -1.5, np.pi / 2, OdometryConfig(), np.random.default_rng(0))
+def follow(way, start, obstacles, height=lambda pose: 0.0):
+    """Steer through waypoints (n, 3) for 20 s from the pose (x, y, yaw) `start`, with a full view of `obstacles` (m, 2)."""
+    controller, pose = Controller(way), DeadReckoning(*start, OdometryConfig(), np.random.default_rng(0))
     for _ in range(200):
-        controller.see(in_body_frame(stairs, pose), pose, 0.0)
+        controller.see(in_body_frame(obstacles, pose), pose, height(pose))
         if (motion := controller.step(pose)) is None:
             break
         pose.advance(*motion)
-    np.testing.assert_allclose([pose.x, pose.y], way[-1], atol=0.1)
+    return [pose.x, pose.y]
+
+
+def two_flights(end_m):
+    """Two flights along y, 0.9 m wide, with a railing between them at x = 0, and a landing from y = `end_m` on."""
+    along, across = np.arange(-3.0, end_m, 0.02), np.arange(-0.9, 0.9, 0.02)
+    sides = [np.stack([np.full(len(along), x), along], axis=1) for x in (-0.9, 0.0, 0.9)]
+    return np.concatenate([*sides, np.stack([across, np.full(len(across), end_m + 0.9)], axis=1)])
+
+
+@pytest.mark.parametrize("beyond_m", [0.0, 0.1, 0.2, 0.3])
+def test_the_robot_goes_round_the_end_of_a_railing_beyond_the_turn_of_its_route(beyond_m):
+    """A route turns back on the landing between two flights, and has drifted: the landing lies `beyond_m` farther ahead."""
+    plan = np.array([[-0.45, -2.0], [-0.45, 0.0], [-0.2, 0.2], [0.05, 0.0], [0.05, -1.0], [0.45, -2.0]])
+    way = np.append(plan, np.zeros((len(plan), 1)), axis=1)
+    np.testing.assert_allclose(follow(way, (-0.3, -1.5, np.pi / 2), two_flights(beyond_m)), way[-1, :2], atol=0.1)
 
 
 @pytest.mark.parametrize("aside_m", [0.1, 0.15, 0.2])
 def test_the_robot_does_not_go_back_up_the_flight_that_it_came_down(aside_m):
     """The route down the next flight has drifted to the other side of the railing, `aside_m` into the first flight."""
-    along = np.arange(-3.0, 0.0, 0.02)
-    sides = np.concatenate([np.stack([np.full(len(along), x), along], axis=1) for x in (-0.9, 0.0, 0.9)])
-    across = np.arange(-0.9, 0.9, 0.02)
-    stairs = np.concatenate([sides, np.stack([across, np.full(len(across), 0.9)], axis=1)])
     x = -aside_m
     way = np.array([[-0.45, -2.0, 1.2], [-0.45, 0.4, 0.0], [x, 0.4, 0.0], [x, -1.3, -0.8], [0.45, -2.0, -1.2]])
-    controller = Controller(way)
-    pose = DeadReckoning(-0.45, -2.0, np.pi / 2, OdometryConfig(), np.random.default_rng(0))
-    for _ in range(200):
-        climbed_m = 0.6 * max(-pose.y, 0.0) * (1.0 if pose.x < 0.0 else -1.0) - 1.2
-        controller.see(in_body_frame(stairs, pose), pose, climbed_m)
-        if (motion := controller.step(pose)) is None:
-            break
-        pose.advance(*motion)
-    np.testing.assert_allclose([pose.x, pose.y], way[-1, :2], atol=0.1)
+
+    def climbed_m(pose):
+        above_landing_m = 0.6 * max(-pose.y, 0.0) * (1.0 if pose.x < 0.0 else -1.0)
+        return above_landing_m - 1.2
+
+    np.testing.assert_allclose(follow(way, (-0.45, -2.0, np.pi / 2), two_flights(0.0), climbed_m), way[-1, :2], atol=0.1)
 
 
 @pytest.mark.parametrize("stands_m", [1.0, 1.05])
