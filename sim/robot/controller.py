@@ -14,7 +14,6 @@ import math
 import numpy as np
 from jaxtyping import Float64
 
-from lexis.maths.ties import rounded
 from sim.robot.body import RADIUS_M
 from sim.robot.dead_reckoning import DeadReckoning
 from sim.robot.local_map import FINE_CELL_M, LocalMap
@@ -27,7 +26,7 @@ _TURN_RATE_RAD_S = 1.5
 _TURN_GAIN_HZ = 4.0
 _LOOKAHEAD_M = 0.7
 HORIZON_M = 1.7
-"""Length of the part of the route ahead of the robot that local planning considers [m]."""
+"""Greatest length of the part of the route ahead of the robot that local planning considers [m]."""
 _KEEP_M = RADIUS_M + 0.05
 """Clearance that the straight line to the next target on a local path has, if possible [m]."""
 LEAST_M = RADIUS_M + 0.03
@@ -116,12 +115,8 @@ class Controller:
         return np.asarray(following[0])
 
     def _local_path(self, here: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "j 2"]:
-        """Plan a local path along the route, again on the fine grid if the path ends after `_FEW_CELLS` cells.
-
-        Where the route turns back, as on the landing between two flights of stairs, the path leads only to the turn: later
-        points of the route may be close to the robot, but behind a railing.
-        """
-        route = _until_it_turns_back(self._route.ahead(HORIZON_M))
+        """Plan a local path along the route, again on the fine grid if the path ends after `_FEW_CELLS` cells."""
+        route = self._route.ahead_to_turn(HORIZON_M)
         path = self._map.plan_path(here, route)
         return path if len(path) > _FEW_CELLS else self._map.plan_path(here, route, FINE_CELL_M)
 
@@ -135,13 +130,3 @@ class Controller:
         ahead = here + step * np.array([math.cos(heading), math.sin(heading)])
         after, now = self._map.clearance(ahead, ahead), self._map.clearance(here, here)
         return 0.0 if after < min(_CLOSE_M, now) else step
-
-
-def _until_it_turns_back(route: Float64[np.ndarray, "k 2"]) -> Float64[np.ndarray, "j 2"]:
-    """Return the part of a route before its first step whose direction differs by more than 120 degrees from the first."""
-    if len(route) < 2:
-        return route
-    steps = np.diff(route, axis=0)
-    lengths = np.linalg.norm(steps, axis=1)
-    back = np.flatnonzero(rounded(steps @ steps[0]) < rounded(-0.5 * lengths * lengths[0]))
-    return route[: back[0] + 1] if len(back) else route

@@ -4,6 +4,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from lexis.maths.paths import arc_length
+from lexis.maths.ties import rounded
 from lexis.stairs import lift_rides
 
 _SAMPLE_M = 0.1
@@ -62,3 +63,16 @@ class Route:
     def ahead(self, metres: float) -> Float64[np.ndarray, "j 2"]:
         """Return the route's points in the next `metres`, from the present progress."""
         return self.points[self._at : self._at + round(metres / _SAMPLE_M) + 1]
+
+    def ahead_to_turn(self, metres: float) -> Float64[np.ndarray, "j 2"]:
+        """Return the route's points in the next `metres`, on stairs only as far as the route does not turn back.
+
+        After a turn of more than 120 degrees, the next flight may be close to the robot, but behind a railing.
+        """
+        points = self.ahead(metres)
+        if np.ptp(self._heights[self._at : self._at + len(points)]) <= _LEVEL_M:
+            return points
+        steps = np.diff(points, axis=0)
+        lengths = np.linalg.norm(steps, axis=1)
+        back = np.flatnonzero(rounded(steps @ steps[0]) < rounded(-0.5 * lengths * lengths[0]))
+        return points[: back[0] + 1] if len(back) else points

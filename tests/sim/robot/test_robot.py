@@ -131,14 +131,19 @@ def test_the_robot_drives_through_a_gap_that_lies_between_the_cells_of_the_ordin
 
 
 def follow(way, start, obstacles, height=lambda pose: 0.0):
-    """Steer through waypoints (n, 3) for 20 s from the pose (x, y, yaw) `start`, with a full view of `obstacles` (m, 2)."""
+    """Steer through waypoints (n, 3) for 20 s from the pose (x, y, yaw) `start`, with a full view of `obstacles` (m, 2).
+
+    The result has the positions after each step.
+    """
     controller, pose = Controller(way), DeadReckoning(*start, OdometryConfig(), np.random.default_rng(0))
+    path = []
     for _ in range(200):
         controller.see(in_body_frame(obstacles, pose), pose, height(pose))
         if (motion := controller.step(pose)) is None:
             break
         pose.advance(*motion)
-    return [pose.x, pose.y]
+        path.append((pose.x, pose.y))
+    return np.array(path)
 
 
 def two_flights(end_m):
@@ -148,15 +153,25 @@ def two_flights(end_m):
     return np.concatenate([*sides, np.stack([across, np.full(len(across), end_m + 0.9)], axis=1)])
 
 
-@pytest.mark.parametrize("beyond_m", [0.0, 0.1, 0.2, 0.3])
+@pytest.mark.parametrize("beyond_m", [0.1, 0.2, 0.3])
 def test_the_robot_goes_round_the_end_of_a_railing_beyond_the_turn_of_its_route(beyond_m):
     """A route turns back on the landing between two flights, and has drifted: the landing lies `beyond_m` farther ahead."""
     plan = np.array([[-0.45, -2.0], [-0.45, 0.0], [-0.2, 0.2], [0.05, 0.0], [0.05, -1.0], [0.45, -2.0]])
-    way = np.append(plan, np.zeros((len(plan), 1)), axis=1)
-    np.testing.assert_allclose(follow(way, (-0.3, -1.5, np.pi / 2), two_flights(beyond_m)), way[-1, :2], atol=0.1)
+    way = np.column_stack((plan, [1.2, 0.0, 0.0, 0.0, -0.6, -1.2]))
+    np.testing.assert_allclose(follow(way, (-0.3, -1.5, np.pi / 2), two_flights(beyond_m))[-1], way[-1, :2], atol=0.1)
 
 
-@pytest.mark.parametrize("aside_m", [0.1, 0.15, 0.2])
+def test_the_robot_does_not_drive_back_for_a_jag_in_its_route():
+    """The waypoints in a narrow corridor go back by 15 cm."""
+    x = np.arange(-1.0, 4.0, 0.05)
+    corridor = np.concatenate([np.stack([x, np.full(len(x), y)], axis=1) for y in (-0.32, 0.32)])
+    path = follow(
+        np.array([[0.0, 0.0, 0.0], [1.2, 0.0, 0.0], [1.05, 0.02, 0.0], [3.0, 0.0, 0.0]]), (0.0, 0.0, 0.0), corridor
+    )
+    assert np.diff(path[:, 0]).min() >= 0.0 and path[-1, 0] > 2.9
+
+
+@pytest.mark.parametrize("aside_m", [0.15, 0.2, 0.3, 0.4])
 def test_the_robot_does_not_go_back_up_the_flight_that_it_came_down(aside_m):
     """The route down the next flight has drifted to the other side of the railing, `aside_m` into the first flight."""
     x = -aside_m
@@ -166,7 +181,8 @@ def test_the_robot_does_not_go_back_up_the_flight_that_it_came_down(aside_m):
         above_landing_m = 0.6 * max(-pose.y, 0.0) * (1.0 if pose.x < 0.0 else -1.0)
         return above_landing_m - 1.2
 
-    np.testing.assert_allclose(follow(way, (-0.45, -2.0, np.pi / 2), two_flights(0.0), climbed_m), way[-1, :2], atol=0.1)
+    path = follow(way, (-0.45, -2.0, np.pi / 2), two_flights(0.0), climbed_m)
+    np.testing.assert_allclose(path[-1], way[-1, :2], atol=0.1)
 
 
 @pytest.mark.parametrize("stands_m", [1.0, 1.05])
