@@ -9,12 +9,13 @@ robot is therefore surely inside the room at a keyframe to which one of three ca
    least the share `CLEAR` of the evidence at the innermost keyframe of any room with the label.
 2. At a distance of at least `NEAR_M` from keyframes with other labels, a probability of `SURE` is enough. The evidence has
    to be as large as in case 1.
-3. Behind a doorway or another narrow passage (`lexis.sight.passages`), the boundary of the room is known exactly: a keyframe
-   with another label within `NEAR_M` is beyond a passage that is at least `BEHIND_DOORWAY_M` away, and so are all of those
-   within `DIVIDED_M`. A probability of `SURE` is enough, and the evidence does not count, because half of the images still
-   show the other room.
+3. Behind a doorway or another narrow passage (`lexis.sight.passages`), the boundary of the room is known exactly: at least
+   one keyframe with another label within `NEAR_M`, and all of those within `DIVIDED_M`, are beyond passages that are at
+   least `BEHIND_DOORWAY_M` away. A probability of `SURE` is enough, and the evidence does not count, because half of the
+   images still show the other room.
 
-No path ends within `IN_DOORWAY_M` of a passage, because a robot that stands in a doorway is in neither room.
+Nowhere within `IN_DOORWAY_M` of a passage is a robot surely inside, because in a doorway, it is in neither room. The methods
+of the paper state a probability of 1 for all labels, and LEXIS for those of stairs; then only the first case applies.
 """
 
 from typing import NamedTuple
@@ -30,9 +31,9 @@ from lexis.sight.passages import Passages
 from lexis.types import LexisMap, RoomInstance
 
 INSIDE_M, NEAR_M = 0.9, 1.5
-"""Distances from the nearest keyframe with another label [m]. A robot is inside its room only from `INSIDE_M` on: labels are
-uncertain at the boundary, and a robot whose estimate has drifted stops up to 0.4 m in front of the keyframe. Between
-`INSIDE_M` and `NEAR_M`, its images have to be very sure."""
+"""Distances from the nearest keyframe with another label [m]. Without a doorway between them, a robot is inside its room
+only from `INSIDE_M` on: labels are uncertain at the boundary, and a robot whose estimate has drifted stops up to 0.4 m in
+front of the keyframe. Between `INSIDE_M` and `NEAR_M`, its images have to be very sure."""
 VERY_SURE, SURE = 0.995, 0.96
 """Least probabilities of the room's label. Where a path can end first, in front of an open boundary, some images are wrong
 and still quite sure. With an encoder that is never so sure, paths end at the innermost keyframe."""
@@ -58,7 +59,7 @@ def surely_inside(map: LexisMap, room: RoomInstance, most_evidence: float, doorw
     """
     own, label = _outside_doorways(map, np.array(room.keyframes), doorways), map.room_names.index(room.label)
     other, probability = _distances_from_others(map, own, label, doorways), rounded(map.probabilities[own, label])
-    sure = (probability >= SURE) & (probability < 1.0)  # the methods of the paper state 1 for all labels
+    sure = (probability >= SURE) & (probability < 1.0)
     behind = sure & (other.divided < NEAR_M) & (other.undivided >= DIVIDED_M)
     far = (other.nearest >= INSIDE_M) & (probability >= VERY_SURE) | (other.nearest >= NEAR_M) & sure
     own, behind = own[far | behind], behind[far | behind]

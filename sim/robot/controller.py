@@ -4,8 +4,9 @@ At each step:
 
 1. Advance the progress along the route to the point nearest to the robot.
 2. If the straight line to the look-ahead point on the route has enough clearance, steer to this point. Otherwise, plan a
-   local path in the map of recent scans (`LocalMap`), and again on a finer grid if it ends after a few cells. Steer to the
-   farthest cell of the path to which the straight line has enough clearance.
+   local path in the map of recent scans (`LocalMap`), and again on a finer grid if it ends after a few cells. On stairs,
+   the local path leads only as far as the route does not turn back. Steer to the farthest cell of the local path to which
+   the straight line has enough clearance.
 3. Turn in proportion to the heading error. The larger this error, the slower the robot drives. Stop in front of obstacles.
 """
 

@@ -36,8 +36,8 @@ other obstacles."""
 _TRAIL_POSES = 300
 """Number of recent poses of the robot that are kept: those of about 30 s."""
 _OTHER_LEVEL_M = 1.0
-"""Largest difference in height between the robot and an earlier pose that counts as an obstacle [m]. On spiral stairs, the
-robot may be straight above a pose of the turn before."""
+"""Largest difference in height between the robot and an earlier pose that counts as an obstacle [m]. On the flight above,
+the robot is straight above poses on the flight below."""
 _PREFERRED_M = 0.25
 """Preferred clearance in addition to the least distance from obstacles [m]; more clearance lowers the cost no further."""
 _BLOCKED = 1000.0
@@ -72,7 +72,7 @@ class LocalMap:
 
         `hits` are the scanned points in the body frame [m]. Earlier scans from other heights are ignored while the robot is
         at this height. Places where the robot has been on another level of the stairs count as obstacles: no plan leads back
-        up the flight that the robot came down, but drift may move the route down the next flight there.
+        up a flight, but drift may put the route of the next flight onto the flight that the robot came down.
         """
         cos, sin = np.cos(yaw), np.sin(yaw)
         self._scans.append((climbed_m, hits @ np.array([[cos, sin], [-sin, cos]]) + (x, y)))

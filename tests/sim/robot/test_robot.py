@@ -165,9 +165,8 @@ def test_the_robot_does_not_drive_back_for_a_jag_in_its_route():
     """The waypoints in a narrow corridor go back by 15 cm."""
     x = np.arange(-1.0, 4.0, 0.05)
     corridor = np.concatenate([np.stack([x, np.full(len(x), y)], axis=1) for y in (-0.32, 0.32)])
-    path = follow(
-        np.array([[0.0, 0.0, 0.0], [1.2, 0.0, 0.0], [1.05, 0.02, 0.0], [3.0, 0.0, 0.0]]), (0.0, 0.0, 0.0), corridor
-    )
+    way = np.array([[0.0, 0.0, 0.0], [1.2, 0.0, 0.0], [1.05, 0.02, 0.0], [3.0, 0.0, 0.0]])
+    path = follow(way, (0.0, 0.0, 0.0), corridor)
     assert np.diff(path[:, 0]).min() >= 0.0 and path[-1, 0] > 2.9
 
 
