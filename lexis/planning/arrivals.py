@@ -58,10 +58,11 @@ def surely_inside(map: LexisMap, room: RoomInstance, most_evidence: float, doorw
         doorways: the narrow passages of the map.
     """
     own, label = _outside_doorways(map, np.array(room.keyframes), doorways), map.room_names.index(room.label)
-    other, probability = _distances_from_others(map, own, label, doorways), rounded(map.probabilities[own, label])
-    sure = (probability >= SURE) & (probability < 1.0)
+    other, probability = _distances_from_others(map, own, label, doorways), map.probabilities[own, label]
+    sure, very_sure = rounded(probability) >= SURE, rounded(probability) >= VERY_SURE
+    sure &= probability < 1.0  # not rounded, because the images of one keyframe in five leave less doubt than 1e-6
     behind = sure & (other.divided < NEAR_M) & (other.undivided >= DIVIDED_M)
-    far = (other.nearest >= INSIDE_M) & (probability >= VERY_SURE) | (other.nearest >= NEAR_M) & sure
+    far = (other.nearest >= INSIDE_M) & very_sure | (other.nearest >= NEAR_M) & sure
     own, behind = own[far | behind], behind[far | behind]
     return np.asarray(own[behind | (evidence_at(map, room.label, own) >= CLEAR * most_evidence)]) if len(own) else own
 

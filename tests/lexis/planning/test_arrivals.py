@@ -8,7 +8,16 @@ from helpers.map_builder import build_map, corridor_with_offices, random_pose
 from scipy.special import softmax
 
 from lexis.planning import arrivals, path_end
-from lexis.planning.arrivals import BEHIND_DOORWAY_M, IN_DOORWAY_M, INSIDE_M, NEAR_M, SURE, VERY_SURE, surely_inside
+from lexis.planning.arrivals import (
+    BEHIND_DOORWAY_M,
+    DIVIDED_M,
+    IN_DOORWAY_M,
+    INSIDE_M,
+    NEAR_M,
+    SURE,
+    VERY_SURE,
+    surely_inside,
+)
 from lexis.planning.evidence import evidence_at
 from lexis.sight.passages import Passages
 from lexis.types import NO_LANDMARKS
@@ -33,16 +42,21 @@ def along_x(rng, x, labels, similarities=None):
     return replace(lexis_map, keyframes=keyframes, similarities=images, probabilities=softmax(images / 0.05, axis=1))
 
 
+def office_with(lexis_map, probability):
+    """A map of a kitchen and an office whose images are equally sure of the office everywhere."""
+    return replace(lexis_map, probabilities=np.tile([1.0 - probability, probability], (len(lexis_map.keyframes), 1)))
+
+
+def doorway(x):
+    """A narrow passage across the x axis."""
+    return Passages(np.zeros(1, int), np.array([[[x, -0.5], [x, 0.5]]]))
+
+
 def test_a_robot_is_surely_inside_as_far_from_other_rooms_as_needed(rng):
     x = np.arange(-3.0, 3.1, 0.1)
     lexis_map = along_x(rng, x, (x > -0.01).astype(int))
     found = x[inside(lexis_map, lexis_map.rooms[1])]
     assert INSIDE_M - 0.11 <= found.min() <= INSIDE_M + 0.5 and found.max() == x.max()
-
-
-def office_with(lexis_map, probability):
-    """A map of a kitchen and an office whose images are equally sure of the office everywhere."""
-    return replace(lexis_map, probabilities=np.tile([1.0 - probability, probability], (len(lexis_map.keyframes), 1)))
 
 
 @pytest.mark.parametrize(("probability", "from_m"), [(VERY_SURE + 0.001, INSIDE_M), (SURE + 0.001, NEAR_M)])
@@ -63,16 +77,34 @@ def test_behind_a_doorway_a_robot_that_is_surely_inside_stays_so_farther_inside(
     np.testing.assert_array_equal(found, x[x >= found.min()])
 
 
-def doorway(x):
-    """A narrow passage across the x axis."""
-    return Passages(np.zeros(1, int), np.array([[[x, -0.5], [x, 0.5]]]))
-
-
 def test_behind_a_doorway_a_robot_is_surely_inside_sooner(rng):
     x = np.arange(-3.0, 3.1, 0.1)
     lexis_map = along_x(rng, x, (x > 0.0).astype(int))
     found = x[inside(lexis_map, lexis_map.rooms[1], doorways=doorway(0.05))]
     assert BEHIND_DOORWAY_M <= found.min() - 0.05 <= BEHIND_DOORWAY_M + 0.1 and found.max() == x.max()
+
+
+def test_behind_a_doorway_the_evidence_does_not_count(rng):
+    x = np.arange(-3.0, 5.1, 0.1)
+    lexis_map = along_x(rng, x, (x > 0.0).astype(int))
+    found = x[inside(lexis_map, lexis_map.rooms[1], clear=1e3, doorways=doorway(0.05))]
+    assert found.min() < INSIDE_M and NEAR_M - 0.21 <= found.max() <= NEAR_M
+
+
+def test_a_doorway_on_one_side_does_not_help_near_an_open_boundary_on_the_other_side(rng):
+    x = np.arange(-3.0, 5.1, 0.1)
+    lexis_map = office_with(along_x(rng, x, ((x > 0.0) & (x < 2.25)).astype(int)), VERY_SURE - 0.001)
+    found = x[inside(lexis_map, lexis_map.rooms[1], clear=0.01, doorways=doorway(0.05))]
+    assert found.min() < INSIDE_M and found.max() == pytest.approx(2.25 - DIVIDED_M, abs=0.11)
+
+
+def test_a_label_without_any_doubt_is_sure_enough_behind_a_doorway(rng):
+    x = np.arange(-3.0, 3.1, 0.1)
+    lexis_map = along_x(rng, x, (x > 0.0).astype(int))
+    found = [
+        inside(office_with(lexis_map, 1.0 - doubt), lexis_map.rooms[1], doorways=doorway(0.05)) for doubt in (1e-3, 1e-9)
+    ]
+    assert found[0] == found[1] and x[found[0]].min() < INSIDE_M
 
 
 def test_a_doorway_makes_no_difference_to_a_method_that_states_no_probability(rng):
