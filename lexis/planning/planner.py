@@ -62,7 +62,7 @@ class PathPlanner:
         A label stands for all its instances; of these, the start and the goal with the shortest path are chosen. Instances
         with little evidence are ignored unless the label has no other (`clear_ends`). The path begins well inside the start
         (`path_end`), and ends at the first keyframe at which a robot on this path is surely inside the goal
-        (`surely_inside`). In a goal without such keyframes, and where it is nearer, the path ends as it would begin.
+        (`surely_inside`). If the goal has no such keyframe, or its innermost keyframe is nearer, the path ends there.
 
         Args:
             start: the room where the path begins.
