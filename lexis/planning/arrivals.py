@@ -76,11 +76,15 @@ def _outside_doorways(map: LexisMap, keyframes: Int[np.ndarray, "k"], doorways: 
 class _OtherLabels(NamedTuple):
     """Distances of keyframes from the nearest keyframe with another label [m]; infinite if none is within `NEAR_M`."""
 
-    nearest: Float64[np.ndarray, "k"]
     divided: Float64[np.ndarray, "k"]
     """Distance from the nearest one beyond a doorway, if the keyframe is at least `BEHIND_DOORWAY_M` from the doorway."""
     undivided: Float64[np.ndarray, "k"]
     """Distance from the nearest of all others."""
+
+    @property
+    def nearest(self) -> Float64[np.ndarray, "k"]:
+        """Distance from the nearest keyframe with another label, on this or the other side of a doorway."""
+        return np.asarray(np.minimum(self.divided, self.undivided))
 
 
 def _distances_from_others(map: LexisMap, keyframes: Int[np.ndarray, "k"], label: int, doorways: Passages) -> _OtherLabels:
@@ -96,4 +100,4 @@ def _distances_from_others(map: LexisMap, keyframes: Int[np.ndarray, "k"], label
     least = np.full((2, len(keyframes)), np.inf)
     for distances, counted in zip(least, (divided, ~divided), strict=True):
         np.minimum.at(distances, near["i"][counted], metres[counted])
-    return _OtherLabels(least.min(axis=0), *least)
+    return _OtherLabels(*least)
