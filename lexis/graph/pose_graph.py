@@ -5,15 +5,17 @@ Odometry connects the keyframes of one session. Sessions that loops connect form
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import compress
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float32, Float64, Int
 
 from lexis.config import PoseGraphConfig
-from lexis.graph.far_loops import FarLoops
+from lexis.graph.far_loops import FarLoops, steps_of
 from lexis.graph.graph_optimisation import CONVERGED, ROUGHLY, GraphOptimiser, check_loops, loop_weights
-from lexis.graph.thinning import STAYS, Retired, anchors, as_retired, fits, thinned_loops
+from lexis.graph.thinning import STAYS, Retired, anchors, as_retired, fits, staying_loops
+from lexis.graph.trusted_loops import is_trusted
 from lexis.inputs import MAX_VARIANCE
 from lexis.maths.growing_array import GrowingArray
 from lexis.maths.se3 import between, compose_covariance, inverse, orthonormal
@@ -60,6 +62,7 @@ class PoseGraph:
         self._active = GrowingArray((), np.int64)
         self._covariances: list[Covariance] = []
         self._retired = Retired()
+        self._bridged = GrowingArray((), bool)  # by the trusted loops of keyframes that have retired
         self._added = 0  # number of loop edges so far
         self._optimiser: GraphOptimiser | None = None
         self._first: Pose | None = None  # the pose at which the first keyframe is held
@@ -70,7 +73,8 @@ class PoseGraph:
         """Id of the first keyframe of the last session."""
         self.keyframes: list[Keyframe] = []
         self.loops: list[LoopEdge] = []
-        """The loop edges, without those of keyframes that have retired; see `lexis.graph.thinning`."""
+        """The loop edges, without those of keyframes that have retired, except the first one between two sessions; see
+        `lexis.graph.thinning`."""
         self.far_loops = FarLoops()
         """Loops that the current poses rule out; they are not part of the graph."""
 
@@ -149,6 +153,17 @@ class PoseGraph:
         """Weights of the loop edges under the robust kernel at the current estimate, in [0, 1]."""
         return loop_weights(self.T_W_B, self.loops, self._config)
 
+    @property
+    def bridged(self) -> Bool[np.ndarray, "n"]:
+        """Which steps lie between the keyframes of a trusted loop of one session.
+
+        The loops of keyframes that have retired since count, too. A step has the id of the keyframe to which it leads.
+        """
+        bridged = self._bridged.rows.copy()
+        for loop in self.within_sessions(compress(self.loops, is_trusted(self.loop_weights))):
+            bridged[steps_of(loop)] = True
+        return bridged
+
     def add_keyframe(self, keyframe: Keyframe, place: KnownPlace | None = None) -> None:
         """Append a keyframe at the pose that odometry predicts from the pose of the last active keyframe.
 
@@ -197,6 +212,7 @@ class PoseGraph:
         self._T_W_B.append(T_W_B)
         self._stamps.append(keyframe.stamp)
         self._sessions.append(keyframe.session)
+        self._bridged.append(False)
         self.keyframes.append(keyframe)
         self.far_loops.add_step()
 
@@ -358,9 +374,16 @@ class PoseGraph:
             return
         for id, new in self._retired.add_all(old[leaving], old[anchor[leaving]], self.T_W_B).items():
             self.keyframes[id] = as_retired(self.keyframes[id], self.keyframes[new])
-        self.loops = thinned_loops(self.loops, self.keyframes)
+        self._drop_loops_of_retired()
         self._leave_out(leaving)
         self._restart()
+
+    def _drop_loops_of_retired(self) -> None:
+        """Drop the loop edges from keyframes that have retired, and remember the steps that trusted ones bridge."""
+        stay = staying_loops(self.loops, self.keyframes)
+        for loop in self.within_sessions(compress(self.loops, ~stay & is_trusted(self.loop_weights))):
+            self._bridged.replace(steps_of(loop), True)
+        self.loops = list(compress(self.loops, stay))
 
     def _linked(self, path_m: Float64[np.ndarray, "n"]) -> Bool[np.ndarray, "n"]:
         """Return which keyframes have a loop edge to an earlier visit that fits the current poses.

@@ -19,7 +19,7 @@ the step of a second kidnapping.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import compress, groupby, islice
+from itertools import groupby, islice
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int
@@ -27,7 +27,6 @@ from jaxtyping import Bool, Float64, Int
 from lexis.config import VerificationConfig
 from lexis.graph.far_loops import LEVEL_M, is_close, shifts_of, steps_of
 from lexis.graph.pose_graph import PoseGraph
-from lexis.graph.trusted_loops import is_trusted
 from lexis.maths.ties import rounded
 from lexis.sessions.relocalisation import agree, queries_of
 from lexis.types import LoopArrays, LoopEdge, Pose, Poses
@@ -80,7 +79,7 @@ def find_kidnapping(graph: PoseGraph, agreeing: int, tolerances: VerificationCon
 
     At least `agreeing` keyframes must have far loops that agree, within the limits of `lexis.verification.within_drift`.
     """
-    is_open = ~_bridged(graph)
+    is_open = ~graph.bridged
     left = [loop for loop in _far_loops(graph, tolerances) if is_open[steps_of(loop)].any()]
     certain = []
     while left:
@@ -111,14 +110,6 @@ def _far_loops(graph: PoseGraph, tolerances: VerificationConfig) -> list[LoopEdg
     measured, path_m = graph.T_W_B[loops.match] @ loops.T_match_query, graph.path_m[loops.query] - graph.path_m[loops.match]
     near = within_drift(measured, graph.T_W_B[loops.query], path_m, tolerances)
     return [known[i] for i in np.flatnonzero(~near).tolist()]
-
-
-def _bridged(graph: PoseGraph) -> _Steps:
-    """Return which steps lie between the keyframes of a trusted loop of one session."""
-    bridged = np.zeros(len(graph.keyframes), bool)
-    for loop in graph.within_sessions(compress(graph.loops, is_trusted(graph.loop_weights))):
-        bridged[steps_of(loop)] = True
-    return bridged
 
 
 def _by_votes(loops: Sequence[LoopEdge], is_open: _Steps, graph: PoseGraph) -> Kidnapping:

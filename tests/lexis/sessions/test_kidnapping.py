@@ -254,3 +254,20 @@ def test_tolerances_of_zero_are_no_error():
 def test_each_keyframe_keeps_the_loops_with_most_inliers():
     loops = [replace(far_loop(50, match), inliers=match) for match in (3, 1, 2)] + [far_loop(51, 4)]
     assert [(loop.query, loop.match) for loop in strongest(loops, 2)] == [(50, 3), (50, 2), (51, 4)]
+
+
+def test_steps_stay_bridged_when_the_keyframes_of_the_loops_retire():
+    """Nine laps, then far loops: only the step in which the robot was carried is not bridged."""
+    lap, carried, count = 24, 216, 246
+    turn = se3.exp(np.array([0.0, 0.0, 2 * np.pi / lap, 0.5, 0.0, 0.0]))
+    graph, rng = PoseGraph(PoseGraphConfig(window=20, growth=0.1, retire_above=60)), np.random.default_rng(3)
+    for i in range(count):
+        graph.add_keyframe(keyframe(rng, i, np.linalg.matrix_power(turn, i)))
+        if lap <= i < carried:
+            graph.add_loops([far_loop(i, i - lap, np.eye(4))])
+        if i >= carried:
+            graph.add_far_loops(i, [], [far_loop(i, i % lap, np.linalg.matrix_power(turn, 8))])
+        graph.optimise_if_due()
+    assert len(graph.retired) > 50
+    found = find_kidnapping(graph, 10, VerificationConfig())
+    assert found is not None and found.step == carried and found.is_only_step
