@@ -36,20 +36,28 @@ class RenumberedMap:
     def place(self, id: int) -> KnownPlace | None:
         """Return where a keyframe lies, if the map knows this from something other than odometry.
 
-        A retired keyframe has a place relative to its anchor, and a keyframe before which the robot was carried elsewhere
-        has one relative to the keyframe before it. The first keyframe of a session has a place relative to the nearest
-        keyframe of the earlier sessions in its component, if there are any. For other keyframes, the result is None.
+        A retired keyframe has a place relative to its anchor. If the robot was carried elsewhere since the last keyframe
+        that has not retired, a keyframe has a place relative to the one before it. The first keyframe of a session has a
+        place relative to the nearest keyframe of the earlier sessions in its component, if there are any. For other
+        keyframes, the result is None.
         """
         anchor = self._map.keyframes[id].anchor
         if anchor is not None:
             return self._relative(anchor, id)
         if id > 0 and self._sessions[id] == self._sessions[id - 1]:
-            return self._relative(id - 1, id) if id in self._carried_before else None
+            return self._relative(id - 1, id) if self._is_carried(id) else None
         earlier = np.flatnonzero(self._components[:id] == self._components[id])
         if not len(earlier):
             return None
         off_m = np.linalg.norm(self._map.T_W_B[earlier, :3, 3] - self._map.T_W_B[id, :3, 3], axis=1)
         return self._relative(int(earlier[rounded(off_m).argmin()]), id)
+
+    def _is_carried(self, id: int) -> bool:
+        """Whether the robot was carried between the last keyframe before `id` that has not retired and the keyframe `id`."""
+        since = id
+        while since not in self._carried_before and self._map.keyframes[since - 1].anchor is not None:
+            since -= 1
+        return since in self._carried_before
 
     def _relative(self, beside: int, id: int) -> KnownPlace:
         return KnownPlace(self._first + beside, np.asarray(between(self._map.T_W_B[beside], self._map.T_W_B[id])))

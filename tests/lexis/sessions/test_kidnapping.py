@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from helpers.box_room import FORWARD_CAMERA
 from helpers.circle_encoder import CircleEncoder
-from helpers.map_builder import keyframe
+from helpers.map_builder import keyframe, with_retired
 
 from lexis.config import Config, PlaceRecognitionConfig, PoseGraphConfig, SessionConfig, VerificationConfig
 from lexis.graph.components import sessions_apart
@@ -115,10 +115,12 @@ def test_the_loops_that_show_it_become_part_of_the_map():
     assert len(found.loops) == len(accepted)
 
 
-def test_a_corrected_map_stays_right_when_it_is_merged_into_another_one():
+@pytest.mark.parametrize("anchors", [{}, {59: 19, 60: 28, 61: 29}], ids=["all active", "retired where it was carried"])
+def test_a_corrected_map_stays_right_when_it_is_merged_into_another_one(anchors):
     """The correction is part of the map: it does not have to be found again."""
     true = poses(140, {CARRIED: along(AWAY)})
     corrected, first = walk(true, poses(140), verifier(true)), walk(true[:30], true[:30], verifier(true))
+    corrected = with_retired(corrected, anchors)
 
     def within_sessions(query, candidates, graph, camera, config):
         index = [keyframe.observation_index for keyframe in graph.keyframes]
