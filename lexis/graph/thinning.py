@@ -114,6 +114,11 @@ def as_retired(keyframe: Keyframe, anchor: Keyframe) -> Keyframe:
     )
 
 
+def are_active(keyframes: Sequence[Keyframe]) -> Bool[np.ndarray, "n"]:
+    """Return which keyframes have not retired."""
+    return np.array([keyframe.anchor is None for keyframe in keyframes], bool)
+
+
 def staying_loops(loops: Sequence[LoopEdge], keyframes: Sequence[Keyframe]) -> Bool[np.ndarray, "loops"]:
     """Return which loop edges stay: those from keyframes that have not retired, and the first edge between two sessions."""
     first: dict[tuple[int, int], LoopEdge] = {}

@@ -26,6 +26,7 @@ from scipy.spatial import cKDTree
 
 from lexis.maths.ties import rounded
 from lexis.planning.evidence import evidence_at
+from lexis.planning.path_ends import not_retired
 from lexis.sight.crossings import distances_from_crossed, distances_from_nearest
 from lexis.sight.passages import Passages
 from lexis.types import LexisMap, RoomInstance
@@ -51,16 +52,19 @@ where the passage is."""
 def surely_inside(map: LexisMap, room: RoomInstance, most_evidence: float, doorways: Passages) -> Int[np.ndarray, "k"]:
     """Return the ids of the keyframes of a room at which a robot is surely inside the room, ascending; there may be none.
 
+    Keyframes that have retired are left out (`lexis.planning.path_ends.not_retired`).
+
     Args:
         map: the map.
         room: the room.
         most_evidence: the largest evidence at the innermost keyframe of any room with the label.
         doorways: the narrow passages of the map.
     """
-    own, label = _outside_doorways(map, np.array(room.keyframes), doorways), map.room_names.index(room.label)
+    own, label = _outside_doorways(map, not_retired(map, room), doorways), map.room_names.index(room.label)
     other, probability = _distances_from_others(map, own, label, doorways), map.probabilities[own, label]
     sure, very_sure = rounded(probability) >= SURE, rounded(probability) >= VERY_SURE
-    sure &= probability < 1.0  # not rounded, because the images of one keyframe in five leave less doubt than 1e-6
+    # A probability of exactly 1 says nothing about the images. It is not rounded: 1 in 5 keyframes has a doubt below 1e-6.
+    sure &= probability < 1.0
     behind = sure & (other.divided < NEAR_M) & (other.undivided >= DIVIDED_M)
     far = (other.nearest >= INSIDE_M) & very_sure | (other.nearest >= NEAR_M) & sure
     own, behind = own[far | behind], behind[far | behind]
@@ -79,7 +83,7 @@ class _OtherLabels(NamedTuple):
     divided: Float64[np.ndarray, "k"]
     """Distance from the nearest one beyond a doorway, if the keyframe is at least `BEHIND_DOORWAY_M` from the doorway."""
     undivided: Float64[np.ndarray, "k"]
-    """Distance from the nearest of all others."""
+    """Distance from the nearest one that no such doorway divides from the keyframe."""
 
     @property
     def nearest(self) -> Float64[np.ndarray, "k"]:

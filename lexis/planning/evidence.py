@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float64, Int
 from scipy.spatial import cKDTree
 
+from lexis.graph.thinning import are_active
 from lexis.maths.ties import rounded
 from lexis.sight.cameras import mean
 from lexis.types import LexisMap
@@ -24,7 +25,8 @@ def evidence_at(map: LexisMap, label: str, keyframes: Int[np.ndarray, "k"]) -> F
     """Return the evidence that keyframes stand in a room with the label, rounded. It decreases towards the room's boundary.
 
     Evidence is the similarity of the keyframe's place to the room's name, minus the largest similarity to another room name.
-    The similarity of a place is the weighted mean over the images that show the place.
+    The similarity of a place is the weighted mean over the images that show the place. Images of retired keyframes are those
+    of their anchors, and do not count again. A place that no image shows has the similarity of the nearest image.
     """
     similarities = _similarities_at(map, map.T_W_B[keyframes, :3, 3])
     column = map.room_names.index(label)
@@ -43,12 +45,16 @@ def shown_places(map: LexisMap) -> Float64[np.ndarray, "n 3"]:
 
 
 def _similarities_at(map: LexisMap, places: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k rooms"]:
-    shown = shown_places(map)
-    near_images = cKDTree(shown).query_ball_point(places, EVIDENCE_REACH_M, return_sorted=True)
-    return np.array([
-        np.average(map.similarities[near], axis=0, weights=_distance_weights(shown[near] - place))
-        for place, near in zip(places, near_images, strict=True)
-    ])  # fmt: skip
+    active = are_active(map.keyframes)
+    shown, similarities = shown_places(map)[active], map.similarities[active]
+    tree = cKDTree(shown)
+    near_images = tree.query_ball_point(places, EVIDENCE_REACH_M, return_sorted=True)
+    found = similarities[tree.query(places)[1]]
+    for row, (place, near) in enumerate(zip(places, near_images, strict=True)):
+        weights = _distance_weights(shown[near] - place)
+        if weights.any():
+            found[row] = np.average(similarities[near], axis=0, weights=weights)
+    return np.asarray(found)
 
 
 def _distance_weights(offsets: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k"]:

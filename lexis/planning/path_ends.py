@@ -8,13 +8,14 @@ from jaxtyping import Float64, Int
 from scipy.spatial import cKDTree
 
 from lexis.floors import NO_FLOOR
+from lexis.graph.thinning import are_active
 from lexis.maths.ties import rounded
 from lexis.planning.evidence import EVIDENCE_REACH_M, evidence_at, shown_places
 from lexis.types import LexisMap, RoomInstance
 
 DOUBTFUL = 0.55
-"""A room is doubtful if its evidence (see `path_end`) is not positive, or is less than this share of the largest evidence of
-any room with the same label, unless its label is certain."""
+"""A room is doubtful if its evidence (see `path_end`) is not positive. It is also doubtful if its evidence is less than this
+share of the largest evidence of any room with the same label, unless its label is certain."""
 CERTAIN = 0.9
 """The label of a room is certain if its probability (`LexisMap.probability_of`) is at least this, but less than 1.
 Whatever the images show, the methods of the paper state 1 for all labels, and LEXIS states it for stairs."""
@@ -52,8 +53,9 @@ def path_end(map: LexisMap, room: RoomInstance) -> PathEnd:
 def clear_ends(map: LexisMap, ends: Sequence[PathEnd]) -> list[PathEnd]:
     """Return the path ends of rooms that are not doubtful (`DOUBTFUL`); all of them if every room is.
 
-    The rooms have one label. Most doubtful rooms are a few mislabelled keyframes in a room of another label. A room whose
-    label is certain (`CERTAIN`) is not doubtful: a corridor may look less like its name than that of another storey.
+    The rooms have one label. Most doubtful rooms are a few mislabelled keyframes in a room of another label. If the label of
+    a room is certain (`CERTAIN`), little evidence is no doubt: a corridor may look less like its name than that of another
+    storey.
     """
     clear = DOUBTFUL * max(end.evidence for end in ends)
     certain = [CERTAIN <= map.probability_of(end.room) < 1.0 for end in ends]
@@ -65,12 +67,24 @@ def clear_ends(map: LexisMap, ends: Sequence[PathEnd]) -> list[PathEnd]:
 def _candidates(map: LexisMap, room: RoomInstance) -> Int[np.ndarray, "k"]:
     """Return the ids of a room's keyframes, and of the keyframes near the places that the room's images show; ascending.
 
-    Keyframes of other rooms with the same label are left out, because evidence cannot tell rooms of one label apart.
+    Keyframes of other rooms with the same label are left out, because evidence cannot tell rooms of one label apart. So are
+    retired keyframes (`not_retired`).
     """
-    own = list(room.keyframes)
-    near = cKDTree(map.T_W_B[:, :3, 3]).query_ball_point(shown_places(map)[own], EVIDENCE_REACH_M)
+    own, active = not_retired(map, room), np.flatnonzero(are_active(map.keyframes))
+    near = cKDTree(map.T_W_B[active, :3, 3]).query_ball_point(shown_places(map)[own], EVIDENCE_REACH_M)
     twins = [k for other in map.rooms if other.label == room.label and other.id != room.id for k in other.keyframes]
-    return np.setdiff1d(np.concatenate([own, *near]).astype(int), twins)
+    return np.setdiff1d(np.concatenate([own, active[np.concatenate(near).astype(int)]]), twins)
+
+
+def not_retired(map: LexisMap, room: RoomInstance) -> Int[np.ndarray, "k"]:
+    """Return the ids of the keyframes of a room that have not retired; those of all its keyframes if every one has.
+
+    Retired keyframes lie where others lie. Their number grows with the time that the robot walks, and a path needs not end
+    at them.
+    """
+    own = np.array(room.keyframes)
+    active = are_active([map.keyframes[id] for id in room.keyframes])
+    return own[active] if active.any() else own
 
 
 def _margins(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"], weak: float) -> Float64[np.ndarray, "k"]:

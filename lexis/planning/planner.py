@@ -143,7 +143,7 @@ class PathPlanner:
         return walked_steps(self._map), unwalked_steps(self._map, self._config)
 
     def _graph(self, closed: Bool[np.ndarray, "n"]) -> csr_array:
-        """Return the graph of connections that neither end at a closed keyframe nor lead past it.
+        """Return the graph without connections that end at a closed keyframe, and without unwalked ones that lead past one.
 
         A step leads past a closed keyframe if this is the nearest keyframe anywhere on the step.
         """

@@ -117,6 +117,20 @@ def with_retired(lexis_map, anchors):
     return replace(lexis_map, keyframes=thinned)
 
 
+def with_retired_copies(lexis_map, id, copies):
+    """The map after so many further visits of the place of one keyframe, which have retired and follow this keyframe."""
+    rows = np.append(np.arange(len(lexis_map.keyframes)), np.full(copies, id))
+    arrays = ("T_W_B", "similarities", "baseline_labels", "labels", "probabilities", "floors")
+    members = [tuple(np.flatnonzero(np.isin(rows, room.keyframes)).tolist()) for room in lexis_map.rooms]
+    repeated = replace(
+        lexis_map,
+        keyframes=tuple(replace(lexis_map.keyframes[row], id=new) for new, row in enumerate(rows.tolist())),
+        rooms=tuple(replace(room, keyframes=own) for room, own in zip(lexis_map.rooms, members, strict=True)),
+        **{name: getattr(lexis_map, name)[rows] for name in arrays},
+    )
+    return with_retired(repeated, dict.fromkeys(range(len(lexis_map.keyframes), len(rows)), id))
+
+
 def with_rear_camera(lexis_map, rng):
     """The map as if it came from a rig with a second camera, which looks back. Every third of its images has no features."""
     backwards = Camera(CAMERA.intrinsics, np.diag([-1.0, -1.0, 1.0, 1.0]))

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.map_builder import build_map, corridor_with_offices, random_pose
+from helpers.map_builder import build_map, corridor_with_offices, random_pose, with_retired, with_retired_copies
 from scipy.special import softmax
 
 from lexis.planning import arrivals, path_end
@@ -204,3 +204,18 @@ def test_arrivals_do_not_depend_on_the_frame_of_the_map(rng):
     moved = replace(lexis_map, T_W_B=T_V_W @ lexis_map.T_W_B)
     for room in lexis_map.rooms:
         assert inside(moved, room) == inside(lexis_map, room) != []
+
+
+def test_further_visits_whose_keyframes_have_retired_change_nothing(rng):
+    x = np.arange(-3.0, 3.1, 0.1)
+    once = along_x(rng, x, (x > 0.0).astype(int))
+    often = with_retired_copies(once, 50, 20)  # of a keyframe at which a robot is surely inside
+    assert len(often.rooms[1].keyframes) == len(once.rooms[1].keyframes) + 20
+    assert inside(often, often.rooms[1]) == inside(once, once.rooms[1])
+    assert path_end(often, often.rooms[1]).keyframe == path_end(once, once.rooms[1]).keyframe
+
+
+def test_a_path_may_end_in_a_room_whose_keyframes_have_all_retired(rng):
+    lexis_map = corridor_with_offices(rng)
+    retired = with_retired(lexis_map, dict.fromkeys(range(30, 40), 29))
+    assert set(inside(retired, retired.rooms[2], clear=-10.0)) == set(inside(lexis_map, lexis_map.rooms[2], clear=-10.0))

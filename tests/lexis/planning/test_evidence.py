@@ -3,11 +3,14 @@
 from dataclasses import replace
 
 import numpy as np
-from helpers.map_builder import build_map, random_pose
+import pytest
+from helpers.map_builder import build_map, random_pose, with_retired_copies
 
 from lexis.maths.se3 import exp
 from lexis.planning.evidence import LOOK_AHEAD_M, evidence_at, shown_places
 from lexis.types import Camera
+
+NAMES = ("office", "kitchen")
 
 
 def facing_walk(rng):
@@ -57,3 +60,27 @@ def test_evidence_does_not_depend_on_the_frame_of_the_map(rng):
     moved = replace(lexis_map, T_W_B=random_pose(rng, (3.0, -7.0, 1.0)) @ lexis_map.T_W_B)
     some = np.arange(0, len(lexis_map.keyframes), 3)
     assert (evidence_at(moved, "office", some) == evidence_at(lexis_map, "office", some)).all()
+
+
+def test_a_room_is_no_more_in_doubt_the_more_often_its_neighbour_is_visited(rng):
+    """Keyframes of later visits have retired, and have the images of their anchors, which count once."""
+    often = [with_retired_copies(two_images(rng), 1, copies) for copies in (0, 1, 10)]
+    evidence = [evidence_at(each, "office", np.array([0]))[0] for each in often]
+    assert evidence == [evidence[0]] * 3 and evidence[0] > 0.0
+
+
+def test_a_retired_keyframe_far_from_what_its_anchor_sees_has_the_evidence_of_the_nearest_image(rng):
+    lexis_map = with_retired_copies(two_images(rng), 1, 1)
+    poses = lexis_map.T_W_B.copy()
+    poses[2, 0, 3] = 50.0
+    far = replace(lexis_map, T_W_B=poses)
+    nearest = lexis_map.similarities[1]
+    assert evidence_at(far, "office", np.array([2]))[0] == pytest.approx(nearest[0] - nearest[1])
+
+
+def two_images(rng):
+    """An image of an office and one of a kitchen, half a metre ahead of it."""
+    lexis_map = build_map([[0.0, 0.0, 0.0], [0.5, 0.0, 0.0]], [0, 1], [("office", [0]), ("kitchen", [1])], NAMES, rng)
+    poses = np.tile(np.eye(4), (2, 1, 1))
+    poses[1, 0, 3] = 0.5
+    return replace(lexis_map, T_W_B=poses, similarities=np.array([[0.5, 0.1], [0.1, 0.5]]))
