@@ -95,6 +95,8 @@ def _from_start_to_goal(rooms: Int[np.ndarray, "n"], plan: Plan) -> Int[np.ndarr
     rooms[: starts[0] if len(starts) else runs[0].stop] = plan.start.id
     goals = np.flatnonzero(rooms == plan.goal.id)
     rooms[goals[-1] + 1 if len(goals) else runs[-1].start :] = plan.goal.id
+    if len(rooms) > 1:
+        rooms[0] = plan.start.id  # the whole path may be in one other room, which became the goal
     return rooms
 
 

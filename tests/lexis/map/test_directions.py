@@ -139,3 +139,15 @@ def test_the_rooms_of_all_keyframes_are_collected_once_and_not_for_every_keyfram
     monkeypatch.setattr(LexisMap, "room_of", property(lambda lexis_map: reads.append(lexis_map) or room_of(lexis_map)))
     plan_summary(lexis_map, plan)
     assert len(reads) <= 2  # for the directions and for the keyframes
+
+
+def test_a_path_within_one_other_room_still_leads_from_its_start_to_its_goal(rng):
+    """Two offices beside a corridor may both be recognised from the corridor alone."""
+    rooms = [("office", range(2)), ("corridor", range(2, 23)), ("office", range(23, 25))]
+    lexis_map, whole = walked(rng, [(0, 0, 0), (4, 0, 0), (8, 0, 0), (12, 0, 0)], rooms)
+    within = replace(whole, keyframes=whole.keyframes[8:17])
+    assert [step.text for step in directions(lexis_map, within)] == [
+        "start in office 1 (floor 0)",
+        "enter office 2 (floor 0)",
+        "arrive in office 2 (floor 0)",
+    ]
