@@ -11,8 +11,8 @@ from scipy.spatial import cKDTree
 
 from lexis.config import LabelConfig, SegmentationConfig
 from lexis.floors import NO_FLOOR, assign_floors
+from lexis.keyframes import walked_pairs
 from lexis.maths.groups import groups_of
-from lexis.maths.stretches import consecutive_pairs
 from lexis.maths.ties import DECIMALS, near_pairs
 from lexis.room_names import same_name
 from lexis.types import PerKeyframe, Positions, RoomInstance
@@ -49,7 +49,8 @@ def segment(
     2. Cluster the keyframes in order: each joins the nearest cluster of its label and floor whose running mean is within
        `distance_m`, or starts a new cluster.
     3. Merge clusters of one label and floor, because a large room has several clusters. Two clusters merge if they contain
-       consecutive keyframes of one session, or keyframes within `adjacency_m` of each other with no other room in between.
+       consecutive keyframes of one session without a gap between them, or keyframes within `adjacency_m` of each other with
+       no other room in between.
 
     Beyond the paper, no room spans several floors; only a staircase is one room over all floors that it joins.
 
@@ -128,14 +129,15 @@ def _merge(
 ) -> PerKeyframe:
     """Merge adjacent clusters of one kind (label and floor); return the id of the merged cluster of every keyframe.
 
-    No room lies between consecutive keyframes of one session, because the robot went from one to the other.
+    No room lies between consecutive keyframes of one session, because the robot went from one to the other, unless there is
+    a gap in the recording (`walked_pairs`).
     """
     n = len(clusters)
     if n == 0:
         return clusters
-    consecutive = consecutive_pairs(sessions)
-    consecutive = consecutive[kinds[consecutive[:, 0]] == kinds[consecutive[:, 1]]]
-    pairs = np.concatenate([consecutive, _adjacent(clusters, kinds, positions, adjacency_m)])
+    walked = walked_pairs(positions, sessions)
+    walked = walked[kinds[walked[:, 0]] == kinds[walked[:, 1]]]
+    pairs = np.concatenate([walked, _adjacent(clusters, kinds, positions, adjacency_m)])
     own = np.stack([np.arange(n), clusters], axis=1)
     return groups_of(np.concatenate([pairs, own]), n)
 

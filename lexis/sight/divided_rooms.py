@@ -22,13 +22,13 @@ from scipy.sparse import csc_array, csr_array, diags_array, eye_array
 from scipy.sparse.linalg import eigsh
 
 from lexis.config import SightConfig
-from lexis.maths.stretches import consecutive_pairs
+from lexis.keyframes import walked_pairs
 from lexis.maths.ties import reaches, rounded
 from lexis.types import PerKeyframe, Positions
 
 _STEP = 0.2
 """Sight that two consecutive keyframes of a session have of each other in addition, because the robot went from one to the
-other."""
+other. There is none across a gap in the recording."""
 _LEAST = 4
 """Least number of keyframes of a room that is split."""
 _NONE = 1e-9
@@ -37,12 +37,15 @@ _SHIFT = -1e-3
 """Eigenvalues are sought near this value, which is just below the smallest one, 0."""
 
 
-def sight_between(seen_by: csr_array, sessions: PerKeyframe) -> csr_array:
+def sight_between(seen_by: csr_array, positions: Positions, sessions: PerKeyframe) -> csr_array:
     """Return how strongly each pair of keyframes is tied by sight, as a symmetric matrix with an empty diagonal.
 
-    `seen_by` is the matrix that `lexis.sight.visible_space.sight` returns, `sessions` the session of every keyframe.
+    Args:
+        seen_by: the matrix that `lexis.sight.visible_space.sight` returns.
+        positions: positions of the keyframes in W [m].
+        sessions: session of every keyframe.
     """
-    n, steps = seen_by.shape[0], consecutive_pairs(sessions)
+    n, steps = seen_by.shape[0], walked_pairs(positions, sessions)
     both = seen_by + seen_by.T
     forward = csr_array((np.full(len(steps), _STEP), (steps[:, 0], steps[:, 1])), shape=(n, n))
     return csr_array(both - diags_array(both.diagonal()) + forward + forward.T)

@@ -24,9 +24,8 @@ from scipy.ndimage import distance_transform_edt
 from lexis.config import SightConfig
 from lexis.floors import NO_FLOOR
 from lexis.graph.components import sessions_of
-from lexis.keyframes import MAX_STEP_M
+from lexis.keyframes import walked_pairs
 from lexis.maths.se3 import transform
-from lexis.maths.stretches import consecutive_pairs
 from lexis.maths.ties import rounded
 from lexis.sight.cells import CELL_M, cells_at, count_view, grid_around, occupied, on_lines_of_sight
 from lexis.sight.visible_space import OBSTACLE_RANGE_M, VisibleSpace, spaces_in_view
@@ -116,10 +115,9 @@ def narrow_passages(
         sessions: session of every keyframe.
         widest_m: largest width of a passage [m]; no passage is narrower than 0.4 m.
     """
-    steps = consecutive_pairs(sessions)
+    steps = walked_pairs(positions, sessions)
     steps = steps[(floors[steps[:, 0]] == floors[steps[:, 1]]) & (floors[steps[:, 0]] != NO_FLOOR)]
-    lengths = rounded(np.linalg.norm(positions[steps[:, 1], :2] - positions[steps[:, 0], :2], axis=1))
-    steps = steps[(lengths > 0.0) & (lengths <= MAX_STEP_M)]
+    steps = steps[rounded(np.linalg.norm(positions[steps[:, 1], :2] - positions[steps[:, 0], :2], axis=1)) > 0.0]
     if not len(lines.view) or widest_m < 2 * _WALKED_M:
         steps = steps[:0]
     floor, ends = [np.zeros(0, int)], [np.zeros((0, 2, 2))]

@@ -6,9 +6,8 @@ from scipy.sparse import csr_array
 
 from lexis.config import SightConfig
 from lexis.floors import NO_FLOOR
-from lexis.keyframes import MAX_STEP_M
+from lexis.keyframes import walked_pairs
 from lexis.maths.groups import groups_of
-from lexis.maths.stretches import consecutive_pairs
 from lexis.maths.ties import near_pairs, rounded
 from lexis.room_labels import Probabilities
 from lexis.sight.alike_rooms import merge_alike
@@ -36,9 +35,10 @@ def cluster_by_sight(
     """Group keyframes into rooms; return the number of the room of every keyframe, and the labels of the keyframes.
 
     1. Borders between labels move to the doorways beside them; see `lexis.sight.borders`.
-    2. Two keyframes of one label and floor are in one room if they are consecutive in a session, or if one sees the place of
-       the other. With several cameras, one image that shows the place is enough. Two keyframes on stairs are also in one
-       room if they are horizontally close, because the flights of a staircase lie above one another.
+    2. Two keyframes of one label and floor are in one room if one sees the place of the other, or if they are consecutive in
+       a session, without a gap in the recording between them (`walked_pairs`). With several cameras, one image that shows
+       the place is enough. Two keyframes on stairs are also in one room if they are horizontally close, because the flights
+       of a staircase lie above one another.
     3. A room between whose parts there is hardly any sight is split; see `lexis.sight.divided_rooms`. Sight through a narrow
        passage, such as a doorway, counts less; see `lexis.sight.passages`.
     4. A room of fewer than `min_keyframes` keyframes is absorbed by the larger room of its floor that it sees, or is seen
@@ -63,19 +63,18 @@ def cluster_by_sight(
     passages = narrow_passages(lines, floors, positions, sessions, config.passage_m)
     if correct:
         labels = borders_in_passages(labels, floors, positions, sessions, passages, config.border_m)
-    pairs = np.concatenate([consecutive_pairs(sessions), _seeing(seen_by, config.share)])
+    walked = walked_pairs(positions, sessions)
+    pairs = np.concatenate([walked, _seeing(seen_by, config.share)])
     first, second = pairs.T
     alike = (labels[first] == labels[second]) & (floors[first] == floors[second])
     joined = np.concatenate([pairs[alike], _on_one_staircase(floors == NO_FLOOR, positions)])
     rooms = groups_of(joined, n)
-    tied = sight_between(seen_by, sessions)
+    tied = sight_between(seen_by, positions, sessions)
     past_passages = _weakened(tied, passages, floors, positions, config.passage_weight)
     rooms = split_divided(rooms, floors != NO_FLOOR, positions, tied, past_passages, config)
     if not correct:
         return rooms, labels
-    steps = consecutive_pairs(sessions)
-    walked = rounded(np.linalg.norm(positions[steps[:, 1], :2] - positions[steps[:, 0], :2], axis=1)) <= MAX_STEP_M
-    open_steps = steps[walked & ~crossed(passages, floors, positions, steps)]
+    open_steps = walked[~crossed(passages, floors, positions, walked)]
     rooms, labels = _absorbed(rooms, labels, floors, seen_by, config.min_keyframes)
     return merge_alike(rooms, labels, floors, probabilities, tied, open_steps, config)
 

@@ -56,6 +56,12 @@ def test_a_long_room_is_one_although_its_clusters_are_several():
     assert len(segment(labels, positions, NAMES, SegmentationConfig()).rooms) == 1
 
 
+@pytest.mark.parametrize(("gap_m", "rooms"), [(2.9, 1), (3.1, 2)])
+def test_offices_on_both_sides_of_a_gap_in_the_recording_are_two(gap_m, rooms):
+    labels, positions = walk((OFFICE, (0, 0, 0), (4, 0, 0)), (OFFICE, (3.5 + gap_m, 0, 0), (8, 0, 0)))
+    assert len(segment(labels, positions, NAMES, SegmentationConfig()).rooms) == rooms
+
+
 def test_two_visits_merge_only_with_nothing_in_between():
     """The paths in two offices run 1.2 m apart; with the path of a corridor between them they stay two rooms."""
     far = 40.0

@@ -18,8 +18,8 @@ ROOM_MUTANTS = (
     Mutant(
         "keyframes that see each other are not joined",
         "sight/room_clusters.py",
-        "pairs = np.concatenate([consecutive_pairs(sessions), _seeing(seen_by, config.share)])",
-        "pairs = consecutive_pairs(sessions)",
+        "pairs = np.concatenate([walked, _seeing(seen_by, config.share)])",
+        "pairs = walked",
     ),
     Mutant(
         "every glimpse of a place joins two keyframes",
@@ -31,7 +31,7 @@ ROOM_MUTANTS = (
         "all consecutive keyframes are merged, whatever their labels",
         "sight/room_clusters.py",
         "joined = np.concatenate([pairs[alike],",
-        "joined = np.concatenate([consecutive_pairs(sessions), pairs[alike],",
+        "joined = np.concatenate([walked, pairs[alike],",
     ),
     Mutant(
         "rooms of up to thirty keyframes are absorbed",

@@ -74,7 +74,7 @@ def test_a_corridor_of_any_length_stays_whole(length_m, spacing_m):
     positions = np.arange(0.0, length_m, spacing_m)[:, None] * [1.0, 0.0, 0.0]
     ahead = positions[:, 0] - positions[:, :1]
     sees = np.where((ahead >= 0.0) & (ahead <= 3.0), 0.1, 0.0)  # every image shows the next three metres
-    assert len(np.unique(split(positions, sight_between(csr_array(sees), np.zeros(len(sees), int))))) == 1
+    assert len(np.unique(split(positions, sight_between(csr_array(sees), positions, np.zeros(len(sees), int))))) == 1
 
 
 @given(seed=st.integers(0, 2**32 - 1))
@@ -107,10 +107,11 @@ def test_rooms_that_are_not_divisible_and_tiny_rooms_stay(rng):
 
 
 def test_ties_are_symmetric_and_include_the_steps_of_the_walk(rng):
-    sees = csr_array(rng.random((5, 5)))
-    tied = sight_between(sees, np.array([0, 0, 0, 1, 1])).toarray()
+    sees = csr_array(rng.random((6, 6)))
+    positions, sessions = np.array([0.0, 1.0, 2.0, 3.0, 7.0, 8.0])[:, None] * [1.0, 0.0, 0.0], np.array([0, 0, 0, 1, 1, 1])
+    tied = sight_between(sees, positions, sessions).toarray()
     np.testing.assert_array_equal(tied, tied.T)
     assert not tied.diagonal().any()
     walked = tied.diagonal(1) > (sees + sees.T).diagonal(1)
-    assert walked.tolist() == [True, True, False, True]  # nobody walked from one session to the other
-    assert sight_between(csr_array((1, 1)), np.zeros(1, int)).toarray().tolist() == [[0.0]]
+    assert walked.tolist() == [True, True, False, False, True]  # not from one session to the other, nor across a gap of 4 m
+    assert sight_between(csr_array((1, 1)), np.zeros((1, 3)), np.zeros(1, int)).toarray().tolist() == [[0.0]]

@@ -45,6 +45,13 @@ def test_consecutive_keyframes_of_two_sessions_are_in_one_room_only_if_one_sees_
     assert len(partition(cluster([0] * 8, [(4, 3), (3, 4)], sessions=sessions)[0])) == 1
 
 
+def test_consecutive_keyframes_across_a_gap_are_in_one_room_only_if_one_sees_the_other():
+    x = np.array([0.0, 1.0, 2.0, 3.0, 6.5, 7.5, 8.5, 9.5])
+    across = [(4, 3), (3, 4)]
+    assert partition(cluster([0] * 8, [], positions=x[:, None] * [1.0, 0.0, 0.0])[0]) == [[0, 1, 2, 3], [4, 5, 6, 7]]
+    assert len(partition(cluster([0] * 8, across, positions=x[:, None] * [1.0, 0.0, 0.0])[0])) == 1
+
+
 def test_a_room_that_is_entered_again_is_one_room_if_its_old_keyframes_are_in_sight():
     labels = [0] * 4 + [1] * 3 + [0] * 4
     rooms, _ = cluster(labels, [(9, 1)])
