@@ -46,8 +46,8 @@ def candidates_elsewhere(query: Keyframe, graph: PoseGraph, config: SessionConfi
 def at_any_distance(config: VerificationConfig) -> VerificationConfig:
     """Return settings with which sure loops are verified at any distance from the current estimate.
 
-    Uncertain loops are refused. A keyframe may have any number of loops, they may contradict each other, and their inliers
-    may cover little of the images, because `Relocaliser` compares the loops of several keyframes itself.
+    Uncertain loops are refused, as are those with inliers in fewer than `min_cells` cells. A keyframe may have any number of
+    loops, and they may contradict each other, because `Relocaliser` compares the loops of several keyframes itself.
     """
     limits = replace(config, gate_m=_ANY_M, gate_rad=_ANY_RAD, uncertain_gate_m=0.0)
     return replace(limits, max_contradiction=None, max_edges=_ALL)
