@@ -12,6 +12,8 @@ MAX_CELLS = 20_000_000
 _LAST = 0.1
 """This share of a line of sight, and at least the width of a cell, is left out before the landmark, because the landmark may
 really be nearer."""
+WALKED_M = 0.2
+"""Space within this distance of the path is free [m], because the robot itself has passed there."""
 
 Cells = Int[np.ndarray, "k 2"]
 Counts = Int[np.ndarray, "rows columns"]

@@ -27,7 +27,7 @@ from lexis.graph.components import sessions_of
 from lexis.keyframes import walked_pairs
 from lexis.maths.se3 import transform
 from lexis.maths.ties import rounded
-from lexis.sight.cells import CELL_M, cells_at, count_view, grid_around, occupied, on_lines_of_sight
+from lexis.sight.cells import CELL_M, WALKED_M, cells_at, count_view, grid_around, occupied, on_lines_of_sight
 from lexis.sight.visible_space import OBSTACLE_RANGE_M, VisibleSpace, spaces_in_view
 from lexis.types import Camera, LexisMap, Pairs, PerKeyframe, Poses, Positions
 
@@ -39,8 +39,6 @@ _STRIDE_M = CELL_M / 2
 """Distance between the positions at which one looks for an occupied cell [m]."""
 _GAP_M = 0.3
 """Places on the path that are farther apart than this belong to two passages [m]."""
-_WALKED_M = 0.2
-"""Space within this distance of a step is free [m], because the robot itself has passed there."""
 _OCCUPIED_SHARE = 0.5
 """A cell is occupied if h / (h + p) is at least this share, where h views see a landmark in the cell and p views look
 through the cell."""
@@ -118,7 +116,7 @@ def narrow_passages(
     steps = walked_pairs(positions, sessions)
     steps = steps[(floors[steps[:, 0]] == floors[steps[:, 1]]) & (floors[steps[:, 0]] != NO_FLOOR)]
     steps = steps[rounded(np.linalg.norm(positions[steps[:, 1], :2] - positions[steps[:, 0], :2], axis=1)) > 0.0]
-    if not len(lines.view) or widest_m < 2 * _WALKED_M:
+    if not len(lines.view) or widest_m < 2 * WALKED_M:
         steps = steps[:0]
     floor, ends = [np.zeros(0, int)], [np.zeros((0, 2, 2))]
     for each in np.unique(floors[steps[:, 0]]).tolist():
@@ -211,7 +209,7 @@ def _free_distances(
     # the middles of cells.
     near = distance_transform_edt(~filled) * CELL_M <= widest_m / 2 + 2 * CELL_M
     narrow = np.flatnonzero(near[tuple(cells_at(origin, places).T)])
-    distances = np.arange(_WALKED_M, widest_m + _STRIDE_M, _STRIDE_M)
+    distances = np.arange(WALKED_M, widest_m + _STRIDE_M, _STRIDE_M)
     for direction, way in enumerate(directions):
         rows, columns = cells_at(origin, (places[narrow, None] + way * distances[:, None]).reshape(-1, 2)).T
         blocked = filled[rows, columns].reshape(len(narrow), len(distances))

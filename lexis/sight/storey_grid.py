@@ -25,6 +25,7 @@ from lexis.maths.se3 import transform
 from lexis.sight.cells import (
     CELL_M,
     MAX_CELLS,
+    WALKED_M,
     Cells,
     cells_at,
     count_view,
@@ -42,8 +43,6 @@ through the cell."""
 MIN_VIEWS = 3
 """Least number of views that have to look through a cell before it counts as free. On a rendered home, 1 to 2 % of the free
 cells were then outside of the true rooms; with one view, 6 to 12 % were."""
-WALKED_M = 0.2
-"""Cells within this distance of the camera's path are free [m], because the robot itself has passed there."""
 LOW_M = 0.8
 """Lines of sight above this height over the floor may pass over a table [m]. The floor is taken from the
 lowest landmarks, so some landmarks must lie on it."""
