@@ -155,9 +155,10 @@ class PoseGraph:
 
     @property
     def bridged(self) -> Bool[np.ndarray, "n"]:
-        """Which steps lie between the keyframes of a trusted loop of one session.
+        """Which steps lie between the two keyframes of a trusted loop of one session.
 
-        The loops of keyframes that have retired since count, too. A step has the id of the keyframe to which it leads.
+        Loops that were dropped because their keyframe retired count if they were trusted then. A step has the id of the
+        keyframe to which it leads. (`FarLoops` also counts loops that are not trusted.)
         """
         bridged = self._bridged.rows.copy()
         for loop in self.within_sessions(compress(self.loops, is_trusted(self.loop_weights))):
@@ -196,12 +197,15 @@ class PoseGraph:
         one of its session, because first keyframes do not retire.
         """
         assert keyframe.anchor is not None
+        shown_by = self.keyframes[keyframe.anchor]
         anchor, own = keyframe.anchor, self.keyframes[keyframe.anchor].anchor
         if own is not None:
             keyframe = as_retired(keyframe, self.keyframes[own])
             T_anchor_B, anchor = between(self.T_W_B[own], self.T_W_B[anchor]) @ T_anchor_B, own
         self._retired.add(keyframe.id, anchor, T_anchor_B)
         self._append(keyframe, self.T_W_B[anchor] @ T_anchor_B)
+        if shown_by.session == keyframe.session:  # loops that are gone have told the earlier run that both show one place
+            self._bridged.replace(slice(shown_by.id + 1, keyframe.id + 1), True)
 
     def _append(self, keyframe: Keyframe, T_W_B: Pose) -> None:
         path_m = 0.0

@@ -9,7 +9,8 @@ Memory grows with the area, too, because a keyframe that retires gives up what i
 
 - its features and landmarks, because it is no loop candidate any more. It takes the embeddings of its anchor;
 - the loop edges, loop candidates and decisions that it got as a new keyframe. The first loop edge between two sessions
-  stays, however, because it tells that both sessions share a frame.
+  stays, however, because it tells that both sessions share a frame. The graph remembers which steps the trusted ones
+  bridged (`PoseGraph.bridged`).
 
 It keeps its odometry, its pose and its stamp. Its label follows from the images of the keyframes that see its place, and
 from those of its anchor.
