@@ -91,12 +91,13 @@ def _from_start_to_goal(rooms: Int[np.ndarray, "n"], plan: Plan) -> Int[np.ndarr
     """
     rooms = rooms.copy()
     runs = stretches_of(rooms)
+    if len(runs) == 1:  # the start, the goal or both have no keyframe on the path
+        entered = 1 if rooms[0] == plan.goal.id else max(len(rooms) - 1, 1)
+        return np.where(np.arange(len(rooms)) < entered, plan.start.id, plan.goal.id)
     starts = np.flatnonzero(rooms == plan.start.id)
     rooms[: starts[0] if len(starts) else runs[0].stop] = plan.start.id
     goals = np.flatnonzero(rooms == plan.goal.id)
     rooms[goals[-1] + 1 if len(goals) else runs[-1].start :] = plan.goal.id
-    if len(rooms) > 1:
-        rooms[0] = plan.start.id  # the whole path may be in one other room, which became the goal
     return rooms
 
 

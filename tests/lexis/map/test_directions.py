@@ -141,13 +141,19 @@ def test_the_rooms_of_all_keyframes_are_collected_once_and_not_for_every_keyfram
     assert len(reads) <= 2  # for the directions and for the keyframes
 
 
-def test_a_path_within_one_other_room_still_leads_from_its_start_to_its_goal(rng):
+@pytest.mark.parametrize(("start", "goal", "enters"), [
+    ("office 1", "office 2", "the end"),
+    ("corridor", "office 2", "the end"),
+    ("office 1", "corridor", "the beginning"),
+    ("corridor", "corridor", None),
+])  # fmt: skip
+def test_a_path_within_one_room_enters_its_goal_where_it_leaves_that_room(rng, start, goal, enters):
     """Two offices beside a corridor may both be recognised from the corridor alone."""
     rooms = [("office", range(2)), ("corridor", range(2, 23)), ("office", range(23, 25))]
-    lexis_map, whole = walked(rng, [(0, 0, 0), (4, 0, 0), (8, 0, 0), (12, 0, 0)], rooms)
-    within = replace(whole, keyframes=whole.keyframes[8:17])
-    assert [step.text for step in directions(lexis_map, within)] == [
-        "start in office 1 (floor 0)",
-        "enter office 2 (floor 0)",
-        "arrive in office 2 (floor 0)",
-    ]
+    lexis_map, whole = walked(rng, [(0, 0, 0), (4, 0, 0), (8, 0, 0), (8, 4, 0)], rooms)
+    named = dict(zip(("office 1", "corridor", "office 2"), lexis_map.rooms, strict=True))
+    within = replace(whole, start=named[start], goal=named[goal], keyframes=whole.keyframes[2:23])
+    told = [step.text.removesuffix(" (floor 0)") for step in directions(lexis_map, within)]
+    entered = [f"enter {goal}"]
+    middle = {"the end": ["turn left", *entered], "the beginning": [*entered, "turn left"], None: ["turn left"]}[enters]
+    assert told == [f"start in {start}", *middle, f"arrive in {goal}"]
