@@ -7,28 +7,15 @@ the keyframes are triangulated.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64, Int
 
 from lexis.config import KeyframeConfig
 from lexis.inputs import MAX_VARIANCE, usable_covariances
 from lexis.maths.se3 import between, compose_covariance, rotation_angle
-from lexis.maths.stretches import consecutive_pairs
-from lexis.maths.ties import reaches, rounded
-from lexis.types import Covariance, Observation, PerKeyframe, Pose
+from lexis.maths.ties import reaches
+from lexis.types import Covariance, Observation, Pose
 
 MAX_STEP_M = 3.0
 """Largest distance between consecutive keyframes of a walk [m]. A larger distance is a gap in the recording."""
-
-
-def walked_pairs(positions: Float64[np.ndarray, "n _"], sessions: PerKeyframe) -> Int[np.ndarray, "m 2"]:
-    """Return the pairs of consecutive keyframes of one session between which the camera moved without a gap.
-
-    At a gap, the keyframes are more than `MAX_STEP_M` apart in the plan, and the camera may have moved anywhere. `positions`
-    are those of the keyframes in W [m], of which x and y count.
-    """
-    pairs = consecutive_pairs(sessions)
-    steps = positions[pairs[:, 1], :2] - positions[pairs[:, 0], :2]
-    return np.asarray(pairs[rounded(np.linalg.norm(steps, axis=1)) <= MAX_STEP_M])
 
 
 @dataclass(frozen=True, eq=False)

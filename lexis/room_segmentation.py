@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from lexis.config import LabelConfig, SegmentationConfig
 from lexis.floors import NO_FLOOR, assign_floors
-from lexis.keyframes import walked_pairs
+from lexis.graph.walked_steps import walked_pairs
 from lexis.maths.groups import groups_of
 from lexis.maths.ties import DECIMALS, near_pairs
 from lexis.room_names import same_name

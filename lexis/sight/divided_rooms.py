@@ -22,7 +22,7 @@ from scipy.sparse import csc_array, csr_array, diags_array, eye_array
 from scipy.sparse.linalg import eigsh
 
 from lexis.config import SightConfig
-from lexis.keyframes import walked_pairs
+from lexis.graph.walked_steps import walked_pairs
 from lexis.maths.ties import reaches, rounded
 from lexis.types import PerKeyframe, Positions
 

@@ -24,7 +24,7 @@ from scipy.ndimage import distance_transform_edt
 from lexis.config import SightConfig
 from lexis.floors import NO_FLOOR
 from lexis.graph.components import sessions_of
-from lexis.keyframes import walked_pairs
+from lexis.graph.walked_steps import walked_pairs
 from lexis.maths.se3 import transform
 from lexis.maths.ties import rounded
 from lexis.sight.cells import CELL_M, WALKED_M, cells_at, count_view, grid_around, occupied, on_lines_of_sight

@@ -6,7 +6,7 @@ from scipy.sparse import csr_array
 
 from lexis.config import SightConfig
 from lexis.floors import NO_FLOOR
-from lexis.keyframes import walked_pairs
+from lexis.graph.walked_steps import walked_pairs
 from lexis.maths.groups import groups_of
 from lexis.maths.ties import near_pairs, rounded
 from lexis.room_labels import Probabilities
