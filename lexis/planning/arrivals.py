@@ -63,7 +63,8 @@ def surely_inside(map: LexisMap, room: RoomInstance, most_evidence: float, doorw
     own, label = _outside_doorways(map, not_retired(map, room), doorways), map.room_names.index(room.label)
     other, probability = _distances_from_others(map, own, label, doorways), map.probabilities[own, label]
     sure, very_sure = rounded(probability) >= SURE, rounded(probability) >= VERY_SURE
-    # A probability of exactly 1 says nothing about the images. It is not rounded: 1 in 5 keyframes has a doubt below 1e-6.
+    # A probability of exactly 1 says nothing about the images. It is compared without rounding, because the images of one
+    # keyframe in five justify a probability above 1 - 1e-6.
     sure &= probability < 1.0
     behind = sure & (other.divided < NEAR_M) & (other.undivided >= DIVIDED_M)
     far = (other.nearest >= INSIDE_M) & very_sure | (other.nearest >= NEAR_M) & sure

@@ -18,15 +18,15 @@ LOOK_AHEAD_M = 1.5
 the camera, rather than the camera's own place."""
 EVIDENCE_REACH_M = 2.0
 """An image counts as evidence for a place if what the image shows is within this distance of the place [m]. The distance
-must exceed `LOOK_AHEAD_M`, so that at the position of every keyframe at least the keyframe's own image counts."""
+must exceed `LOOK_AHEAD_M`, so that at the position of every keyframe that has not retired, at least its own image counts."""
 
 
 def evidence_at(map: LexisMap, label: str, keyframes: Int[np.ndarray, "k"]) -> Float64[np.ndarray, "k"]:
     """Return the evidence that keyframes stand in a room with the label, rounded. It decreases towards the room's boundary.
 
     Evidence is the similarity of the keyframe's place to the room's name, minus the largest similarity to another room name.
-    The similarity of a place is the weighted mean over the images that show the place. Images of retired keyframes are those
-    of their anchors, and do not count again. A place that no image shows has the similarity of the nearest image.
+    The similarity of a place is the weighted mean over the images that show the place. The images of a retired keyframe are
+    those of its anchor, and do not count again. A place that no image shows has the similarity of the nearest image.
     """
     similarities = _similarities_at(map, map.T_W_B[keyframes, :3, 3])
     column = map.room_names.index(label)

@@ -77,10 +77,10 @@ def _candidates(map: LexisMap, room: RoomInstance) -> Int[np.ndarray, "k"]:
 
 
 def not_retired(map: LexisMap, room: RoomInstance) -> Int[np.ndarray, "k"]:
-    """Return the ids of the keyframes of a room that have not retired; those of all its keyframes if every one has.
+    """Return the ids of the keyframes of a room that have not retired; of all its keyframes if all of them have retired.
 
-    Retired keyframes lie where others lie. Their number grows with the time that the robot walks, and a path needs not end
-    at them.
+    Retired keyframes lie where others lie. Their number grows with the time that the robot walks, and a path need not end at
+    them.
     """
     own = np.array(room.keyframes)
     active = are_active([map.keyframes[id] for id in room.keyframes])
