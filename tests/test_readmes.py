@@ -18,6 +18,7 @@ from helpers.documentation import (
     links,
     run_command,
     run_python,
+    tables,
 )
 
 from lexis.cli import parser as lexis_parser
@@ -88,6 +89,17 @@ def test_every_relative_link_leads_to_a_file_and_to_a_heading_in_it(page, path, 
     target = (ROOT / page).parent / path if path else ROOT / page
     assert target.resolve().is_relative_to(ROOT) and target.exists()
     assert not anchor or anchor in anchors(target)
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_row_of_a_table_has_as_many_cells_as_its_heading(page):
+    for heading, *rows in tables((ROOT / page).read_text()):
+        assert [row for row in rows if len(row) != len(heading)] == []
+
+
+def test_a_row_with_too_few_or_too_many_cells_is_found():
+    found = tables("| a | `b|c` |\n|---|---|\n| 1 | 2 | 3 |\n\n| a\\|b |\n")
+    assert [[len(row) for row in table] for table in found] == [[2, 2, 3], [1]]
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""The code blocks and links of the documentation, which consists of all Markdown files of this project.
+"""The code blocks, links and tables of the documentation, which consists of all Markdown files of this project.
 
 The tag of a code block says what tests do with it. `sh` holds commands of this project and its set-up, which tests run in
 the order of the page. `console` holds commands that take hours: tests check their arguments only. `bash` holds commands of
@@ -9,6 +9,7 @@ import re
 import shlex
 import subprocess
 import sys
+from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
@@ -66,6 +67,19 @@ def links(page):
     """The targets of all relative links and pictures of a page: pairs of a path from the page's folder and an anchor."""
     found = _LINK.findall(_FENCED.sub("", (ROOT / page).read_text()))
     return [tuple(target.partition("#")[::2]) for target in found if "://" not in target]
+
+
+def tables(text):
+    """The tables of a Markdown text: for each, its rows, the heading included, each as a list of cells.
+
+    A vertical bar in a code span or after a backslash does not divide cells.
+    """
+    rows = re.sub(r"`[^`\n]*`", "code", _FENCED.sub("", text)).splitlines()
+    return [
+        [re.split(r"(?<!\\)\|", row.strip())[1:-1] for row in table]
+        for is_table, table in groupby(rows, key=lambda row: row.startswith("|"))
+        if is_table
+    ]
 
 
 def anchors(path):
