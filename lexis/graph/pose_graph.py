@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float32, Float64, Int
 from lexis.config import PoseGraphConfig
 from lexis.graph.far_loops import FarLoops, steps_of
 from lexis.graph.graph_optimisation import CONVERGED, ROUGHLY, GraphOptimiser, check_loops, loop_weights
-from lexis.graph.thinning import STAYS, Retired, anchors, as_retired, fits, staying_loops
+from lexis.graph.thinning import STAYS, Retired, anchors, as_retired, fits, thinned_loops
 from lexis.graph.trusted_loops import is_trusted
 from lexis.inputs import MAX_VARIANCE
 from lexis.maths.growing_array import GrowingArray
@@ -155,15 +155,19 @@ class PoseGraph:
 
     @property
     def bridged(self) -> Bool[np.ndarray, "n"]:
-        """Which steps lie between the two keyframes of a trusted loop of one session.
+        """For every keyframe, whether a trusted loop bridges the step of the odometry that leads to it.
 
-        Loops that were dropped because their keyframe retired count if they were trusted then. A step has the id of the
-        keyframe to which it leads. (`FarLoops` also counts loops that are not trusted.)
+        A loop bridges all steps between its two keyframes, if both are of one session. Loops count, too, that were dropped
+        because their keyframe retired, if they were trusted then. (`FarLoops` also counts loops that are not trusted.)
         """
         bridged = self._bridged.rows.copy()
-        for loop in self.within_sessions(compress(self.loops, is_trusted(self.loop_weights))):
+        for loop in self._trusted_within_sessions():
             bridged[steps_of(loop)] = True
         return bridged
+
+    def _trusted_within_sessions(self) -> list[LoopEdge]:
+        """Return the trusted loop edges between two keyframes of one session."""
+        return self.within_sessions(compress(self.loops, is_trusted(self.loop_weights)))
 
     def add_keyframe(self, keyframe: Keyframe, place: KnownPlace | None = None) -> None:
         """Append a keyframe at the pose that odometry predicts from the pose of the last active keyframe.
@@ -198,7 +202,7 @@ class PoseGraph:
         """
         assert keyframe.anchor is not None
         shown_by = self.keyframes[keyframe.anchor]
-        anchor, own = keyframe.anchor, self.keyframes[keyframe.anchor].anchor
+        anchor, own = shown_by.id, shown_by.anchor
         if own is not None:
             keyframe = as_retired(keyframe, self.keyframes[own])
             T_anchor_B, anchor = between(self.T_W_B[own], self.T_W_B[anchor]) @ T_anchor_B, own
@@ -384,10 +388,10 @@ class PoseGraph:
 
     def _drop_loops_of_retired(self) -> None:
         """Drop the loop edges from keyframes that have retired, and remember the steps that trusted ones bridge."""
-        stay = staying_loops(self.loops, self.keyframes)
-        for loop in self.within_sessions(compress(self.loops, ~stay & is_trusted(self.loop_weights))):
-            self._bridged.replace(steps_of(loop), True)
-        self.loops = list(compress(self.loops, stay))
+        for loop in self._trusted_within_sessions():
+            if self.keyframes[loop.query].anchor is not None:
+                self._bridged.replace(steps_of(loop), True)
+        self.loops = thinned_loops(self.loops, self.keyframes)
 
     def _linked(self, path_m: Float64[np.ndarray, "n"]) -> Bool[np.ndarray, "n"]:
         """Return which keyframes have a loop edge to an earlier visit that fits the current poses.

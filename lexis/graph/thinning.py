@@ -120,13 +120,13 @@ def are_active(keyframes: Sequence[Keyframe]) -> Bool[np.ndarray, "n"]:
     return np.array([keyframe.anchor is None for keyframe in keyframes], bool)
 
 
-def staying_loops(loops: Sequence[LoopEdge], keyframes: Sequence[Keyframe]) -> Bool[np.ndarray, "loops"]:
-    """Return which loop edges stay: those from keyframes that have not retired, and the first edge between two sessions."""
+def thinned_loops(loops: Sequence[LoopEdge], keyframes: Sequence[Keyframe]) -> list[LoopEdge]:
+    """Return the loop edges without those from retired keyframes; the first edge between two sessions stays."""
     first: dict[tuple[int, int], LoopEdge] = {}
     for loop in loops:
         first.setdefault((keyframes[loop.query].session, keyframes[loop.match].session), loop)
     joining = {id(loop) for (query, match), loop in first.items() if query != match}
-    return np.array([keyframes[loop.query].anchor is None or id(loop) in joining for loop in loops], bool)
+    return [loop for loop in loops if keyframes[loop.query].anchor is None or id(loop) in joining]
 
 
 def anchors(

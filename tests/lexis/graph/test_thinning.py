@@ -1,13 +1,12 @@
 """Which keyframes may retire: those whose place earlier visits show, and never for the sake of neighbours on the path."""
 
 from dataclasses import replace
-from itertools import compress
 
 import numpy as np
 import pytest
 from helpers.map_builder import corridor_with_offices, with_rear_camera
 
-from lexis.graph.thinning import STAYS, Retired, anchors, as_retired, fits, staying_loops
+from lexis.graph.thinning import STAYS, Retired, anchors, as_retired, fits, thinned_loops
 from lexis.maths import se3
 from lexis.types import LoopEdge
 
@@ -116,8 +115,7 @@ def test_loops_from_retired_keyframes_go_but_the_first_one_between_two_sessions(
     keyframes = [replace(each, session=int(each.id >= 20)) for each in keyframes]
     pairs = [(10, 1), (15, 1), (25, 3), (26, 3), (26, 21), (30, 4), (30, 25)]
     loops = [LoopEdge(query, match, np.eye(4), np.eye(6), 20) for query, match in pairs]
-    assert staying_loops(loops, keyframes).all()
+    assert thinned_loops(loops, keyframes) == loops
     for id in (10, 25, 26):
         keyframes[id] = as_retired(keyframes[id], keyframes[3])
-    staying = compress(loops, staying_loops(loops, keyframes))
-    assert [(loop.query, loop.match) for loop in staying] == [(15, 1), (25, 3), (30, 4), (30, 25)]
+    assert [(loop.query, loop.match) for loop in thinned_loops(loops, keyframes)] == [(15, 1), (25, 3), (30, 4), (30, 25)]
